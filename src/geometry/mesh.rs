@@ -1,0 +1,123 @@
+//! Immutable, validated triangle meshes.
+
+use crate::error::{Error, Result};
+use crate::geometry::Bounds;
+use glam::{Vec2, Vec3, Vec4};
+
+/// Per-vertex data besides positions; what is `None` the mesh does not have. Present arrays are as long as the positions.
+#[derive(Debug, Clone, Default)]
+pub struct Attributes {
+    /// Shading normals of unit length.
+    pub normals: Option<Vec<Vec3>>,
+    /// Tangents; w is the handedness of the bitangent, ±1.
+    pub tangents: Option<Vec<Vec4>>,
+    /// Texture coordinates of set 0 and set 1.
+    pub uvs: [Option<Vec<Vec2>>; 2],
+    /// Linear vertex colours with alpha.
+    pub colors: Option<Vec<Vec4>>,
+}
+
+impl Attributes {
+    fn lengths(&self) -> impl Iterator<Item = (&'static str, usize)> {
+        [
+            ("normals", self.normals.as_ref().map(Vec::len)),
+            ("tangents", self.tangents.as_ref().map(Vec::len)),
+            ("texture coordinates 0", self.uvs[0].as_ref().map(Vec::len)),
+            ("texture coordinates 1", self.uvs[1].as_ref().map(Vec::len)),
+            ("colours", self.colors.as_ref().map(Vec::len)),
+        ]
+        .into_iter()
+        .filter_map(|(name, length)| Some((name, length?)))
+    }
+}
+
+/// A triangle mesh: not empty, every index in range, every position finite. It never changes after it was made, so
+/// backends may keep pointers into it for as long as they hold it.
+#[derive(Debug)]
+pub struct TriangleMesh {
+    name: String,
+    /// One element more than there are vertices: backends read 16 bytes at the last 12-byte position.
+    padded_positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    attributes: Attributes,
+}
+
+impl TriangleMesh {
+    /// A mesh of `triangles` (counter-clockwise seen from the front) over `positions`.
+    ///
+    /// # Errors
+    /// A scene error with the mesh's name if it is empty, an index is out of range, a position is not finite, or an
+    /// attribute has another length than the positions.
+    pub fn new(
+        name: impl Into<String>,
+        mut positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        attributes: Attributes,
+    ) -> Result<Self> {
+        let name = name.into();
+        let fail = |what: String| Err(Error::scene(format!("mesh '{name}' {what}")));
+        if triangles.is_empty() || positions.is_empty() {
+            return fail("has no triangles".into());
+        }
+        if u32::try_from(positions.len()).is_err() || u32::try_from(triangles.len()).is_err() {
+            return fail("has more than 2^32 vertices or triangles".into());
+        }
+        if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
+            return fail(format!("has a position that is not finite (vertex {i})"));
+        }
+        let count = positions.len();
+        if let Some(i) = triangles.iter().position(|t| t.iter().any(|&v| v as usize >= count)) {
+            return fail(format!("has an index out of range (triangle {i} is {:?}, there are {count} vertices)", triangles[i]));
+        }
+        if let Some((what, length)) = attributes.lengths().find(|&(_, length)| length != count) {
+            return fail(format!("has {length} {what} for {count} vertices"));
+        }
+        positions.push(Vec3::ZERO);
+        Ok(TriangleMesh { name, padded_positions: positions, triangles, attributes })
+    }
+
+    /// The name it has in the scene file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Vertex positions.
+    #[inline]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.padded_positions[..self.padded_positions.len() - 1]
+    }
+
+    /// Vertex positions and one element of padding.
+    pub fn padded_positions(&self) -> &[Vec3] {
+        &self.padded_positions
+    }
+
+    /// Vertex indices of each triangle.
+    #[inline]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Per-vertex data besides positions.
+    #[inline]
+    pub fn attributes(&self) -> &Attributes {
+        &self.attributes
+    }
+
+    /// The box around all vertices.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::around(self.positions().iter().copied())
+    }
+
+    /// Bytes held, attributes included.
+    pub fn bytes(&self) -> usize {
+        let a = &self.attributes;
+        let of = |n: Option<usize>, size: usize| n.unwrap_or(0) * size;
+        self.padded_positions.len() * size_of::<Vec3>()
+            + self.triangles.len() * size_of::<[u32; 3]>()
+            + of(a.normals.as_ref().map(Vec::len), size_of::<Vec3>())
+            + of(a.tangents.as_ref().map(Vec::len), size_of::<Vec4>())
+            + a.uvs.iter().map(|uv| of(uv.as_ref().map(Vec::len), size_of::<Vec2>())).sum::<usize>()
+            + of(a.colors.as_ref().map(Vec::len), size_of::<Vec4>())
+    }
+}

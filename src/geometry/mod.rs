@@ -1,0 +1,22 @@
+//! Rays, hits, triangles and the points they meet at. Backends decide *which* primitive a ray hits; `triangle` then
+//! recomputes where, the same for every backend, and `spawn` is the only ray offset.
+
+mod any_hit;
+mod bounds;
+mod frame;
+mod mesh;
+mod ray;
+mod spawn;
+mod surface_point;
+mod triangle;
+mod world;
+
+pub use any_hit::{AnyHit, Opaque};
+pub use bounds::Bounds;
+pub use frame::{Frame, Local};
+pub use mesh::{Attributes, TriangleMesh};
+pub use ray::{Hit, MediumId, Ray};
+pub use spawn::{spawn_ray, spawn_segment};
+pub use surface_point::SurfacePoint;
+pub use triangle::{Triangle, TriangleHit};
+pub use world::{Geometry, Object};

@@ -1,0 +1,52 @@
+//! A ray and what a backend says it hit.
+
+use glam::Vec3;
+
+/// Index of a medium in the scene; [`MediumId::VACUUM`] is the absence of one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct MediumId(pub u16);
+
+impl MediumId {
+    /// Empty space.
+    pub const VACUUM: MediumId = MediumId(u16::MAX);
+}
+
+/// Points `origin + t direction` with `t_min` ≤ t ≤ `t_max`. The direction need not have unit length.
+#[derive(Debug, Clone, Copy)]
+pub struct Ray {
+    /// Where the ray starts.
+    pub origin: Vec3,
+    /// Its direction; t is measured in units of its length.
+    pub direction: Vec3,
+    /// First parameter that counts.
+    pub t_min: f32,
+    /// Last parameter that counts.
+    pub t_max: f32,
+    /// Time in the shutter interval, 0 to 1.
+    pub time: f32,
+    /// The medium it travels in.
+    pub medium: MediumId,
+}
+
+impl Ray {
+    /// A ray from `origin` without end, in vacuum at time 0.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Ray { origin, direction, t_min: 0.0, t_max: f32::INFINITY, time: 0.0, medium: MediumId::VACUUM }
+    }
+
+    /// The point at parameter `t`.
+    #[inline]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// Which primitive a ray hit. Where on it is not the backend's word: [`super::Triangle::meet`] recomputes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Hit {
+    /// Index into [`super::Geometry::objects`].
+    pub object: u32,
+    /// Index of the triangle in the object's mesh.
+    pub primitive: u32,
+}

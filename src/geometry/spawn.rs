@@ -1,0 +1,41 @@
+//! The only place where a ray's origin is moved off the surface it leaves.
+
+use crate::geometry::Ray;
+use glam::Vec3;
+
+/// `p` moved along the normal `ng` to the side of `toward` by `error`, then rounded away from the surface.
+#[inline]
+fn offset(p: Vec3, error: f32, ng: Vec3, toward: Vec3) -> Vec3 {
+    // |ng|₁ ≥ 1 scales the bound from coordinates to the normal's direction [PBRT4 §6.8.6].
+    let distance = error * ng.abs().element_sum();
+    let shift = if toward.dot(ng) < 0.0 { ng * -distance } else { ng * distance };
+    let moved = p + shift;
+    let away = |x: f32, s: f32| {
+        if s > 0.0 {
+            x.next_up()
+        } else if s < 0.0 {
+            x.next_down()
+        } else {
+            x
+        }
+    };
+    Vec3::new(away(moved.x, shift.x), away(moved.y, shift.y), away(moved.z, shift.z))
+}
+
+/// A ray from the surface point `p` (known within `error`, geometric normal `ng`) in `direction`.
+#[inline]
+pub fn spawn_ray(p: Vec3, error: f32, ng: Vec3, direction: Vec3) -> Ray {
+    Ray::new(offset(p, error, ng, direction), direction)
+}
+
+/// The segment from a surface point to the end point `to`, itself known within `to_error` on a surface of normal `to_ng`
+/// (error 0 for a point in space). Parameters run from 0 to 1; neither end's own surface lies inside.
+#[inline]
+pub fn spawn_segment(p: Vec3, error: f32, ng: Vec3, to: Vec3, to_error: f32, to_ng: Vec3) -> Ray {
+    let toward = to - p;
+    let origin = offset(p, error, ng, toward);
+    let end = if to_error > 0.0 { offset(to, to_error, to_ng, -toward) } else { to };
+    let mut ray = Ray::new(origin, end - origin);
+    ray.t_max = 1.0f32.next_down();
+    ray
+}

@@ -1,0 +1,58 @@
+//! A point on a surface, as shading sees it.
+
+use crate::geometry::{Frame, Geometry, Hit, Ray, TriangleHit, spawn_ray, spawn_segment};
+use glam::Vec3;
+
+/// Where a ray met a surface. Normals have unit length and are on the side of the triangle's counter-clockwise winding.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfacePoint {
+    /// Position.
+    pub p: Vec3,
+    /// How far a leaving ray is moved along `ng`: see [`super::Triangle::point`].
+    pub error: f32,
+    /// Geometric normal.
+    pub ng: Vec3,
+    /// Frame around the shading normal `frame.n`, which is on the same side as `ng`.
+    pub frame: Frame,
+    /// Weights of the second and third vertex.
+    pub barycentric: [f32; 2],
+    /// The primitive.
+    pub hit: Hit,
+    /// Ray parameter.
+    pub t: f32,
+    /// Whether the backend's hit agrees with the triangle: see [`super::TriangleHit::consistent`].
+    pub consistent: bool,
+}
+
+impl SurfacePoint {
+    /// The point where `ray` meets the primitive `hit`; `None` for a triangle without area or a ray in its plane.
+    #[inline]
+    pub fn new(geometry: &Geometry, hit: Hit, ray: &Ray) -> Option<Self> {
+        let triangle = geometry.triangle(hit);
+        let meet = triangle.meet(ray)?;
+        let (p, error) = triangle.point(meet.barycentric);
+        let winding = geometry.winding(hit.object);
+        let ng = (triangle.scaled_normal().normalize() * winding).as_vec3();
+        let ns = geometry.shading_normal(hit, meet.barycentric).map_or(ng, |n| facing(n, ng));
+        let TriangleHit { barycentric, t, consistent } = meet;
+        Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, consistent })
+    }
+
+    /// A ray that leaves this point.
+    #[inline]
+    pub fn spawn(&self, direction: Vec3) -> Ray {
+        spawn_ray(self.p, self.error, self.ng, direction)
+    }
+
+    /// The open segment to a point `to` on a surface of normal `to_ng`, known within `to_error` (0 for a point in space).
+    #[inline]
+    pub fn segment(&self, to: Vec3, to_error: f32, to_ng: Vec3) -> Ray {
+        spawn_segment(self.p, self.error, self.ng, to, to_error, to_ng)
+    }
+}
+
+/// `n` on the side of `reference`.
+#[inline]
+fn facing(n: Vec3, reference: Vec3) -> Vec3 {
+    if n.dot(reference) < 0.0 { -n } else { n }
+}

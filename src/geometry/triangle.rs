@@ -1,0 +1,125 @@
+//! Where a ray meets a triangle, recomputed in f64 from the triangle itself: the same numbers whichever backend named it.
+
+use crate::geometry::Ray;
+use glam::{Affine3A, DVec3, Vec3};
+
+/// Half an ulp of 1 in f32.
+const HALF_ULP: f32 = f32::EPSILON * 0.5;
+
+/// A world-space triangle.
+#[derive(Debug, Clone, Copy)]
+pub struct Triangle {
+    /// The vertices, counter-clockwise seen from the front.
+    pub vertices: [Vec3; 3],
+    /// Bound of the error that placing an instance adds to any coordinate, backend's arithmetic included.
+    placement_error: f32,
+}
+
+/// Where on a triangle a ray hits.
+#[derive(Debug, Clone, Copy)]
+pub struct TriangleHit {
+    /// Weights of the second and third vertex.
+    pub barycentric: [f32; 2],
+    /// Ray parameter.
+    pub t: f32,
+    /// Whether the hit lies in the triangle within the error of a backend's f32 arithmetic.
+    pub consistent: bool,
+}
+
+impl Triangle {
+    /// A triangle whose vertices are stored in world space.
+    #[inline]
+    pub fn new(a: Vec3, b: Vec3, c: Vec3) -> Self {
+        Triangle { vertices: [a, b, c], placement_error: 0.0 }
+    }
+
+    /// An instance's triangle. Transforming rounds each coordinate three times relative to the terms of its sum, once here
+    /// and once for the ray in the backend's object space, whose error the transform scales back by its condition.
+    #[inline]
+    pub fn placed(m: &Affine3A, a: Vec3, b: Vec3, c: Vec3) -> Self {
+        let vertices = [a, b, c].map(|p| m.transform_point3(p));
+        let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|axis| axis.abs().element_sum());
+        let terms = a.abs().max(b.abs()).max(c.abs()).dot(Vec3::from(columns)) + m.translation.abs().max_element();
+        Triangle { vertices, placement_error: 16.0 * HALF_ULP * terms }
+    }
+
+    /// The geometric normal times twice the area.
+    #[inline]
+    pub fn scaled_normal(&self) -> DVec3 {
+        let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
+        (b - a).cross(c - a)
+    }
+
+    /// The area.
+    pub fn area(&self) -> f64 {
+        self.scaled_normal().length() * 0.5
+    }
+
+    /// Where `ray`, said to hit this triangle, meets it. Barycentrics are clamped into the triangle, so that the point is on
+    /// it in any case; `None` only for a triangle without area or a ray in its plane.
+    #[inline]
+    pub fn meet(&self, ray: &Ray) -> Option<TriangleHit> {
+        let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
+        let d = ray.direction.as_dvec3();
+        let (e1, e2, s) = (b - a, c - a, ray.origin.as_dvec3() - a);
+        let p = d.cross(e2);
+        let det = e1.dot(p);
+        let inverse = det.recip();
+        if !inverse.is_finite() {
+            return None;
+        }
+        let q = s.cross(e1);
+        let (u, v) = (s.dot(p) * inverse, d.dot(q) * inverse);
+        let t = e2.dot(q) * inverse;
+        // A backend's edge function is wrong by at most about 8 roundings of products of vertex offsets and direction.
+        let reach2 = s.length_squared().max((s - e1).length_squared()).max((s - e2).length_squared());
+        let slack = 8.0 * f64::from(HALF_ULP) * reach2 * d.length() * inverse.abs();
+        let consistent = u >= -slack && v >= -slack && u + v <= 1.0 + slack;
+        let u = u.clamp(0.0, 1.0);
+        let v = v.clamp(0.0, 1.0 - u);
+        Some(TriangleHit { barycentric: [u as f32, v as f32], t: t as f32, consistent })
+    }
+
+    /// The point with the given barycentrics, and the distance by which a ray that leaves it must be moved along the normal
+    /// so that no backend's f32 arithmetic can find the same triangle again.
+    ///
+    /// The point itself is rounded once; a backend subtracts it from the vertices (half an ulp of the coordinate) and forms
+    /// products of the differences (about 8 half ulps of the distance to the farthest vertex).
+    #[inline]
+    pub fn point(&self, barycentric: [f32; 2]) -> (Vec3, f32) {
+        let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
+        let [u, v] = barycentric.map(f64::from);
+        let p = (a + (b - a) * u + (c - a) * v).as_vec3();
+        let reach = self.vertices.iter().map(|&x| (x - p).abs().max_element()).fold(0.0, f32::max);
+        let error = HALF_ULP * (4.0 * p.abs().max_element() + 16.0 * reach) + self.placement_error;
+        (p, error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hit_is_where_the_ray_meets_the_plane() {
+        let triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+        let ray = Ray::new(Vec3::new(0.25, 0.5, 2.0), Vec3::new(0.0, 0.0, -4.0));
+        let hit = triangle.meet(&ray).expect("not parallel");
+        assert_eq!((hit.barycentric, hit.t, hit.consistent), ([0.25, 0.5], 0.5, true));
+    }
+
+    #[test]
+    fn a_false_hit_is_called_inconsistent_and_its_point_stays_on_the_triangle() {
+        let triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+        let hit = triangle.meet(&Ray::new(Vec3::new(2.0, -1.0, 1.0), -Vec3::Z)).expect("not parallel");
+        assert!(!hit.consistent);
+        assert_eq!(hit.barycentric, [1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_ray_in_the_plane_or_a_triangle_without_area_has_no_hit() {
+        let triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+        assert!(triangle.meet(&Ray::new(Vec3::NEG_X, Vec3::X)).is_none());
+        assert!(Triangle::new(Vec3::X, Vec3::X, Vec3::X).meet(&Ray::new(Vec3::Z, -Vec3::Z)).is_none());
+    }
+}

@@ -1,0 +1,116 @@
+//! All geometry of a scene, as backends are given it.
+
+use crate::geometry::{Hit, Triangle, TriangleMesh};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+use std::sync::Arc;
+
+/// A mesh at a place.
+#[derive(Debug, Clone)]
+pub struct Object {
+    /// Index into [`Geometry::meshes`].
+    pub mesh: u32,
+    /// Object-to-world transform of an instance (invertible); `None` if the mesh's positions are world positions already.
+    pub placement: Option<Affine3A>,
+    /// Whether the [`super::AnyHit`] filter must be asked about hits on it.
+    pub filtered: bool,
+}
+
+/// Meshes and the objects that place them. A [`Hit`] names an object by its index here.
+#[derive(Debug, Clone, Default)]
+pub struct Geometry {
+    /// The distinct meshes.
+    pub meshes: Vec<Arc<TriangleMesh>>,
+    /// What there is in the world.
+    pub objects: Vec<Object>,
+}
+
+impl Geometry {
+    /// The mesh of object `object`.
+    #[inline]
+    pub fn mesh_of(&self, object: u32) -> &TriangleMesh {
+        &self.meshes[self.objects[object as usize].mesh as usize]
+    }
+
+    /// The world-space triangle that `hit` names.
+    #[inline]
+    pub fn triangle(&self, hit: Hit) -> Triangle {
+        let object = &self.objects[hit.object as usize];
+        let mesh = &self.meshes[object.mesh as usize];
+        let positions = mesh.positions();
+        let [a, b, c] = mesh.triangles()[hit.primitive as usize].map(|i| positions[i as usize]);
+        match &object.placement {
+            None => Triangle::new(a, b, c),
+            Some(m) => Triangle::placed(m, a, b, c),
+        }
+    }
+
+    /// +1 where the object's winding is the mesh's, −1 where its placement mirrors. glTF says that a node with a negative
+    /// determinant flips the winding, so that fronts stay fronts [glTF20 §3.7.4].
+    #[inline]
+    pub fn winding(&self, object: u32) -> f64 {
+        match &self.objects[object as usize].placement {
+            Some(m) if m.matrix3.determinant() < 0.0 => -1.0,
+            _ => 1.0,
+        }
+    }
+
+    /// The interpolated shading normal at a hit, of unit length; `None` if the mesh has none or they cancel.
+    #[inline]
+    pub fn shading_normal(&self, hit: Hit, barycentric: [f32; 2]) -> Option<Vec3> {
+        let object = &self.objects[hit.object as usize];
+        let mesh = &self.meshes[object.mesh as usize];
+        let n = mix(mesh.attributes().normals.as_ref()?, mesh.triangles()[hit.primitive as usize], barycentric);
+        match &object.placement {
+            None => n.try_normalize(),
+            Some(m) => (m.matrix3.inverse().transpose() * n).try_normalize(),
+        }
+    }
+
+    /// The interpolated tangent at a hit in world space (not orthonormalised), and its handedness.
+    pub fn tangent(&self, hit: Hit, barycentric: [f32; 2]) -> Option<(Vec3, f32)> {
+        let object = &self.objects[hit.object as usize];
+        let mesh = &self.meshes[object.mesh as usize];
+        let tangents = mesh.attributes().tangents.as_ref()?;
+        let corners = mesh.triangles()[hit.primitive as usize];
+        let t: Vec4 = mix(tangents, corners, barycentric);
+        let handedness = tangents[corners[0] as usize].w;
+        Some(match &object.placement {
+            None => (t.truncate(), handedness),
+            Some(m) => (m.matrix3 * t.truncate(), handedness * self.winding(hit.object) as f32),
+        })
+    }
+
+    /// Texture coordinates of `set` at a hit; the origin where the mesh has none.
+    #[inline]
+    pub fn uv(&self, hit: Hit, barycentric: [f32; 2], set: usize) -> Vec2 {
+        let mesh = self.mesh_of(hit.object);
+        let uvs = &mesh.attributes().uvs[set];
+        uvs.as_ref().map_or(Vec2::ZERO, |uvs| mix(uvs, mesh.triangles()[hit.primitive as usize], barycentric))
+    }
+
+    /// Texture coordinates of `set` at the corners of a triangle, if the mesh has them.
+    pub fn corner_uvs(&self, hit: Hit, set: usize) -> Option<[Vec2; 3]> {
+        let mesh = self.mesh_of(hit.object);
+        let uvs = mesh.attributes().uvs[set].as_ref()?;
+        Some(mesh.triangles()[hit.primitive as usize].map(|i| uvs[i as usize]))
+    }
+
+    /// The vertex colour at a hit; white where the mesh has none.
+    #[inline]
+    pub fn color(&self, hit: Hit, barycentric: [f32; 2]) -> Vec4 {
+        let mesh = self.mesh_of(hit.object);
+        let colors = &mesh.attributes().colors;
+        colors.as_ref().map_or(Vec4::ONE, |colors| mix(colors, mesh.triangles()[hit.primitive as usize], barycentric))
+    }
+}
+
+/// The value at `barycentric` between those of the three `corners`.
+#[inline]
+fn mix<V>(values: &[V], corners: [u32; 3], barycentric: [f32; 2]) -> V
+where
+    V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>,
+{
+    let [a, b, c] = corners.map(|i| values[i as usize]);
+    let [u, v] = barycentric;
+    a * (1.0 - u - v) + b * u + c * v
+}

@@ -1,0 +1,38 @@
+//! étendue: a physically based CPU renderer. glTF in, EXR out, and every image carries its error.
+//!
+//! Modules are listed in floor order: a module imports its own folder and lower floors only, and siblings on one floor
+//! do not import each other (`tests/architecture.rs` checks it; ARCHITECTURE.md draws it).
+
+// floor 1
+pub mod error;
+pub mod numeric;
+pub mod parallel;
+// floor 2
+pub mod sampling;
+pub mod spectrum;
+pub mod stats;
+// floor 3
+pub mod geometry;
+// floor 4
+pub mod accel;
+pub mod texture;
+pub mod transport;
+// floor 5
+pub mod bsdf;
+pub mod camera;
+pub mod film;
+pub mod light;
+// floor 6
+pub mod scene;
+// floor 7
+pub mod path;
+// floor 8
+pub mod integrator;
+pub mod io;
+// floor 9
+pub mod render;
+// floor 10
+pub mod cli;
+
+#[doc = include_str!("references.md")]
+pub mod references {}

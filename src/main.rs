@@ -1,0 +1,5 @@
+//! The `etendue` command.
+
+fn main() -> std::process::ExitCode {
+    etendue::cli::run()
+}

@@ -1,0 +1,80 @@
+//! Densities that carry their measure in their type, so that a solid-angle density cannot be compared with an area one.
+
+use std::marker::PhantomData;
+
+/// A measure that a density refers to.
+pub trait Measure: Copy + Send + Sync + 'static {}
+
+/// Solid angle at a point, in steradians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolidAngle;
+/// Surface area, in scene units squared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Area;
+/// Counting measure: a probability.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Discrete;
+
+impl Measure for SolidAngle {}
+impl Measure for Area {}
+impl Measure for Discrete {}
+
+/// A probability density in the measure `M`: finite and not negative.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Pdf<M: Measure>(f32, PhantomData<M>);
+
+impl<M: Measure> Pdf<M> {
+    /// The density `value`.
+    #[inline]
+    pub fn new(value: f32) -> Self {
+        debug_assert!(value.is_finite() && value >= 0.0, "density {value}");
+        Pdf(value, PhantomData)
+    }
+
+    /// The number.
+    #[inline]
+    pub fn value(self) -> f32 {
+        self.0
+    }
+
+    /// Times the probability of having chosen this technique.
+    #[inline]
+    pub fn choose(self, probability: Pdf<Discrete>) -> Self {
+        Pdf(self.0 * probability.0, PhantomData)
+    }
+}
+
+impl Pdf<Area> {
+    /// The same density per solid angle, seen from a point at squared distance `d2` under |cos| at the surface of `cos`.
+    /// Infinite geometry (cos = 0) gives a density of 0: the caller drops such samples.
+    #[inline]
+    pub fn to_solid_angle(self, d2: f32, cos: f32) -> Pdf<SolidAngle> {
+        if cos == 0.0 { Pdf::new(0.0) } else { Pdf::new((self.0 * d2 / cos).min(f32::MAX)) }
+    }
+}
+
+/// The density of a sampled direction: a Dirac lobe is a case of its own, never a number that means something else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Density {
+    /// A density per solid angle.
+    Smooth(Pdf<SolidAngle>),
+    /// A Dirac direction, taken with this probability.
+    Delta(f32),
+}
+
+impl Density {
+    /// The number to divide by: the density, or the probability of the Dirac direction.
+    #[inline]
+    pub fn value(self) -> f32 {
+        match self {
+            Density::Smooth(pdf) => pdf.value(),
+            Density::Delta(probability) => probability,
+        }
+    }
+
+    /// Whether this is a Dirac direction.
+    #[inline]
+    pub fn is_delta(self) -> bool {
+        matches!(self, Density::Delta(_))
+    }
+}

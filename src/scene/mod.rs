@@ -1,0 +1,3 @@
+//! Scenes: the description as loaded, and what is built from it.
+
+pub mod description;

@@ -1,0 +1,86 @@
+//! Decoded images.
+
+use super::Encoding;
+use std::sync::LazyLock;
+
+/// Stored texels, row by row from the top.
+#[derive(Debug)]
+pub enum Texels {
+    /// 8 bits a channel.
+    Rgba8(Vec<[u8; 4]>),
+    /// 16 bits a channel.
+    Rgba16(Vec<[u16; 4]>),
+}
+
+/// An image in memory.
+#[derive(Debug)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    texels: Texels,
+}
+
+static SRGB8: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
+
+/// The sRGB electro-optical transfer function (IEC 61966-2-1).
+fn srgb_to_linear(x: f32) -> f32 {
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+impl Image {
+    /// An image of `width` × `height` texels.
+    ///
+    /// # Panics
+    /// If a side is 0 or the number of texels is another.
+    pub fn new(width: u32, height: u32, texels: Texels) -> Self {
+        let count = match &texels {
+            Texels::Rgba8(t) => t.len(),
+            Texels::Rgba16(t) => t.len(),
+        };
+        assert!(width > 0 && height > 0 && count == width as usize * height as usize, "{count} texels for {width}x{height}");
+        Image { width, height, texels }
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        match &self.texels {
+            Texels::Rgba8(t) => t.len() * 4,
+            Texels::Rgba16(t) => t.len() * 8,
+        }
+    }
+
+    /// The linear value of texel (x, y).
+    #[inline]
+    pub fn texel(&self, x: u32, y: u32, encoding: Encoding) -> [f32; 4] {
+        let i = y as usize * self.width as usize + x as usize;
+        match (&self.texels, encoding) {
+            (Texels::Rgba8(t), Encoding::Linear) => t[i].map(|c| f32::from(c) / 255.0),
+            (Texels::Rgba8(t), Encoding::Srgb) => {
+                let [r, g, b, a] = t[i];
+                [SRGB8[r as usize], SRGB8[g as usize], SRGB8[b as usize], f32::from(a) / 255.0]
+            }
+            (Texels::Rgba16(t), Encoding::Linear) => t[i].map(|c| f32::from(c) / 65535.0),
+            (Texels::Rgba16(t), Encoding::Srgb) => {
+                let [r, g, b, a] = t[i].map(|c| f32::from(c) / 65535.0);
+                [srgb_to_linear(r), srgb_to_linear(g), srgb_to_linear(b), a]
+            }
+        }
+    }
+
+    /// The mean linear value of all texels.
+    pub fn mean(&self, encoding: Encoding) -> [f32; 4] {
+        let mut sum = [0.0f64; 4];
+        for y in 0..self.height {
+            for x in 0..self.width {
+                let t = self.texel(x, y, encoding);
+                sum.iter_mut().zip(t).for_each(|(s, t)| *s += f64::from(t));
+            }
+        }
+        sum.map(|s| (s / (f64::from(self.width) * f64::from(self.height))) as f32)
+    }
+}

@@ -1,0 +1,120 @@
+//! Textures: decoded images, and how a material looks them up.
+
+mod image;
+
+pub use image::{Image, Texels};
+
+use glam::{Affine2, Vec2};
+use std::sync::Arc;
+
+/// How stored numbers become linear values. Alpha is always linear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Encoding {
+    /// The sRGB transfer curve (colours).
+    Srgb,
+    /// As stored (data).
+    Linear,
+}
+
+/// What lies outside the unit square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image mirrored, then again.
+    Mirror,
+    /// The border texel.
+    Clamp,
+}
+
+/// How values between texel centres are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Filter {
+    /// The nearest texel.
+    Nearest,
+    /// Bilinear.
+    #[default]
+    Linear,
+}
+
+/// An image and how to look it up.
+#[derive(Debug, Clone)]
+pub struct Texture {
+    /// The image; shared between the textures that use it.
+    pub image: Arc<Image>,
+    /// Meaning of the stored numbers.
+    pub encoding: Encoding,
+    /// Wrapping along u and v.
+    pub wrap: [Wrap; 2],
+    /// Interpolation.
+    pub filter: Filter,
+    /// Texture coordinate set, 0 or 1.
+    pub uv_set: usize,
+    /// KHR_texture_transform, applied to the coordinates first.
+    pub transform: Affine2,
+}
+
+impl Texture {
+    /// The linear value at texture coordinates `uv` of this texture's set: v = 0 is the first row.
+    pub fn at(&self, uv: Vec2) -> [f32; 4] {
+        let [w, h] = self.image.size();
+        let p = self.transform.transform_point2(uv) * Vec2::new(w as f32, h as f32);
+        let texel = |x: i64, y: i64| self.image.texel(self.wrap[0].index(x, w), self.wrap[1].index(y, h), self.encoding);
+        match self.filter {
+            Filter::Nearest => texel(p.x.floor() as i64, p.y.floor() as i64),
+            Filter::Linear => {
+                let q = p - 0.5;
+                let base = q.floor();
+                let f = q - base;
+                let (x, y) = (base.x as i64, base.y as i64);
+                let mix = |a: [f32; 4], b: [f32; 4], t: f32| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t);
+                mix(mix(texel(x, y), texel(x + 1, y), f.x), mix(texel(x, y + 1), texel(x + 1, y + 1), f.x), f.y)
+            }
+        }
+    }
+}
+
+impl Wrap {
+    fn index(self, i: i64, size: u32) -> u32 {
+        let n = i64::from(size);
+        let wrapped = match self {
+            Wrap::Repeat => i.rem_euclid(n),
+            Wrap::Clamp => i.clamp(0, n - 1),
+            Wrap::Mirror => {
+                let j = i.rem_euclid(2 * n);
+                if j < n { j } else { 2 * n - 1 - j }
+            }
+        };
+        wrapped as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrapping_repeats_clamps_and_mirrors() {
+        let at = |w: Wrap| (-3..6).map(|i| w.index(i, 3)).collect::<Vec<_>>();
+        assert_eq!(at(Wrap::Repeat), [0, 1, 2, 0, 1, 2, 0, 1, 2]);
+        assert_eq!(at(Wrap::Clamp), [0, 0, 0, 0, 1, 2, 2, 2, 2]);
+        assert_eq!(at(Wrap::Mirror), [2, 1, 0, 0, 1, 2, 2, 1, 0]);
+    }
+
+    #[test]
+    fn bilinear_lookup_is_exact_at_texel_centres_and_midway() {
+        let image = Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[0, 0, 0, 255], [255, 255, 255, 255]])));
+        let texture = Texture {
+            image,
+            encoding: Encoding::Linear,
+            wrap: [Wrap::Clamp; 2],
+            filter: Filter::Linear,
+            uv_set: 0,
+            transform: Affine2::IDENTITY,
+        };
+        for (u, want) in [(0.25, 0.0), (0.5, 0.5), (0.75, 1.0), (9.0, 1.0)] {
+            assert_eq!(texture.at(Vec2::new(u, 0.5))[0], want);
+        }
+    }
+}
