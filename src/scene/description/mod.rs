@@ -1,5 +1,7 @@
 //! A scene as loaded: plain data in the file's own units, before anything is rebased or built.
 
+pub(in crate::scene) mod hash;
+
 use crate::spectrum::Spectrum;
 use crate::texture::{Image, Texture};
 use glam::{DAffine3, Vec2, Vec3, Vec4};
