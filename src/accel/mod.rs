@@ -1,7 +1,8 @@
 //! Which primitive does a ray hit: one trait, one enum of backends. To add a backend, write one file that implements
 //! [`Intersector`] and give it a variant in [`Accel`].
 
-// pub mod embree;
+#[cfg(feature = "embree")]
+pub mod embree;
 
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
