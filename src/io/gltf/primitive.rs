@@ -138,24 +138,20 @@ fn within_unit(colors: Vec<Vec4>, mesh: &str, notes: &mut Notes) -> Vec<Vec4> {
     clamped
 }
 
-/// The primitive with only those vertices that its triangles use: exporters let many primitives share one long accessor,
-/// and each would otherwise keep a copy of all of it.
-fn without_unused(primitive: Primitive) -> Primitive {
-    let mut places = vec![u32::MAX; primitive.positions.len()];
-    let mut kept = Vec::new();
-    let mut triangles = primitive.triangles;
-    for index in triangles.iter_mut().flatten() {
-        let place = &mut places[*index as usize];
-        if *place == u32::MAX {
-            // Below 2^32, as the index itself was.
-            *place = kept.len() as u32;
-            kept.push(*index as usize);
-        }
-        *index = *place;
+/// The primitive with only those vertices that its triangles use, in their order: exporters let many primitives share one
+/// long accessor, and each would otherwise keep a copy of all of it.
+fn without_unused(mut primitive: Primitive) -> Primitive {
+    let mut places: Vec<Option<u32>> = vec![None; primitive.positions.len()];
+    primitive.triangles.iter().flatten().for_each(|&i| places[i as usize] = Some(0));
+    let kept: Vec<usize> = (0..places.len()).filter(|&i| places[i].is_some()).collect();
+    if kept.len() == places.len() {
+        return primitive;
     }
+    kept.iter().zip(0..).for_each(|(&vertex, place)| places[vertex] = Some(place));
+    primitive.triangles.iter_mut().flatten().for_each(|i| *i = places[*i as usize].unwrap_or_default());
     Primitive {
         positions: gather(&primitive.positions, &kept),
-        triangles,
+        triangles: primitive.triangles,
         normals: primitive.normals.map(|a| gather(&a, &kept)),
         tangents: primitive.tangents.map(|a| gather(&a, &kept)),
         uvs: primitive.uvs.map(|set| set.map(|a| gather(&a, &kept))),
