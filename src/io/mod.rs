@@ -1,1 +1,3 @@
-//! (in work)
+//! Files: scenes in, images out.
+
+pub mod gltf;
