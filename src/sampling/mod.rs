@@ -7,7 +7,7 @@
 mod pdf;
 //mod sobol;
 //mod table;
-//pub mod warp;
+pub mod warp;
 
 //pub use hash::{Address, unit_f32, unit_f64};
 //pub use heuristic::{Heuristic, balance, power};
