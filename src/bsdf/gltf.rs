@@ -17,6 +17,7 @@ use super::lambert::{cosine_direction, cosine_pdf, invert_cosine};
 use super::{Bsdf, BsdfSample, Dielectric, Lobes, within};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
+use crate::sampling::warp::into_unit;
 use crate::sampling::{Density, Pdf};
 use crate::spectrum::Spectrum;
 use crate::transport::Transport;
@@ -120,8 +121,7 @@ impl Gltf {
 
     /// Value and density of all smooth lobes in a direction that one of them made.
     fn smooth(&self, known: Local, toward: Transport, direction: Local, eta: f32) -> Option<BsdfSample> {
-        let (wi, wo) = toward.flow(direction, known);
-        let (wi, wo) = (wo, wi);
+        let (wi, wo) = toward.flow(known, direction);
         let lobe = if known.same_side(direction) { Lobes::REFLECT } else { Lobes::TRANSMIT };
         let density = self.pdf(known, direction, toward, Lobes::SMOOTH);
         (density > 0.0).then(|| BsdfSample {
@@ -199,7 +199,7 @@ impl Bsdf for Gltf {
         if u[0] < smooth_end || choice.transmission <= 0.0 {
             return self.smooth(known, toward, cosine_direction(known, [u[1], u[2]]), 1.0);
         }
-        let within_part = crate::sampling::warp::into_unit((u[0] - smooth_end) / choice.transmission);
+        let within_part = into_unit((u[0] - smooth_end) / choice.transmission);
         self.sample_transmission(known, toward, [within_part, u[1], u[2]], choice.transmission)
     }
 
@@ -239,7 +239,7 @@ impl Bsdf for Gltf {
         };
         let u = end + choice.transmission * part;
         let log = log - f64::from(choice.transmission).ln() + log_share(transmitted);
-        Some(([crate::sampling::warp::into_unit(u), a, b], log))
+        Some(([into_unit(u), a, b], log))
     }
 
     fn lobes(&self) -> Lobes {

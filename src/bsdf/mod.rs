@@ -10,14 +10,22 @@ mod conductor;
 mod dielectric;
 pub mod fresnel;
 pub mod ggx;
+mod gltf;
 mod lambert;
+mod metallic_roughness;
+pub mod shading;
+mod surface;
 mod thin;
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use fresnel::Fresnel;
 pub use ggx::Ggx;
+pub use gltf::Gltf;
 pub use lambert::Lambert;
+pub use metallic_roughness::{MetallicRoughness, Wall};
+pub use shading::{Shading, ShadingSample};
+pub use surface::Surface;
 pub use thin::Thin;
 
 use crate::geometry::Local;
