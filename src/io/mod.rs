@@ -1,1 +1,5 @@
-//! (in work)
+//! Files: what étendue reads and writes.
+
+pub mod atomic;
+pub mod exr;
+pub mod png;
