@@ -1,3 +1,6 @@
-//! Files: scenes in, images out.
+//! Files: what étendue reads and writes.
 
+pub mod atomic;
+pub mod exr;
 pub mod gltf;
+pub mod png;
