@@ -74,7 +74,7 @@ debian_source() {
 add_trixie() {
   [ -n "$(debian_source trixie)" ] && return
   local uri key
-  read -r uri key < <(debian_source bookworm) || true
+  read -r uri key <<<"$(debian_source bookworm)" || true
   [ -n "${uri:-}" ] || die "no source for Debian 12's main archive found under /etc/apt, so Debian 13's packages cannot be reached; set EMBREE_DIR and install Rust >= $msrv with rustup"
   case "${key:-}" in /*) ;; *) key=/usr/share/keyrings/debian-archive-keyring.gpg ;; esac
   say "adding Debian 13 (trixie) as a second source from the same mirror, pinned to priority 50 so that nothing moves to it by itself:"
