@@ -88,6 +88,13 @@ impl<'a> Shading<'a> {
         Some(ShadingSample { direction, weight, density: sample.density, lobe: sample.lobe, eta: sample.eta })
     }
 
+    /// Continues a camera walk at `wo` along `wi`, which was made with density `pdf` by other means than [`Shading::sample`].
+    #[inline]
+    pub fn along(&self, wi: Vec3, wo: Vec3, pdf: Pdf<SolidAngle>) -> ShadingSample {
+        let weight = self.f_cos_light(wi, wo) / pdf.value();
+        ShadingSample { direction: wi, weight, density: Density::Smooth(pdf), lobe: Lobes::SMOOTH, eta: 1.0 }
+    }
+
     /// Density of `other` under [`Shading::sample`], all smooth lobes together; zero where F is.
     #[inline]
     pub fn pdf(&self, known: Vec3, other: Vec3, toward: Transport) -> Pdf<SolidAngle> {

@@ -9,7 +9,7 @@ use crate::error::{Error, Kind, Result};
 use crate::film::Crop;
 use ::exr::prelude as openexr;
 use openexr::{AttributeValue, IntegerBounds, Text, Vec2, WritableImage};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 //! Use it as `arrive`, look at the vertex, `depart`, `survives`, and again. Blended surfaces and absorbing media are content
 //! of the edge between two vertices and never vertices themselves.
 
-use crate::bsdf::Scatter;
+use crate::bsdf::ShadingSample;
 use crate::geometry::{MediumId, Ray, SurfacePoint};
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
@@ -129,7 +129,7 @@ impl<'a> Walk<'a> {
 
     /// Leaves `point` as `scatter` says.
     #[inline]
-    pub fn depart(&mut self, point: &SurfacePoint, scatter: &Scatter, tally: &mut Tally) {
+    pub fn depart(&mut self, point: &SurfacePoint, scatter: &ShadingSample, tally: &mut Tally) {
         tally.bounces += 1;
         self.beta *= scatter.weight;
         self.eta2 *= scatter.eta * scatter.eta;

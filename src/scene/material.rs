@@ -1,7 +1,7 @@
 //! Materials as shading uses them: a constant surface where nothing varies, textures looked up where something does.
 
 use super::description::{self, AlphaMode, MetalFresnel};
-use crate::bsdf::{GltfParameters, Surface};
+use crate::bsdf::{MetallicRoughness, Surface, Wall};
 use crate::geometry::MediumId;
 use crate::light::Emission;
 use crate::spectrum::Spectrum;
@@ -77,17 +77,19 @@ impl Material {
         let [_, rough, metal, _] = at.look_up(&m.metallic_roughness_texture);
         let [sr, sg, sb, _] = at.look_up(&m.specular_color_texture);
         let vertex = Spectrum::from_rgb(at.color.truncate().to_array());
-        Surface::gltf(&GltfParameters {
-            base_color: m.base_color * Spectrum::from_rgb([r, g, b]) * vertex,
+        let base = m.base_color * Spectrum::from_rgb([r, g, b]) * vertex;
+        MetallicRoughness {
+            base,
             metallic: m.metallic * metal,
             roughness: m.roughness * rough,
             specular: m.specular * at.look_up(&m.specular_texture)[3],
             specular_color: m.specular_color * Spectrum::from_rgb([sr, sg, sb]),
             ior: m.ior,
             transmission: m.transmission * at.look_up(&m.transmission_texture)[0],
-            solid: m.volume.is_some(),
-            constant_metal: m.metal_fresnel == MetalFresnel::Constant,
-        })
+            wall: if m.volume.is_some() { Wall::Solid } else { Wall::Thin },
+            metal_f90: if m.metal_fresnel == MetalFresnel::Constant { base } else { Spectrum::ONE },
+        }
+        .surface()
     }
 
     /// Coverage at `at` by factor, texture and vertex colour.
