@@ -1,1 +1,4 @@
-//! (in work)
+//! TEMP
+/// TEMP
+#[derive(Debug, Clone)]
+pub struct Camera;

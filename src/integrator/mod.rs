@@ -2,12 +2,10 @@
 //! (scene, settings, seed, pass). To add one, write its file, implement [`Integrator`] and give it a name in [`Method`].
 
 mod method;
-//mod path;
+mod path;
 
 pub use method::Method;
-//pub use path::PathTracer;
-
-//use crate::film::PassFilm;
+pub use path::{Integrator, Options, Prelude, build, ids, prelude};
 
 /// How many rays of each kind were traced.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

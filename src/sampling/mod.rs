@@ -51,3 +51,14 @@ pub trait Sampler {
     /// Two numbers that are stratified together where the sampler stratifies.
     fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2];
 }
+
+/// TEMP until the samplers are merged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SamplerKind {
+    /// Owen-scrambled Sobol.
+    #[default]
+    Sobol,
+    /// Independent.
+    Independent,
+}
