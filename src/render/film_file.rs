@@ -5,7 +5,8 @@ use crate::film::Film;
 use std::path::Path;
 pub fn write(path: &Path, provenance: &serde_json::Value, film: &Film) -> Result<()> {
     let text = serde_json::to_vec(&(provenance, film)).map_err(|e| Error::write(path, e))?;
-    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")).join(".")).map_err(|e| Error::write(path, e))?;
+    let mut file =
+        tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")).join(".")).map_err(|e| Error::write(path, e))?;
     std::io::Write::write_all(&mut file, &text).map_err(|e| Error::write(path, e))?;
     file.persist(path).map_err(|e| Error::write(path, e))?;
     Ok(())
