@@ -61,6 +61,7 @@ impl Scene {
         info.instances = description.instances.len();
         info.ignored = description.ignored;
         info.warnings = warnings;
+        (info.centre, info.scale) = (rebase.centre, rebase.scale);
         info.prepare_seconds = prepare_seconds;
         info.accel_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
         info.accel_bytes = accel.bytes();

@@ -29,6 +29,10 @@ pub struct SceneInfo {
     pub ignored: Vec<String>,
     /// What was made up because the file does not say it.
     pub warnings: Vec<String>,
+    /// The point of the file that is the origin of the scene's own coordinates.
+    pub centre: glam::DVec3,
+    /// Scene units per file unit.
+    pub scale: f64,
     /// Seconds spent on building everything but the acceleration structure.
     pub prepare_seconds: f64,
     /// Seconds spent on building the acceleration structure.
