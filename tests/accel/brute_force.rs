@@ -12,13 +12,13 @@ const ROUNDING: f64 = f32::EPSILON as f64 * 0.5;
 
 /// A triangle that a ray passes, or grazes.
 #[derive(Debug, Clone, Copy)]
-pub struct Candidate {
-    pub hit: Hit,
-    pub t: f64,
+pub(crate) struct Candidate {
+    pub(crate) hit: Hit,
+    pub(crate) t: f64,
     /// How far `t` may be off in a backend.
-    pub t_error: f64,
+    pub(crate) t_error: f64,
     /// Whether a backend has to find it.
-    pub clear: bool,
+    pub(crate) clear: bool,
 }
 
 struct Placed {
@@ -29,10 +29,10 @@ struct Placed {
     translation: f64,
 }
 
-pub struct BruteForce(Vec<Placed>);
+pub(crate) struct BruteForce(Vec<Placed>);
 
 impl BruteForce {
-    pub fn new(geometry: &Geometry) -> Self {
+    pub(crate) fn new(geometry: &Geometry) -> Self {
         let mut triangles = Vec::new();
         for (object, o) in (0..).zip(&geometry.objects) {
             let mesh = geometry.mesh_of(object);
@@ -48,7 +48,7 @@ impl BruteForce {
     }
 
     /// All triangles that `ray` passes or grazes and that `accepts` lets through, in no order.
-    pub fn candidates(&self, ray: &Ray, accepts: impl Fn(Hit) -> bool) -> Vec<Candidate> {
+    pub(crate) fn candidates(&self, ray: &Ray, accepts: impl Fn(Hit) -> bool) -> Vec<Candidate> {
         self.0.iter().filter(|placed| accepts(placed.hit)).filter_map(|placed| placed.meet(ray)).collect()
     }
 }
@@ -70,7 +70,7 @@ impl Placed {
         let mut worst = 0.0f64;
         for (p, q) in [(a, b), (b, c), (c, a)] {
             let across = (q - p) - d * (q - p).dot(d);
-            let distance = d.dot((q - p).cross(o - p)) / across.length() * -facing.signum();
+            let distance = d.dot((q - p).cross(o - p)) / across.length() * facing.signum();
             let error = self.displacement(o) * (q - p).length() / across.length();
             inside &= distance >= -error;
             clear &= distance > error;
@@ -97,7 +97,7 @@ impl Placed {
 }
 
 /// Why `answer` is wrong for a ray with these candidates; `None` if it is right.
-pub fn fault(answer: Option<Hit>, candidates: &[Candidate]) -> Option<String> {
+pub(crate) fn fault(answer: Option<Hit>, candidates: &[Candidate]) -> Option<String> {
     let mut limit = f64::INFINITY;
     if let Some(hit) = answer {
         match candidates.iter().find(|candidate| candidate.hit == hit) {
@@ -109,8 +109,8 @@ pub fn fault(answer: Option<Hit>, candidates: &[Candidate]) -> Option<String> {
     missed.map(|missed| format!("{missed:?} is nearer than {answer:?}"))
 }
 
-/// The nearest candidate, if it is beyond doubt.
-pub fn nearest(candidates: &[Candidate]) -> Option<Hit> {
+/// The nearest candidate, whether a backend has to find it or not.
+pub(crate) fn nearest(candidates: &[Candidate]) -> Option<Hit> {
     candidates.iter().min_by(|a, b| a.t.total_cmp(&b.t)).map(|candidate| candidate.hit)
 }
 

@@ -9,10 +9,10 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 /// SplitMix64 [Steele14].
-pub struct Random(pub u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    pub fn bits(&mut self) -> u64 {
+    pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -20,17 +20,17 @@ impl Random {
     }
 
     /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f32 {
+    pub(crate) fn unit(&mut self) -> f32 {
         (self.bits() >> 40) as f32 / (1u32 << 24) as f32
     }
 
     /// Uniform below `n`.
-    pub fn below(&mut self, n: usize) -> usize {
+    pub(crate) fn below(&mut self, n: usize) -> usize {
         (self.bits() % n as u64) as usize
     }
 
     /// Uniform on the unit sphere.
-    pub fn direction(&mut self) -> Vec3 {
+    pub(crate) fn direction(&mut self) -> Vec3 {
         let z = 1.0 - 2.0 * self.unit();
         let (sin, cos) = (TAU * self.unit()).sin_cos();
         let r = (1.0 - z * z).max(0.0).sqrt();
@@ -38,27 +38,27 @@ impl Random {
     }
 
     /// Uniform in a cube around the origin.
-    pub fn in_cube(&mut self, half: f32) -> Vec3 {
+    pub(crate) fn in_cube(&mut self, half: f32) -> Vec3 {
         Vec3::new(self.unit(), self.unit(), self.unit()) * (2.0 * half) - Vec3::splat(half)
     }
 
     /// A ray between two points of a cube, its direction not of unit length.
-    pub fn ray(&mut self, half: f32) -> Ray {
+    pub(crate) fn ray(&mut self, half: f32) -> Ray {
         let origin = self.in_cube(half);
         Ray::new(origin, self.in_cube(half) - origin)
     }
 }
 
-pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Arc<TriangleMesh> {
+pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Arc<TriangleMesh> {
     Arc::new(TriangleMesh::new("test", positions, triangles, Attributes::default()).expect("valid"))
 }
 
-pub fn triangle() -> Arc<TriangleMesh> {
+pub(crate) fn triangle() -> Arc<TriangleMesh> {
     mesh(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])
 }
 
 /// An icosahedron whose faces are split into four `levels` times, its vertices on a sphere.
-pub fn icosphere(levels: u32, radius: f32, center: Vec3) -> Arc<TriangleMesh> {
+pub(crate) fn icosphere(levels: u32, radius: f32, center: Vec3) -> Arc<TriangleMesh> {
     let g = (1.0 + 5.0f32.sqrt()) / 2.0;
     let mut points: Vec<Vec3> = (0..3)
         .flat_map(|axis| [(1.0, g), (1.0, -g), (-1.0, g), (-1.0, -g)].map(|(a, b)| rotated([0.0, a, b], axis).normalize()))
@@ -100,14 +100,14 @@ fn split(points: &mut Vec<Vec3>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
 }
 
 /// Objects of one mesh each.
-pub fn scene_of(meshes: Vec<Arc<TriangleMesh>>, objects: Vec<(u32, Option<Affine3A>, bool)>) -> Geometry {
+pub(crate) fn scene_of(meshes: Vec<Arc<TriangleMesh>>, objects: Vec<(u32, Option<Affine3A>, bool)>) -> Geometry {
     let objects = objects.into_iter().map(|(mesh, placement, filtered)| Object { mesh, placement, filtered }).collect();
     Geometry { meshes, objects }
 }
 
 /// A 3×3×3 grid of turned, sheared, stretched, shrunk and mirrored icosahedra of radius up to 1 around the origin, the same
 /// mesh once more where it is, and a large triangle; every third object is filtered.
-pub fn placed_cube() -> Geometry {
+pub(crate) fn placed_cube() -> Geometry {
     let mut random = Random(7);
     let floor = mesh(vec![Vec3::new(-9.0, -3.0, -9.0), Vec3::new(9.0, -3.0, -9.0), Vec3::new(0.0, -3.0, 12.0)], vec![[0, 1, 2]]);
     let mut objects = vec![(0, None, true), (1, None, false)];
@@ -123,8 +123,8 @@ pub fn placed_cube() -> Geometry {
     scene_of(vec![icosphere(0, 0.8, Vec3::ZERO), floor], objects)
 }
 
-pub fn embree(geometry: &Geometry, build: Build) -> Scene {
+pub(crate) fn embree(geometry: &Geometry, build: Build) -> Scene {
     Scene::build(geometry, build, 1).expect("builds")
 }
 
-pub const BUILDS: [Build; 4] = [Build::Fast, Build::Robust, Build::Compact, Build::High];
+pub(crate) const BUILDS: [Build; 4] = [Build::Fast, Build::Robust, Build::Compact, Build::High];

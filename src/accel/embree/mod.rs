@@ -144,3 +144,27 @@ fn placed_bounds(index: usize, object: &Object, mesh: &TriangleMesh) -> Result<B
     // Not `any`: a bound that overflowed to NaN must fail too.
     if reach.iter().all(|&r| r < REACH) { Ok(world) } else { fail("reaches beyond ±1.8e18") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Attributes, Opaque};
+    use glam::Affine3A;
+
+    #[test]
+    fn a_dropped_scene_gives_everything_back() {
+        let triangle = TriangleMesh::new("t", vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]], Attributes::default());
+        let mesh = Arc::new(triangle.expect("valid"));
+        let object = |placement| Object { mesh: 0, placement, filtered: true };
+        let placed = object(Some(Affine3A::from_translation(Vec3::Z)));
+        let objects = vec![object(None), placed.clone(), placed];
+        let geometry = Geometry { meshes: vec![Arc::clone(&mesh)], objects };
+        let scene = Scene::build(&geometry, Build::Robust, 1).expect("builds");
+        drop(geometry);
+        assert!(scene.occluded(&Ray::new(Vec3::new(0.2, 0.2, 2.0), Vec3::NEG_Z), &Opaque), "it keeps what it reads");
+        assert!(scene.bytes() > 0 && Arc::strong_count(&mesh) > 1);
+        let device = Arc::clone(&scene.device);
+        drop(scene);
+        assert_eq!((device.bytes(), Arc::strong_count(&mesh), Arc::strong_count(&device)), (0, 1, 1));
+    }
+}
