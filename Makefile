@@ -18,15 +18,15 @@ demo: build ## render scenes/cornell-box to out/cornell-box.exr and .png
 	@mkdir -p out
 	@$(CARGO) run --release --locked --quiet -- render scenes/cornell-box/scene.gltf --spp 256 --png --output out/cornell-box.exr
 
-# Cheapest first. The dependencies are compiled once for clippy and once for the tests; only étendue itself is built
-# again without Embree.
+# Dependencies are compiled once for clippy and once for the tests, and only étendue itself is built again without Embree:
+# --workspace everywhere, since without it the features of shared dependencies change and all of them are built anew.
 test: setup ## format, lints, architecture, all tests with and without Embree, documentation
 	$(CARGO) fmt --all --check
 	$(CARGO) test --locked --test architecture
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	$(CARGO) clippy --locked --all-targets --no-default-features -- -D warnings
+	$(CARGO) clippy --locked --workspace --all-targets --no-default-features -- -D warnings
 	$(CARGO) test --locked --workspace
-	$(CARGO) test --locked --no-default-features
+	$(CARGO) test --locked --workspace --no-default-features
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 
 test-deep: setup scenes ## all tests, those that render for minutes included

@@ -88,16 +88,20 @@ impl Source {
 }
 
 /// Every `.rs` file under `folder` of the project at `root`, in the order of their paths.
+///
+/// # Panics
+/// If something there cannot be read.
 pub(crate) fn read_folder(root: &Path, folder: &str) -> Vec<Source> {
-    let mut names: Vec<_> =
-        std::fs::read_dir(root.join(folder)).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    let entries = std::fs::read_dir(root.join(folder)).unwrap_or_else(|e| panic!("{folder}: {e}"));
+    let mut names: Vec<_> = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     let mut sources = Vec::new();
     for path in names.iter().map(|name| format!("{folder}/{name}")) {
         if root.join(&path).is_dir() {
             sources.extend(read_folder(root, &path));
         } else if path.ends_with(".rs") {
-            sources.push(Source::new(&path, &std::fs::read_to_string(root.join(&path)).unwrap()));
+            let text = std::fs::read_to_string(root.join(&path)).unwrap_or_else(|e| panic!("{path}: {e}"));
+            sources.push(Source::new(&path, &text));
         }
     }
     sources
