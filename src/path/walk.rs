@@ -5,6 +5,7 @@
 
 use crate::bsdf::ShadingSample;
 use crate::geometry::{MediumId, Ray, SurfacePoint};
+use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -84,7 +85,7 @@ impl<'a> Walk<'a> {
                 return self.reach(point, tally);
             }
             // What is left of u is uniform again: one number serves all surfaces of the edge.
-            u = ((u - alpha) / (1.0 - alpha)).min(1.0f32.next_down());
+            u = ((u - alpha) / (1.0 - alpha)).min(BELOW_ONE);
             self.absorb(point.t);
             self.ray = Ray { medium: self.ray.medium, time: self.ray.time, ..point.spawn(self.ray.direction) };
             match self.scene.intersect(&self.ray) {
