@@ -109,8 +109,10 @@ fn cameras_keep_f64() {
 
 #[test]
 fn punctual_lights_keep_their_numbers() {
+    let at = |light: u32| json!({ "translation": [0, 1, 0], "extensions": { "KHR_lights_punctual": { "light": light } } });
+    let nodes = [0, 1, 2].map(at);
     let file = File::triangle(json!({
-        "nodes": [0, 1, 2].map(|l| json!({ "translation": [0, 1, 0], "extensions": { "KHR_lights_punctual": { "light": l } } })),
+        "nodes": nodes,
         "extensionsUsed": ["KHR_lights_punctual"],
         "extensions": { "KHR_lights_punctual": { "lights": [
             { "type": "point", "intensity": 8, "color": [1, 0.5, 0], "range": 3 },
