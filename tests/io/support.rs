@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// The folder of shared assets, if this machine has it.
-pub fn shared(folder: &str) -> Option<PathBuf> {
+pub(crate) fn shared(folder: &str) -> Option<PathBuf> {
     let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared");
     let shared = std::env::var_os("ETENDUE_SHARED").map_or_else(beside, PathBuf::from);
     let path = shared.join("scenes").join(folder);
@@ -19,19 +19,19 @@ pub fn shared(folder: &str) -> Option<PathBuf> {
 }
 
 /// A file with one buffer.
-pub struct File {
-    pub json: Value,
-    pub bytes: Vec<u8>,
+pub(crate) struct File {
+    pub(crate) json: Value,
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl File {
     /// A file without anything in it.
-    pub fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         File { json: json!({ "asset": { "version": "2.0" }, "accessors": [], "bufferViews": [] }), bytes: Vec::new() }
     }
 
     /// A file with one node `n` that holds mesh `m` with one primitive: `positions`, and `more` merged into it.
-    pub fn mesh(positions: &[[f32; 3]], more: impl FnOnce(&mut File) -> Value) -> Self {
+    pub(crate) fn mesh(positions: &[[f32; 3]], more: impl FnOnce(&mut File) -> Value) -> Self {
         let mut file = File::empty();
         let accessor = file.accessor(5126, "VEC3", positions.len(), bytemuck::cast_slice(positions));
         let mut primitive = json!({ "attributes": { "POSITION": accessor } });
@@ -44,21 +44,21 @@ impl File {
     }
 
     /// A file with one triangle, and `more` merged into its JSON.
-    pub fn triangle(more: Value) -> Self {
+    pub(crate) fn triangle(more: Value) -> Self {
         let mut file = File::mesh(&TRIANGLE, |_| json!({}));
         merge(&mut file.json, more);
         file
     }
 
     /// Adds a buffer view; its index.
-    pub fn view(&mut self, bytes: &[u8]) -> usize {
+    pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
         let view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
         self.bytes.extend_from_slice(bytes);
         push(&mut self.json["bufferViews"], view)
     }
 
     /// Adds an accessor with its own buffer view; its index.
-    pub fn accessor(&mut self, component: u32, shape: &str, count: usize, bytes: &[u8]) -> usize {
+    pub(crate) fn accessor(&mut self, component: u32, shape: &str, count: usize, bytes: &[u8]) -> usize {
         let view = self.view(bytes);
         push(
             &mut self.json["accessors"],
@@ -67,7 +67,7 @@ impl File {
     }
 
     /// The bytes of a `.glb`.
-    pub fn glb(&self) -> Vec<u8> {
+    pub(crate) fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         if !self.bytes.is_empty() && json.get("buffers").is_none() {
             json["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
@@ -76,34 +76,34 @@ impl File {
     }
 
     /// What the loader says to this file.
-    pub fn load(&self) -> Result<Description> {
+    pub(crate) fn load(&self) -> Result<Description> {
         load_bytes("scene.glb", &self.glb())
     }
 
     /// The only primitive of this file, if it is valid.
-    pub fn primitive(&self) -> Primitive {
+    pub(crate) fn primitive(&self) -> Primitive {
         let mut description = self.load().expect("a valid file");
         assert_eq!((description.meshes.len(), description.meshes[0].primitives.len()), (1, 1));
         description.meshes.remove(0).primitives.remove(0)
     }
 
     /// The sentence of the error that this file must be, without its path.
-    pub fn error(&self) -> String {
+    pub(crate) fn error(&self) -> String {
         sentence("scene.glb", self.load())
     }
 }
 
-pub const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+pub(crate) const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 /// Adds an element to a JSON array; its index.
-pub fn push(array: &mut Value, element: Value) -> usize {
+pub(crate) fn push(array: &mut Value, element: Value) -> usize {
     let array = array.as_array_mut().expect("an array");
     array.push(element);
     array.len() - 1
 }
 
 /// Sets the keys of `more` in `into`, objects within objects too.
-pub fn merge(into: &mut Value, more: Value) {
+pub(crate) fn merge(into: &mut Value, more: Value) {
     match (into, more) {
         (Value::Object(into), Value::Object(more)) => {
             more.into_iter().for_each(|(key, value)| merge(into.entry(key).or_insert(Value::Null), value));
@@ -113,7 +113,7 @@ pub fn merge(into: &mut Value, more: Value) {
 }
 
 /// The binary container around a JSON and a binary chunk.
-pub fn glb(json: &[u8], binary: Option<&[u8]>) -> Vec<u8> {
+pub(crate) fn glb(json: &[u8], binary: Option<&[u8]>) -> Vec<u8> {
     let chunk = |kind: &[u8], bytes: &[u8], fill: u8| {
         let mut padded = bytes.to_vec();
         padded.resize(bytes.len().next_multiple_of(4), fill);
@@ -125,7 +125,7 @@ pub fn glb(json: &[u8], binary: Option<&[u8]>) -> Vec<u8> {
 }
 
 /// What the loader says to a file of that name and contents, alone in its folder.
-pub fn load_bytes(name: &str, bytes: &[u8]) -> Result<Description> {
+pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Description> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).expect("a written file");
@@ -133,7 +133,7 @@ pub fn load_bytes(name: &str, bytes: &[u8]) -> Result<Description> {
 }
 
 /// The sentence of an error of class scene, checked to be one line that names the file.
-pub fn sentence(name: &str, result: Result<Description>) -> String {
+pub(crate) fn sentence(name: &str, result: Result<Description>) -> String {
     let error = result.expect_err("an error");
     assert_eq!(error.kind, Kind::Scene, "{error}");
     let chain = error.chain();

@@ -82,10 +82,9 @@ impl Document {
 
     /// Zeros take no bytes in the file: as many as it has bytes in all are believed, so that memory stays in proportion.
     fn count_without_bytes(&self, count: u64) -> Result<usize> {
-        let bytes: usize = self.buffers.iter().flatten().map(Vec::len).sum();
         usize::try_from(count)
             .ok()
-            .filter(|&count| count <= bytes)
+            .filter(|&count| count <= self.size)
             .ok_or_else(|| Error::scene(format!("{count} elements without data are more than the file has bytes")))
     }
 }

@@ -30,6 +30,8 @@ pub(super) struct Document {
     pub(super) raw: Value,
     /// The bytes of each buffer; `None` where neither a URI nor the binary chunk gives any.
     pub(super) buffers: Vec<Option<Vec<u8>>>,
+    /// Bytes of the file and its buffers.
+    pub(super) size: usize,
     /// The directory that relative URIs start from.
     pub(super) base: PathBuf,
     /// Whether the file has animations.
@@ -46,15 +48,15 @@ impl Document {
         let mut raw: Value = serde_json::from_slice(text).map_err(|e| Error::scene("the JSON is not valid").because(e))?;
         check_version(&raw["asset"])?;
         check_required(&raw["extensionsRequired"])?;
+        let animated = forget_animations(&mut raw);
         allow_empty_scenes(&mut raw);
-        // Read from the text again only to say where the defect is.
-        let mut root = Root::deserialize(&raw)
-            .map_err(|e| Error::scene("the glTF is not valid").because(Root::from_slice(text).err().unwrap_or(e)))?;
-        let animated = !root.animations.is_empty();
-        forget_motion(&mut root);
+        write_integers_as_such(&mut raw);
+        let mut root = Root::deserialize(&raw).map_err(|e| Error::scene("the glTF is not valid").because(located(e, text)))?;
+        forget_skins(&mut root);
         validate(&root)?;
         let buffers = read_buffers(&root, base, binary)?;
-        Ok(Document { root, raw, buffers, base: base.to_path_buf(), animated })
+        let size = file.len() + buffers.iter().flatten().map(Vec::len).sum::<usize>();
+        Ok(Document { root, raw, buffers, size, base: base.to_path_buf(), animated })
     }
 
     /// The bytes of a buffer view.
@@ -116,9 +118,40 @@ fn allow_empty_scenes(raw: &mut Value) {
     }
 }
 
-/// Drops animations, so that defects in what is not shown do not keep the file from being shown.
-fn forget_motion(root: &mut Root) {
-    root.animations.clear();
+/// Drops animations, so that defects in what is not shown do not keep the file from being shown. Whether there were any.
+fn forget_animations(raw: &mut Value) -> bool {
+    let animations = raw.as_object_mut().and_then(|root| root.remove("animations"));
+    animations.is_some_and(|a| a.as_array().is_some_and(|a| !a.is_empty()))
+}
+
+/// Drops skins for the same reason.
+fn forget_skins(root: &mut Root) {
+    root.skins.clear();
+    root.nodes.iter_mut().for_each(|node| node.skin = None);
+}
+
+/// To JSON 1 and 1.0 are one number, but the crate wants indices without the point. Recursion is bounded by the parser.
+fn write_integers_as_such(value: &mut Value) {
+    match value {
+        Value::Array(elements) => elements.iter_mut().for_each(write_integers_as_such),
+        Value::Object(members) => members.values_mut().for_each(write_integers_as_such),
+        Value::Number(number) => {
+            let exact = number.as_f64().filter(|x| x.is_sign_positive() && x.fract() == 0.0 && *x <= LARGEST_INTEGER);
+            if let Some(integer) = exact.filter(|_| number.is_f64()) {
+                *value = Value::from(integer as u64);
+            }
+        }
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+/// The end of the range in which f64 has every integer.
+const LARGEST_INTEGER: f64 = (1u64 << f64::MANTISSA_DIGITS) as f64;
+
+/// The same defect with its line and column, if the text as it stands has it too.
+fn located(defect: serde_json::Error, text: &[u8]) -> serde_json::Error {
+    let same = |again: &serde_json::Error| again.to_string().starts_with(&defect.to_string());
+    Root::from_slice(text).err().filter(same).unwrap_or(defect)
 }
 
 fn validate(root: &Root) -> Result<()> {
@@ -148,7 +181,8 @@ fn tolerated(path: &str, defect: Defect) -> bool {
     let positions = path.contains(".attributes[\"POSITION\"]");
     match defect {
         Defect::Unsupported => path.starts_with("extensionsRequired"),
-        Defect::Missing => positions || (path.starts_with("textures[") && path.ends_with(".source")),
+        // An accessor without data is all zeros; a texture may have its image in an extension that is not read.
+        Defect::Missing => positions || path.ends_with("].bufferView") || path.ends_with("].source"),
         Defect::Invalid => positions && (path.ends_with(".min") || path.ends_with(".max")),
         Defect::IndexOutOfBounds | Defect::Oversize => false,
     }

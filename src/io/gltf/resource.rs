@@ -1,4 +1,4 @@
-//! Bytes from URIs: base64 data, or files beside the scene. Nothing is ever fetched from a network.
+//! Bytes from URIs: data URIs, or files beside the scene. Nothing is ever fetched from a network.
 
 use crate::error::{Error, Kind, Result};
 use std::fs::File;
@@ -23,7 +23,7 @@ pub(super) fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What `uri` means: base64 data, or at most `limit` bytes of a file relative to the directory `base`.
+/// What `uri` means: the data in it, or at most `limit` bytes of a file relative to the directory `base`.
 ///
 /// # Errors
 /// A scene error if the URI is malformed, names a scheme other than `data:`, is absolute, or its file cannot be read.
@@ -36,6 +36,10 @@ pub(super) fn read_uri(base: &Path, uri: &str, limit: u64) -> Result<Vec<u8>> {
 }
 
 fn read_data(uri: &str) -> Result<Vec<u8>> {
+    let plain = uri.split_once(',').filter(|(head, _)| !head.ends_with(";base64"));
+    if let Some((_, contents)) = plain {
+        return percent_decoded(contents).ok_or_else(|| Error::scene("a data URI is not valid"));
+    }
     // The crate's own reader, which has the base64 decoder.
     let data = ::gltf::buffer::Data::from_source(::gltf::buffer::Source::Uri(uri), None);
     data.map(|data| data.0).map_err(|e| Error::scene("a data URI is not valid base64").because(e))
@@ -50,14 +54,16 @@ fn scheme(uri: &str) -> Option<&str> {
 }
 
 fn relative_path(uri: &str) -> Result<String> {
-    let path = percent_decoded(uri).ok_or_else(|| Error::scene(format!("the URI '{uri}' is not valid")))?;
+    let path = percent_decoded(uri)
+        .and_then(|bytes| String::from_utf8(bytes).ok())
+        .ok_or_else(|| Error::scene(format!("the URI '{uri}' is not valid")))?;
     if path.is_empty() || Path::new(&path).has_root() {
         return Err(Error::scene(format!("the URI '{uri}' is not a relative path")));
     }
     Ok(path)
 }
 
-fn percent_decoded(uri: &str) -> Option<String> {
+fn percent_decoded(uri: &str) -> Option<Vec<u8>> {
     let mut parts = uri.split('%');
     let mut bytes = parts.next()?.as_bytes().to_vec();
     for part in parts {
@@ -65,7 +71,7 @@ fn percent_decoded(uri: &str) -> Option<String> {
         bytes.push(u8::from_str_radix(code, 16).ok().filter(|_| !code.starts_with('+'))?);
         bytes.extend_from_slice(rest.as_bytes());
     }
-    String::from_utf8(bytes).ok()
+    Some(bytes)
 }
 
 #[cfg(test)]
@@ -74,11 +80,14 @@ mod tests {
 
     #[test]
     fn percent_decoding_follows_rfc_3986() {
-        assert_eq!(percent_decoded("a%20b%C3%A9").as_deref(), Some("a bé"));
-        assert_eq!(percent_decoded("plain.bin").as_deref(), Some("plain.bin"));
-        for bad in ["%", "%2", "%zz", "%+1", "%ff", "%é"] {
+        assert_eq!(percent_decoded("a%20b%C3%A9%ff"), Some(b"a b\xc3\xa9\xff".to_vec()));
+        assert_eq!(percent_decoded("plain.bin").as_deref(), Some(&b"plain.bin"[..]));
+        for bad in ["%", "%2", "%zz", "%+1", "%é"] {
             assert_eq!(percent_decoded(bad), None, "{bad}");
         }
+        assert_eq!(read_data("data:application/octet-stream,%00a").ok(), Some(b"\0a".to_vec()));
+        assert_eq!(relative_path("a%20b%C3%A9").ok().as_deref(), Some("a bé"));
+        assert!(relative_path("%ff").is_err());
     }
 
     #[test]
