@@ -13,6 +13,9 @@ use std::time::{Duration, Instant};
 pub(super) fn run(session: &mut Session<'_>, console: Console, film: Option<&Path>) -> Result<Ended> {
     let cancel = Cancel::new();
     heed_signals(&cancel)?;
+    let (settings, plan) = (&session.provenance().settings, session.provenance().plan);
+    let amount = plan.count().map_or_else(String::new, |passes| format!(", {passes} samples per pixel"));
+    console.note(&format!("rendering {}x{}{amount}", settings.width, settings.height));
     session.run(&cancel, &mut *observer(console), film.map(Checkpoint::new))
 }
 

@@ -1,6 +1,7 @@
 //! What the machine offers and what this process has used of it.
 
 use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Wall-clock and processor time since a moment.
@@ -56,9 +57,20 @@ pub fn peak_memory() -> Option<u64> {
     kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Memory that can still be had, in bytes; `None` where the system does not say.
+/// Memory that can still be had, in bytes: what is free, within the limits of the control groups. `None` where the system
+/// does not say.
 pub fn available_memory() -> Option<u64> {
-    kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
+    let free = kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
+    Some(cgroup_room().map_or(free, |room| room.min(free)))
+}
+
+/// What the tightest control group (version 2) around this process has left, if one has a limit.
+fn cgroup_room() -> Option<u64> {
+    let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
+    let own = Path::new("/sys/fs/cgroup").join(groups.lines().find_map(|l| l.strip_prefix("0::/"))?);
+    let number = |file: PathBuf| std::fs::read_to_string(file).ok()?.trim().parse::<u64>().ok();
+    let room = |group: &Path| Some(number(group.join("memory.max"))?.saturating_sub(number(group.join("memory.current"))?));
+    own.ancestors().take_while(|group| group.starts_with("/sys/fs/cgroup")).filter_map(room).min()
 }
 
 fn kilobytes(text: &str, key: &str) -> Option<u64> {

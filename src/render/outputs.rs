@@ -114,27 +114,18 @@ fn folder(path: &Path) -> &Path {
 /// # Errors
 /// The file cannot be written.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+    let mut builder = tempfile::Builder::new();
+    // Temporary files are private to their owner; a file that stays has the permissions of any other.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let write = || -> std::io::Result<()> {
-        let mut file = tempfile::Builder::new().permissions_of_new_files().tempfile_in(folder(path))?;
+        let mut file = builder.tempfile_in(folder(path))?;
         std::io::Write::write_all(&mut file, bytes)?;
         file.as_file().sync_all()?;
         file.persist(path)?;
         Ok(())
     };
     write().map_err(|cause| Error::write(path, cause))
-}
-
-/// Temporary files are private to their owner; files that stay should not be.
-trait NewFilePermissions {
-    fn permissions_of_new_files(&mut self) -> &mut Self;
-}
-
-impl NewFilePermissions for tempfile::Builder<'_, '_> {
-    fn permissions_of_new_files(&mut self) -> &mut Self {
-        #[cfg(unix)]
-        self.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        self
-    }
 }
 
 #[cfg(test)]

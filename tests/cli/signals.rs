@@ -1,7 +1,8 @@
 //! Stopped, killed and resumed.
 
 use crate::run::{Place, Ran, cornell};
-use std::process::{Child, Command};
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, ChildStderr, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -12,26 +13,40 @@ fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap().success());
 }
 
-/// Starts an endless render and waits until it renders: passes are committed from then on.
-fn begun(place: &Place, options: &str) -> Child {
-    let child = place.start(&format!("render {} {ENDLESS} {options}", cornell()));
-    // Signals are heard once the scene is built; there is no other sign of it than time.
-    sleep(Duration::from_secs(2));
-    child
+/// A render that has begun, with what it said on stderr so far.
+struct Begun {
+    child: Child,
+    stderr: BufReader<ChildStderr>,
+    said: String,
 }
 
-fn ended(child: Child) -> Ran {
-    Ran(child.wait_with_output().unwrap())
+/// Starts an endless render and waits until passes are rendered: signals are heard from then on.
+fn begun(place: &Place, options: &str) -> Begun {
+    let mut child = place.start(&format!("render {} {ENDLESS} {options}", cornell()));
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    while !said.contains("etendue: rendering") {
+        assert!(stderr.read_line(&mut said).unwrap() > 0, "{said}");
+    }
+    sleep(Duration::from_millis(300));
+    Begun { child, stderr, said }
+}
+
+fn ended(mut begun: Begun) -> Ran {
+    begun.stderr.read_to_string(&mut begun.said).unwrap();
+    let mut output = begun.child.wait_with_output().unwrap();
+    output.stderr = begun.said.into_bytes();
+    Ran(output)
 }
 
 #[test]
 fn a_stopped_render_resumes_to_the_same_pixels() {
     for name in ["TERM", "INT"] {
         let place = Place::new();
-        let child = begun(&place, "-o x.exr");
+        let begun = begun(&place, "-o x.exr");
         let asked = Instant::now();
-        signal(&child, name);
-        let ran = ended(child);
+        signal(&begun.child, name);
+        let ran = ended(begun);
         ran.fails(75, "etendue resume x.film");
         assert!(asked.elapsed() < Duration::from_secs(10));
         assert!(!place.path("x.exr").exists());
@@ -49,9 +64,9 @@ fn a_killed_render_leaves_old_files_whole() {
     for file in ["x.exr", "x.film"] {
         std::fs::write(place.path(file), "old").unwrap();
     }
-    let child = begun(&place, "-o x.exr --film x.film");
-    signal(&child, "KILL");
-    child.wait_with_output().unwrap();
+    let begun = begun(&place, "-o x.exr --film x.film");
+    signal(&begun.child, "KILL");
+    ended(begun);
     for file in ["x.exr", "x.film"] {
         assert_eq!(std::fs::read(place.path(file)).unwrap(), b"old", "{file}");
     }
