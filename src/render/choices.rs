@@ -57,13 +57,13 @@ pub struct Choices {
     #[serde(rename = "aov")]
     pub aovs: Option<Vec<Aov>>,
     /// Limit each sample to this radiance: less noise, but the image is biased (darker)
-    #[arg(long, value_name = "RADIANCE")]
+    #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
     pub clamp: Option<f32>,
     /// Leave the background out and write coverage as alpha
     #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
     pub transparent: Option<bool>,
     /// Radiance where nothing is hit, instead of the scene's own: one number or R,G,B
-    #[arg(long, value_name = "RADIANCE")]
+    #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
     pub environment: Option<Environment>,
     /// Exposure of PNG images, in stops [default: 0]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
