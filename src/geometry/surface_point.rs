@@ -32,9 +32,9 @@ impl SurfacePoint {
         let meet = triangle.meet(ray)?;
         let (p, error) = triangle.point(meet.barycentric);
         let winding = geometry.winding(hit.object);
-        let ng = (triangle.scaled_normal().normalize() * winding).as_vec3();
+        let ng = (meet.normal * (winding / meet.normal.length())).as_vec3();
         let ns = geometry.shading_normal(hit, meet.barycentric).map_or(ng, |n| facing(n, ng));
-        let TriangleHit { barycentric, t, consistent } = meet;
+        let TriangleHit { barycentric, t, consistent, .. } = meet;
         Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, consistent })
     }
 

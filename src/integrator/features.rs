@@ -1,7 +1,7 @@
 //! What denoisers and compositors want to know of the first thing a camera ray meets. Numbers are addressed, so walking the
 //! path a second time for it meets the same surfaces; renders without these planes pay nothing.
 
-use crate::bsdf::{Lobes, Shading};
+use crate::bsdf::{Bsdf, Lobes, Shading};
 use crate::film::{Layout, Plane};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::path::{Arrival, Tally, Walk};
@@ -42,14 +42,14 @@ fn first_diffuse(scene: &Scene, mut walk: Walk, mut point: SurfacePoint, sampler
     loop {
         let surface = scene.surface(&mut point);
         let wo = -walk.ray.direction;
-        let shading = Shading::new(&point, &surface);
         let normal = if wo.dot(point.frame.n) < 0.0 { -point.frame.n } else { point.frame.n };
         let here = (walk.beta.map(|b: f32| b.min(1.0)) * surface.reflectance(), normal);
-        if shading.lobes().intersects(Lobes::SMOOTH) || walk.depth >= DEEPEST {
+        if surface.lobes().intersects(Lobes::SMOOTH) || walk.depth >= DEEPEST {
             return here;
         }
+        let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return here };
         let [u, v] = sampler.u2(walk.depth, Slot::Direction);
-        let Some(scatter) = shading.sample(wo, Transport::Light, [sampler.u1(walk.depth, Slot::Lobe), u, v]) else { return here };
+        let Some(scatter) = shading.sample([sampler.u1(walk.depth, Slot::Lobe), u, v]) else { return here };
         walk.depart(&point, &scatter, &mut tally);
         match walk.arrive(sampler, &mut tally) {
             Arrival::Surface(next) => point = next,

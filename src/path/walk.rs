@@ -5,6 +5,7 @@
 
 use crate::bsdf::ShadingSample;
 use crate::geometry::{MediumId, Ray, SurfacePoint};
+use crate::light::Receiver;
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
@@ -36,7 +37,7 @@ pub enum Departure {
     /// At the camera.
     Camera,
     /// At a surface point, in a direction of this density.
-    Surface(SurfacePoint, Density),
+    Surface(Receiver, Density),
 }
 
 /// What a walk came to.
@@ -136,7 +137,7 @@ impl<'a> Walk<'a> {
         self.eta2 *= scatter.eta * scatter.eta;
         self.depth += 1;
         let medium = self.medium_toward(point, scatter.direction);
-        self.departure = Departure::Surface(*point, scatter.density);
+        self.departure = Departure::Surface(Receiver::from(point), scatter.density);
         self.ray = Ray { medium, time: self.ray.time, ..point.spawn(scatter.direction) };
     }
 
