@@ -26,7 +26,7 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     /// The point where `ray` meets the primitive `hit`; `None` for a triangle without area or a ray in its plane.
-    #[inline]
+    #[inline(always)] // callers keep the point in registers
     pub fn new(geometry: &Geometry, hit: Hit, ray: &Ray) -> Option<Self> {
         let triangle = geometry.triangle(hit);
         let meet = triangle.meet(ray)?;

@@ -4,7 +4,7 @@
 use crate::bsdf::{Bsdf, Lobes, Shading};
 use crate::film::{Layout, Plane};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::path::{Arrival, Tally, Walk};
+use crate::path::{Tally, Walk};
 use crate::sampling::{Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -24,7 +24,7 @@ pub(super) fn record(scene: &Scene, ray: Ray, sampler: &mut impl Sampler, layout
     };
     let mut tally = Tally::default();
     let mut walk = Walk::new(scene, ray);
-    let Arrival::Surface(first) = walk.arrive(sampler, &mut tally) else { return };
+    let Some(first) = walk.arrive(sampler, &mut tally) else { return };
     put(Plane::Alpha, &[1.0]);
     put(Plane::Depth, &[((first.p - ray.origin).length() as f64 / scene.rebase().scale) as f32]);
     put(Plane::Position, &scene.rebase().point_in_file(first.p.as_dvec3()).as_vec3().to_array());
@@ -52,8 +52,8 @@ fn first_diffuse(scene: &Scene, mut walk: Walk, mut point: SurfacePoint, sampler
         let Some(scatter) = shading.sample([sampler.u1(walk.depth, Slot::Lobe), u, v]) else { return here };
         walk.depart(&point, &scatter, &mut tally);
         match walk.arrive(sampler, &mut tally) {
-            Arrival::Surface(next) => point = next,
-            Arrival::Escaped => return here,
+            Some(next) => point = next,
+            None => return here,
         }
     }
 }

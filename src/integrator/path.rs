@@ -11,7 +11,7 @@ use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::geometry::{Local, Ray, SurfacePoint};
 use crate::light::{End, Light, LightSample, Receiver};
-use crate::path::{Arrival, Departure, Tally, Walk};
+use crate::path::{Departure, Tally, Walk};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -200,10 +200,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         let mut walk = Walk::new(self.scene, ray);
         let mut total = Spectrum::ZERO;
         loop {
-            let mut point = match walk.arrive(sampler, tally) {
-                Arrival::Surface(point) => point,
-                Arrival::Escaped => return total + self.background(&walk),
-            };
+            let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
             total += self.emitted(&walk, &point);
             if walk.depth >= self.max_depth {
                 return total;
