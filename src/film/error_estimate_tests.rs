@@ -36,8 +36,8 @@ fn exponential(random: &mut Random) -> f64 {
     random.exponential()
 }
 
-/// Over independent films the mean estimate is the truth: t test at level 1e-6. The bias bound of the module head is
-/// 3 × 0.01/8 relative here, far below what the test can see of 60 films (about 1 %).
+/// Over independent films the mean estimate is the truth: t test at level 1e-6. The bias of the module head is at most
+/// 3 × 0.01/4 relative here (R = 3), below the 2 % that the test can see.
 #[test]
 fn relmse_and_standard_error_are_unbiased() {
     let layout = Layout::new(16, 16, None, &[]);
@@ -80,16 +80,31 @@ fn covered(films: u64, passes: u64, variance: f64, draw: fn(&mut Random) -> f64)
 #[test]
 fn interval_covers_for_normal_pixels() {
     let hits = covered(500, 4, 0.01, normal);
+    println!("{hits} of 500");
     assert!((hits - 475.0).abs() < 3.9 * (500.0_f64 * 0.95 * 0.05).sqrt(), "{hits} of 500");
 }
 
-/// Exponential samples (relative variance 1), 256 of them: the reference has relative variance 1/128, so the bias bound of the
-/// module head (2.3 %) is a third of the interval's half width at this size and costs up to 5 % of coverage: at least
-/// 90 % must hold, one-sided binomial test at level 1e-4 (3.7 σ).
+/// The same for exponential samples, 64 of them: the residual bias of 28 v² (v = 1/32: 2.7 % of the value) is more than the
+/// statistical half width, and the widened interval holds the truth in at least 95 %: one-sided binomial test at 1e-4 (3.7 σ).
 #[test]
 fn interval_covers_for_skewed_pixels() {
-    let hits = covered(200, 256, 1.0, exponential);
-    assert!(hits > 180.0 - 3.7 * (200.0_f64 * 0.9 * 0.1).sqrt(), "{hits} of 200");
+    let hits = covered(300, 64, 1.0, exponential);
+    println!("{hits} of 300");
+    assert!(hits > 285.0 - 3.7 * (300.0_f64 * 0.95 * 0.05).sqrt(), "{hits} of 300");
+}
+
+/// In noisy images (v = 0.045) the bias is within the 12 v² of the module head (2.4 %), where without correction it would be
+/// 3 v (13 %). The statistical error of 40 films is 0.3 % (6 σ: 2 %).
+#[test]
+fn noise_in_the_denominator_is_corrected() {
+    let layout = Layout::new(32, 32, None, &[]);
+    let draw = |random: &mut Random| 1.0 + 0.3 * random.normal();
+    let found: Moments = (0..40).map(|seed| film(&layout, 4, 4, seed + 5000, draw).image_error().unwrap().relmse.value).collect();
+    let estimate = found.estimate().unwrap();
+    let ratio = estimate.value / true_relmse(&layout, 4, 0.09);
+    println!("bias {:.4} ± {:.4}", ratio - 1.0, estimate.standard_error / estimate.value);
+    let noise = 6.0 * estimate.standard_error / estimate.value;
+    assert!((ratio - 1.0).abs() < 12.0 * 0.045_f64.powi(2) + noise, "{ratio} ± {noise}");
 }
 
 #[test]
@@ -114,7 +129,9 @@ fn edge_images_have_sane_errors() {
     let error = single.image_error().unwrap();
     assert!(error.relmse.high.is_infinite() && (error.mean - 0.5).abs() < f64::EPSILON);
     let json = serde_json::to_string(&error).unwrap();
-    assert_eq!(serde_json::from_str::<ImageError>(&json).unwrap(), error);
+    assert!(json.contains("\"high\":null"), "{json}");
+    let back: ImageError = serde_json::from_str(&json).unwrap();
+    assert!(back.relmse.high.is_infinite() && (back.relmse.value - error.relmse.value).abs() < f64::EPSILON);
 }
 
 /// One outlier pixel is seen as such.

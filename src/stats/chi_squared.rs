@@ -57,7 +57,8 @@ mod tests {
     #[test]
     fn agrees_with_tables() {
         for (statistic, dof, p) in [(3.841_459, 1.0, 0.05), (18.307_04, 10.0, 0.05), (13.276_70, 4.0, 0.01)] {
-            assert!((chi_squared_p_value(statistic, dof) / p - 1.0).abs() < 1e-6);
+            // The tables round the statistic by up to 5e-6, and |d ln p / dχ²| < 0.7 here.
+            assert!((chi_squared_p_value(statistic, dof) / p - 1.0).abs() < 3.5e-6);
         }
     }
 
