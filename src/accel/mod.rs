@@ -1,7 +1,8 @@
 //! Which primitive does a ray hit: one trait, one enum of backends. To add a backend, write one file that implements
 //! [`Intersector`] and give it a variant in [`Accel`].
 
-// pub mod embree;
+#[cfg(feature = "embree")]
+pub mod embree;
 
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
@@ -53,6 +54,14 @@ impl Accel {
         }
     }
 
+    /// Bytes that the acceleration structure takes, as far as the backend tells.
+    pub fn bytes(&self) -> usize {
+        match *self {
+            #[cfg(feature = "embree")]
+            Accel::Embree(ref scene) => scene.bytes(),
+        }
+    }
+
     /// The backend's name, as reports show it.
     pub fn name(&self) -> &'static str {
         match *self {
@@ -62,6 +71,8 @@ impl Accel {
     }
 }
 
+// Without a backend the enum is empty and no argument is looked at.
+#[cfg_attr(not(feature = "embree"), allow(unused_variables))]
 impl Intersector for Accel {
     #[inline]
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {

@@ -56,7 +56,7 @@ impl MetallicRoughness {
             };
         }
         if self.metallic <= 0.0 && self.transmission <= 0.0 && self.specular <= 0.0 {
-            return Surface::Lambert(Lambert { albedo: self.base });
+            return if self.base.is_black() { Surface::Black } else { Surface::Lambert(Lambert { albedo: self.base }) };
         }
         Surface::Gltf(self.mixture(ggx, layer))
     }

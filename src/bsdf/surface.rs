@@ -24,6 +24,12 @@ pub enum Surface {
 }
 
 impl Surface {
+    /// Whether [`Bsdf::sample`] has no lobe to choose, so that it does not look at its first number.
+    #[inline]
+    pub fn is_single_lobe(&self) -> bool {
+        matches!(self, Surface::Black | Surface::Lambert(_) | Surface::Conductor(_))
+    }
+
     /// The colour of the surface for denoisers and people, 0 to 1: the base colour where the model has one.
     pub fn reflectance(&self) -> Spectrum {
         match self {

@@ -1,6 +1,91 @@
-//! The command line: one file a subcommand.
+//! The command line: one file a subcommand. Each loads, calls `render/` and tells people what happened; results go to
+//! stdout, everything else to stderr.
+
+mod args;
+mod console;
+mod finish;
+mod info;
+mod merge;
+mod progress;
+mod render;
+mod resume;
+mod startup;
+
+use crate::error::Result;
+use clap::{Parser, Subcommand};
+use console::Console;
+use std::process::ExitCode;
+
+/// The `etendue` command.
+#[derive(Debug, Parser)]
+#[command(
+    name = "etendue",
+    version = startup::version(),
+    about = "A physically based renderer: glTF in, EXR out, and every image carries its error",
+    after_help = EXAMPLES,
+    max_term_width = 110
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a glTF scene to an image
+    Render(Box<render::Args>),
+    /// Say what is in a scene, what of it is ignored and what rendering it takes
+    Info(info::Args),
+    /// Make one image or film of several films of the same picture
+    Merge(merge::Args),
+    /// Go on with a film that was stopped, or add samples to it
+    Resume(resume::Args),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  etendue render cup.glb                          64 samples per pixel, writes cup.exr
+  etendue render cup.glb -o cup.png --time 30s    a picture to look at, after half a minute
+  etendue render cup.glb --shard 0/4 -o 0.film    one of four shares of the work, on any machine
+  etendue merge 0.film 1.film 2.film 3.film -o cup.exr
+  etendue resume cup.film --spp 1024              more samples, as if asked for at once
+
+Exit codes:
+  0 done   1 internal error   2 usage   3 scene invalid   4 output cannot be written
+  6 non-finite samples (with --fail-on-nonfinite)   33 out of memory   75 stopped, with a film to resume";
 
 /// Runs the program on the process's arguments.
-pub fn run() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+pub fn run() -> ExitCode {
+    startup::report_panics();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(refusal) => return startup::refuse(&refusal),
+    };
+    let outcome = std::panic::catch_unwind(|| startup::check_processor().and_then(|()| execute(cli.command)));
+    match outcome {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error)) => {
+            console::error(&error.chain());
+            ExitCode::from(error.kind.exit_code())
+        }
+        // The panic hook has told what happened.
+        Err(_) => ExitCode::from(crate::error::Kind::Internal.exit_code()),
+    }
+}
+
+fn execute(command: Command) -> Result<()> {
+    match command {
+        Command::Render(args) => render::run(*args),
+        Command::Info(args) => info::run(args),
+        Command::Merge(args) => merge::run(args),
+        Command::Resume(args) => resume::run(args),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_command_line_is_consistent() {
+        <super::Cli as clap::CommandFactory>::command().debug_assert();
+    }
 }

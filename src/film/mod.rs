@@ -1,13 +1,19 @@
 //! The film: order-free integer sums per replicate, so that the picture does not depend on threads, shards or resumption.
 
-//mod accumulate;
-//mod error_estimate;
-//mod filter;
+mod accumulate;
+mod error_estimate;
+mod filter;
 mod layout;
-//mod pass_set;
+mod pass_film;
+mod pass_set;
+mod sums;
+mod units;
 
-//pub use accumulate::{Film, PassFilm};
-//pub use error_estimate::{ImageError, RelMse};
-//pub use filter::{Filter, FilterSampler};
+pub use accumulate::Film;
+pub use error_estimate::{ImageError, RelMse};
+pub use filter::{Filter, FilterSampler};
 pub use layout::{Crop, Layout, Plane};
-//pub use pass_set::PassSet;
+pub use pass_film::PassFilm;
+pub use pass_set::PassSet;
+pub(crate) use sums::Sums;
+pub use units::Units;

@@ -1,1 +1,6 @@
-//! (in work)
+//! Files: what étendue reads and writes.
+
+pub mod atomic;
+pub mod exr;
+pub mod gltf;
+pub mod png;

@@ -1,1 +1,34 @@
-//! (in work)
+//! Rendering as an operation: what was asked for ([`Choices`], resolved to [`Settings`] and a [`Plan`]), a [`Session`]
+//! that runs whole passes into a film until the plan or a budget is met, and what it leaves behind: film files with
+//! their [`Provenance`], images, a [`Report`]. A film is a set of passes, so resuming, sharding and merging are set
+//! operations: see [`mod@merge`]. Nothing in here knows how light travels.
+
+mod aov;
+pub mod checkpoint;
+mod choices;
+pub mod film_file;
+pub mod images;
+pub mod machine;
+pub mod merge;
+mod outputs;
+mod plan;
+mod progress;
+mod provenance;
+mod report;
+mod session;
+mod settings;
+mod stage;
+mod text;
+
+pub use aov::Aov;
+pub use checkpoint::Checkpoint;
+pub use choices::{Choices, Look};
+pub use outputs::{Outputs, picture_name, writable};
+pub use plan::{Plan, Selection, Stop, round_spp};
+pub use progress::{Observer, Progress};
+pub use provenance::{Program, Provenance, Work};
+pub use report::Report;
+pub use session::{Ended, Session};
+pub use settings::Settings;
+pub use stage::Stage;
+pub use text::{Budget, Environment, Size, Window};

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
 
 /// The largest number below one that samplers return.
-pub const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+pub use crate::numeric::BELOW_ONE;
 
 /// The point of the unit disk that the square's point `u` is mapped to, concentrically. Density per area: 1 / π.
 #[inline]

@@ -1,3 +1,139 @@
-//! Scenes: the description as loaded, and what is built from it.
+//! The scene that integrators see: geometry behind a backend, materials, lights. It answers what a ray meets, what scatters
+//! there, what emits there, and how much light passes between two points.
 
+mod assemble;
+mod build;
 pub mod description;
+mod info;
+mod material;
+mod query;
+mod rebase;
+mod view;
+
+pub use build::BuildOptions;
+pub use info::SceneInfo;
+pub use rebase::Rebase;
+
+use crate::accel::Accel;
+use crate::geometry::Geometry;
+use crate::light::Lights;
+use crate::spectrum::Spectrum;
+use material::Material;
+
+/// A scene ready to render. Lengths are scene units: the file's, rebased by [`Scene::rebase`].
+pub struct Scene {
+    geometry: Geometry,
+    objects: Vec<ObjectInfo>,
+    materials: Vec<Material>,
+    media: Vec<Absorption>,
+    lights: Lights,
+    accel: Accel,
+    rebase: Rebase,
+    radius: f32,
+    features: Features,
+    views: view::Views,
+    info: SceneInfo,
+    hash: String,
+}
+
+/// What a scene needs from the kernels that render it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Features {
+    /// Some surface has an alpha mask.
+    pub masks: bool,
+    /// Some surface blends by alpha.
+    pub blends: bool,
+    /// Some object absorbs light inside.
+    pub media: bool,
+    /// Some material looks textures up.
+    pub textures: bool,
+    /// Some material bends normals.
+    pub normal_maps: bool,
+    /// Some mesh has shading normals.
+    pub shading_normals: bool,
+    /// Some material is a mirror or clear glass.
+    pub dirac: bool,
+    /// Some material refracts.
+    pub refraction: bool,
+    /// Some mesh stands at several places.
+    pub instances: bool,
+    /// Some light has no extent.
+    pub dirac_lights: bool,
+}
+
+impl Features {
+    /// The names of those that are there.
+    pub fn names(&self) -> Vec<&'static str> {
+        [
+            ("alpha-mask", self.masks),
+            ("alpha-blend", self.blends),
+            ("absorption", self.media),
+            ("textures", self.textures),
+            ("normal-maps", self.normal_maps),
+            ("shading-normals", self.shading_normals),
+            ("dirac-materials", self.dirac),
+            ("refraction", self.refraction),
+            ("instances", self.instances),
+            ("dirac-lights", self.dirac_lights),
+        ]
+        .into_iter()
+        .filter_map(|(name, there)| there.then_some(name))
+        .collect()
+    }
+}
+
+/// What shading needs to know of an object besides its geometry.
+#[derive(Debug, Clone, Copy)]
+struct ObjectInfo {
+    /// Index into [`Scene::materials`].
+    material: u32,
+    /// Index of the light on the object's first triangle, if its triangles are lights.
+    first_light: Option<u32>,
+    /// Index of the instance in the file's order.
+    instance: u32,
+    /// Whether its mesh has vertex colours.
+    colors: bool,
+}
+
+/// Absorption coefficient per scene unit of length, one medium.
+#[derive(Debug, Clone, Copy)]
+struct Absorption(Spectrum);
+
+impl Scene {
+    /// The lights and the choice among them.
+    #[inline]
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// Radius of the sphere around all geometry, in scene units.
+    pub fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// From the file's coordinates to the scene's.
+    pub fn rebase(&self) -> &Rebase {
+        &self.rebase
+    }
+
+    /// What the scene needs.
+    #[inline]
+    pub fn features(&self) -> Features {
+        self.features
+    }
+
+    /// Counts, sizes and warnings, for people.
+    pub fn info(&self) -> &SceneInfo {
+        &self.info
+    }
+
+    /// Hash of everything in the description that can change a picture.
+    pub fn hash(&self) -> &str {
+        &self.hash
+    }
+
+    /// Name of the ray backend.
+    pub fn backend(&self) -> &'static str {
+        self.accel.name()
+    }
+}

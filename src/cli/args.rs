@@ -1,0 +1,82 @@
+//! Groups of flags that several subcommands share.
+
+use crate::error::Result;
+use crate::render::{Choices, Outputs, Selection};
+use std::path::{Path, PathBuf};
+
+/// The scene and where its settings come from.
+#[derive(Debug, clap::Args)]
+pub(super) struct SceneArgs {
+    /// The scene: a .gltf or .glb file
+    pub(super) scene: PathBuf,
+    /// Do not read the render.toml beside the scene
+    #[arg(long)]
+    pub(super) no_config: bool,
+    #[command(flatten)]
+    pub(super) choices: Choices,
+}
+
+impl SceneArgs {
+    /// The choices of the command line, then those of `render.toml`.
+    pub(super) fn choices(&self) -> Result<Choices> {
+        let beside = if self.no_config { Choices::default() } else { Choices::beside(&self.scene)? };
+        Ok(self.choices.clone().or(beside))
+    }
+}
+
+/// Which files are written.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Files")]
+pub(super) struct OutputArgs {
+    /// Where to: an .exr or .png image, or a .film to resume and merge
+    #[arg(long, short, value_name = "PATH")]
+    pub(super) output: Option<PathBuf>,
+    /// Write a PNG beside the output as well
+    #[arg(long)]
+    pub(super) png: bool,
+    /// Keep the film here as well; saved once a minute while rendering
+    #[arg(long, value_name = "PATH")]
+    pub(super) film: Option<PathBuf>,
+    /// Write the report here, as JSON
+    #[arg(long, value_name = "PATH")]
+    pub(super) report: Option<PathBuf>,
+}
+
+impl OutputArgs {
+    /// The files, for a run over `selection` of the picture `name`.
+    pub(super) fn outputs(&self, name: &str, selection: Selection) -> Result<Outputs> {
+        let outputs = match &self.output {
+            Some(path) => Outputs::of(path)?,
+            None => Outputs::default_for(name, selection),
+        };
+        let outputs = if self.png { outputs.with_png() } else { outputs };
+        Ok(outputs.with_film(self.film.clone(), selection))
+    }
+
+    /// Makes sure that everything can be written before the work begins.
+    pub(super) fn check(&self, outputs: &Outputs) -> Result<()> {
+        let paths = outputs.paths().map(Path::to_owned).chain(self.report.clone());
+        paths.into_iter().try_for_each(|path| crate::render::writable(&path))
+    }
+}
+
+/// What is an error where it usually is a warning.
+#[derive(Debug, Clone, Copy, clap::Args)]
+#[command(next_help_heading = "Strictness")]
+pub(super) struct StrictArgs {
+    /// Refuse scenes that use something étendue ignores
+    #[arg(long)]
+    pub(super) strict: bool,
+    /// End with exit code 6 if a sample was not finite
+    #[arg(long)]
+    pub(super) fail_on_nonfinite: bool,
+}
+
+/// How many threads work.
+#[derive(Debug, Clone, Copy, clap::Args)]
+#[command(next_help_heading = "Machine")]
+pub(super) struct ThreadArgs {
+    /// Number of threads [default: what Slurm, OpenCue or cgroups grant, else all cores]
+    #[arg(long, short = 'j')]
+    pub(super) threads: Option<usize>,
+}

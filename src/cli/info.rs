@@ -1,0 +1,118 @@
+//! `etendue info`: what is in a scene, and what rendering it takes.
+
+use super::args::{SceneArgs, ThreadArgs};
+use super::{Console, startup};
+use crate::error::Result;
+use crate::film::Film;
+use crate::integrator;
+use crate::render::{Settings, Stage};
+use crate::scene::SceneInfo;
+use serde::Serialize;
+
+/// Arguments of `info`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    #[command(flatten)]
+    console: Console,
+}
+
+#[derive(Serialize)]
+struct Document {
+    path: String,
+    hash: String,
+    #[serde(flatten)]
+    info: SceneInfo,
+    cameras: Vec<String>,
+    blind_spots: Vec<String>,
+    settings: Settings,
+    memory: Memory,
+    load_seconds: f64,
+    build_seconds: f64,
+}
+
+/// Bytes that a render takes, by what they are for.
+#[derive(Serialize)]
+struct Memory {
+    film_bytes: u64,
+    geometry_bytes: u64,
+    accel_bytes: u64,
+    texture_bytes: u64,
+    total_bytes: u64,
+}
+
+/// Describes.
+pub(super) fn run(args: Args) -> Result<()> {
+    let choices = args.scene.choices()?;
+    let early = choices.settings(None)?;
+    let threads = startup::start_threads(args.threads.threads)?;
+    let stage = Stage::open(&args.scene.scene, early.environment, early.build, threads)?;
+    let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
+    let document = Document {
+        path: stage.path.display().to_string(),
+        hash: stage.scene.hash().to_owned(),
+        cameras: stage.scene.cameras(),
+        blind_spots: integrator::blind_spots(settings.method, &stage.scene),
+        memory: Memory::estimate(&settings, &stage.info),
+        settings,
+        load_seconds: stage.load_seconds,
+        build_seconds: stage.build_seconds,
+        info: stage.info,
+    };
+    args.console.document(&document)?;
+    document.lines().iter().try_for_each(|line| args.console.line(line))
+}
+
+impl Memory {
+    fn estimate(settings: &Settings, info: &SceneInfo) -> Self {
+        let layout = settings.layout();
+        let film_bytes = Film::bytes_per_pixel(&layout, settings.replicates) as u64 * layout.pixels() as u64;
+        Memory {
+            film_bytes,
+            geometry_bytes: info.geometry_bytes as u64,
+            accel_bytes: info.accel_bytes as u64,
+            texture_bytes: info.texture_bytes as u64,
+            total_bytes: film_bytes + (info.geometry_bytes + info.accel_bytes + info.texture_bytes) as u64,
+        }
+    }
+}
+
+impl Document {
+    fn lines(&self) -> Vec<String> {
+        let (info, memory, settings) = (&self.info, &self.memory, &self.settings);
+        let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
+        let mut lines = vec![
+            format!("scene      {} ({})", self.path, self.hash),
+            format!("triangles  {} in {} meshes, {} instances", info.triangles, info.meshes, info.instances),
+            format!("materials  {}", info.materials),
+            format!("lights     {}", info.lights),
+            format!("images     {}", info.images),
+            format!("cameras    {}", list(&self.cameras)),
+            format!("features   {}", list(&info.features)),
+            format!("extent     centre {:?}, scale {}", info.centre.to_array(), info.scale),
+            format!(
+                "memory     {} in all: film {} ({}x{}, {} replicates), geometry {}, ray tracing {}, textures {}",
+                megabytes(memory.total_bytes),
+                megabytes(memory.film_bytes),
+                settings.width,
+                settings.height,
+                settings.replicates,
+                megabytes(memory.geometry_bytes),
+                megabytes(memory.accel_bytes),
+                megabytes(memory.texture_bytes)
+            ),
+            format!("loading    {:.3} s, building {:.3} s", self.load_seconds, self.build_seconds),
+        ];
+        lines.extend(info.ignored.iter().map(|text| format!("ignored    {text}")));
+        lines.extend(self.blind_spots.iter().map(|text| format!("blind      {text}")));
+        lines.extend(info.warnings.iter().map(|text| format!("warning    {text}")));
+        lines
+    }
+}
+
+fn list(items: &[String]) -> String {
+    if items.is_empty() { "none".into() } else { items.join(", ") }
+}

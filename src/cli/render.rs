@@ -1,0 +1,90 @@
+//! `etendue render`: scene in, image out.
+
+use super::args::{OutputArgs, SceneArgs, StrictArgs, ThreadArgs};
+use super::{Console, finish, progress, startup};
+use crate::error::Result;
+use crate::render::{Choices, Plan, Provenance, Selection, Session, Stage, Stop, picture_name};
+
+/// Arguments of `render`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    share: Share,
+    #[command(flatten)]
+    output: OutputArgs,
+    #[command(flatten)]
+    strict: StrictArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    #[command(flatten)]
+    console: Console,
+}
+
+/// Which share of the passes is rendered.
+#[derive(Debug, Clone, Copy, clap::Args)]
+#[command(next_help_heading = "Share of the work")]
+struct Share {
+    /// Render shard I of N, from 0: merge the films of all shards afterwards
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "passes")]
+    shard: Option<Selection>,
+    /// Render the passes A to B-1, one sample per pixel each, whatever --spp says
+    #[arg(long, value_name = "A..B", value_parser = range)]
+    passes: Option<Selection>,
+}
+
+fn shard(text: &str) -> std::result::Result<Selection, String> {
+    let selection = text.parse()?;
+    if matches!(selection, Selection::Shard { .. }) { Ok(selection) } else { Err("write a shard as I/N".into()) }
+}
+
+fn range(text: &str) -> std::result::Result<Selection, String> {
+    let selection = text.parse()?;
+    if matches!(selection, Selection::Range { .. }) { Ok(selection) } else { Err("write a range of passes as A..B".into()) }
+}
+
+/// Renders.
+pub(super) fn run(args: Args) -> Result<()> {
+    let console = args.console;
+    let choices = args.scene.choices()?;
+    let selection = args.share.shard.or(args.share.passes).unwrap_or_default();
+    let plan = choices.plan(selection)?;
+    // Mistakes that do not need the scene are told before it is loaded.
+    let (look, early) = (choices.look()?, choices.settings(None)?);
+    let outputs = args.output.outputs(&picture_name(&args.scene.scene), selection)?;
+    args.output.check(&outputs)?;
+    say_rounding(console, &choices, plan, early.replicates);
+    let threads = startup::start_threads(args.threads.threads)?;
+    let stage = Stage::open(&args.scene.scene, early.environment, early.build, threads)?;
+    let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
+    let provenance = Provenance::new(&stage, settings, plan, look);
+    warn(console, &provenance);
+    if args.strict.strict {
+        stage.refuse_ignored()?;
+    }
+    let mut session = Session::begin(&stage, provenance)?;
+    let ended = progress::run(&mut session, console, outputs.film.as_deref())?;
+    let files = finish::Files { outputs: &outputs, report: args.output.report.as_deref() };
+    finish::session(&session, &stage, ended, files, args.strict, console)
+}
+
+/// Says what the user would not expect in the picture.
+fn warn(console: Console, provenance: &Provenance) {
+    let scene = &provenance.scene;
+    scene.warnings.iter().for_each(|text| console.warn(text));
+    scene.ignored.iter().for_each(|text| console.warn(&format!("ignored: {text}")));
+    scene.blind_spots.iter().for_each(|text| console.warn(text));
+    if let Some(limit) = provenance.settings.clamp {
+        console.warn(&format!("--clamp {limit}: the image is biased, and says so"));
+    }
+}
+
+/// Says that another number of samples is rendered than was asked for.
+fn say_rounding(console: Console, choices: &Choices, plan: Plan, replicates: u32) {
+    if let (Some(asked), Stop::Spp(spp), false) = (choices.spp, plan.stop, matches!(plan.selection, Selection::Range { .. })) {
+        if u64::from(asked) != spp {
+            console.note(&format!("{asked} samples per pixel rounded up to {spp}: {replicates} replicates × a power of two"));
+        }
+    }
+}

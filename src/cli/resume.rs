@@ -1,0 +1,76 @@
+//! `etendue resume`: a film goes on as if it had never stopped.
+
+use super::args::{OutputArgs, StrictArgs, ThreadArgs};
+use super::{Console, finish, progress, startup};
+use crate::error::{Error, Result};
+use crate::render::{Budget, Outputs, Plan, Selection, Session, Stage, Stop, checkpoint, round_spp};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `resume`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The film to go on with; it is updated
+    film_file: PathBuf,
+    /// Samples per pixel wanted in all [default: what the film's own run wanted]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30), conflicts_with = "time")]
+    spp: Option<u32>,
+    /// Render for this much longer, e.g. 30s or 5m
+    #[arg(long, value_name = "TIME")]
+    time: Option<Budget>,
+    /// The scene, if it is not where it was
+    #[arg(long, value_name = "PATH")]
+    scene: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArgs,
+    #[command(flatten)]
+    strict: StrictArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    #[command(flatten)]
+    console: Console,
+}
+
+/// Resumes.
+pub(super) fn run(args: Args) -> Result<()> {
+    let console = args.console;
+    let (mut provenance, film) = checkpoint::restore(&args.film_file)?;
+    provenance.plan = plan(&args, provenance.plan, provenance.settings.replicates)?;
+    let outputs = outputs(&args)?;
+    args.output.check(&outputs)?;
+    let threads = startup::start_threads(args.threads.threads)?;
+    let path = args.scene.unwrap_or_else(|| provenance.scene.path.clone());
+    let stage = Stage::open(&path, provenance.settings.environment, provenance.settings.build, threads)?;
+    if args.strict.strict {
+        stage.refuse_ignored()?;
+    }
+    provenance.scene.path = std::path::absolute(&path).unwrap_or(path);
+    let mut session = Session::resume(&stage, provenance, film).map_err(|e| e.context(args.film_file.display()))?;
+    console.note(&format!("{} samples per pixel so far", session.film().passes().len()));
+    let ended = progress::run(&mut session, console, outputs.film.as_deref())?;
+    let files = finish::Files { outputs: &outputs, report: args.output.report.as_deref() };
+    finish::session(&session, &stage, ended, files, args.strict, console)
+}
+
+/// What is wanted now.
+fn plan(args: &Args, plan: Plan, replicates: u32) -> Result<Plan> {
+    let stop = match (args.spp, args.time) {
+        (Some(_), _) if matches!(plan.selection, Selection::Range { .. }) => {
+            let what = format!("{} holds an explicit range of passes: render others with --passes", args.film_file.display());
+            return Err(Error::usage(what));
+        }
+        (Some(spp), _) => Stop::Spp(round_spp(u64::from(spp), replicates)),
+        (None, Some(Budget(time))) => Stop::Seconds(time.as_secs_f64()),
+        (None, None) => plan.stop,
+    };
+    Ok(Plan { stop, ..plan })
+}
+
+/// The film itself, and the image beside it unless another was asked for.
+fn outputs(args: &Args) -> Result<Outputs> {
+    let beside = || args.film_file.with_extension("exr");
+    let image = Outputs::of(args.output.output.as_deref().unwrap_or(&beside()))?;
+    let film: &Path = args.output.film.as_deref().or(image.film.as_deref()).unwrap_or(&args.film_file);
+    let film = Some(film.to_owned());
+    let outputs = Outputs { film, ..image };
+    Ok(if args.output.png { outputs.with_png() } else { outputs })
+}

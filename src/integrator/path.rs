@@ -1,0 +1,221 @@
+//! Path tracing in three strengths over one walk: `path-naive`, `path-nee`, `path`.
+//!
+//! - `path-naive` samples directions uniformly and never samples lights: as simple as it can be, and slow. A reference.
+//! - `path-nee` samples directions by the BSDF and lights by next-event estimation; light found by chance counts only where
+//!   light sampling could not have found it. Noisy where glossy surfaces mirror large lights.
+//! - `path` weights both techniques by the power heuristic [Veach97 §9.2]. The default.
+//!
+//! Caustics from small lights and light through ajar doors are slow in all three.
+
+use super::camera_pass::Radiance;
+use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
+use crate::geometry::{Local, Ray, SurfacePoint};
+use crate::light::{End, Light, LightSample, Receiver};
+use crate::path::{Departure, Tally, Walk};
+use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+
+/// How a path tracer samples directions and lights, and what share each technique has.
+pub(super) trait Strategy: Send + Sync {
+    /// Whether lights are sampled at all.
+    const SAMPLES_LIGHTS: bool;
+    /// A direction to go on.
+    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample>;
+    /// Share of a light sample of density `light` that scattering would have made with density `scattering`.
+    fn share_of_light(light: f32, scattering: f32) -> f32;
+    /// Share of light found by scattering with density `scattering` that light sampling would have found with `light`.
+    fn share_of_scattering(scattering: f32, light: f32) -> f32;
+}
+
+/// Uniform directions, no light sampling.
+pub(super) struct Naive;
+/// BSDF sampling and next-event estimation, each light by one technique.
+pub(super) struct NextEvent;
+/// BSDF sampling and next-event estimation, combined.
+pub(super) struct Combined;
+
+impl Strategy for Naive {
+    const SAMPLES_LIGHTS: bool = false;
+    /// Uniform over the hemisphere on the side of `wo`, or over the sphere where the surface transmits.
+    fn scatter(shading: &Shading, [_, u, v]: [f32; 3]) -> Option<ShadingSample> {
+        let frame = shading.point.frame;
+        if shading.lobes().intersects(Lobes::TRANSMIT) {
+            let wi = frame.to_world(Local::from(warp::uniform_sphere([u, v])));
+            Some(shading.along(wi, warp::uniform_sphere_pdf()))
+        } else {
+            let w = warp::uniform_hemisphere([u, v]);
+            let wi = frame.to_world(Local::new(w.x, w.y, w.z.copysign(shading.known().dot(frame.n))));
+            Some(shading.along(wi, warp::uniform_hemisphere_pdf()))
+        }
+    }
+    fn share_of_light(_: f32, _: f32) -> f32 {
+        0.0
+    }
+    fn share_of_scattering(_: f32, _: f32) -> f32 {
+        1.0
+    }
+}
+
+impl Strategy for NextEvent {
+    const SAMPLES_LIGHTS: bool = true;
+    #[inline]
+    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
+        shading.sample(u)
+    }
+    #[inline]
+    fn share_of_light(_: f32, _: f32) -> f32 {
+        1.0
+    }
+    #[inline]
+    fn share_of_scattering(_: f32, _: f32) -> f32 {
+        0.0
+    }
+}
+
+impl Strategy for Combined {
+    const SAMPLES_LIGHTS: bool = true;
+    #[inline]
+    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
+        shading.sample(u)
+    }
+    #[inline]
+    fn share_of_light(light: f32, scattering: f32) -> f32 {
+        power(light, scattering)
+    }
+    #[inline]
+    fn share_of_scattering(scattering: f32, light: f32) -> f32 {
+        power(scattering, light)
+    }
+}
+
+/// The radiance estimator of a path tracer.
+pub(super) struct PathTracer<'a, S: Strategy> {
+    scene: &'a Scene,
+    max_depth: u32,
+    /// Whether the environment is left out where the camera sees it directly.
+    transparent: bool,
+    strategy: std::marker::PhantomData<S>,
+}
+
+impl<'a, S: Strategy> PathTracer<'a, S> {
+    pub(super) fn new(scene: &'a Scene, max_depth: Option<u32>, transparent: bool) -> Self {
+        let max_depth = max_depth.unwrap_or(u32::MAX);
+        PathTracer { scene, max_depth, transparent, strategy: std::marker::PhantomData }
+    }
+
+    /// Light that scattering found, times its share: `density(reference, light index)` is what light sampling would have had.
+    #[inline]
+    fn share_of_hit(&self, departure: &Departure, light: usize, pdf: impl FnOnce() -> f32) -> f32 {
+        match departure {
+            Departure::Surface(from, Density::Smooth(scattering)) => {
+                let pmf = self.scene.lights().pmf(from, light).value();
+                S::share_of_scattering(scattering.value(), pmf * pdf())
+            }
+            Departure::Surface(_, Density::Delta(_)) | Departure::Camera => 1.0,
+        }
+    }
+
+    /// What the surface at `point` emits toward the walk.
+    #[inline]
+    fn emitted(&self, walk: &Walk, point: &SurfacePoint) -> Spectrum {
+        let Some((index, Light::Area(light))) = self.scene.light_at(point) else { return Spectrum::ZERO };
+        let wi = walk.ray.direction;
+        let radiance = light.radiance(point.barycentric, -wi);
+        if radiance.is_black() {
+            return radiance;
+        }
+        let pdf = |from: &Receiver| light.pdf_toward((point.p - from.p).length_squared(), wi).value();
+        let share = match &walk.departure {
+            Departure::Surface(from, _) => self.share_of_hit(&walk.departure, index, || pdf(from)),
+            Departure::Camera => 1.0,
+        };
+        walk.beta * radiance * share
+    }
+
+    /// What arrives from outside the scene.
+    #[inline]
+    fn background(&self, walk: &Walk) -> Spectrum {
+        let lights = self.scene.lights();
+        let Some(index) = lights.sky() else { return Spectrum::ZERO };
+        let Light::Sky(sky) = &lights.all()[index] else { return Spectrum::ZERO };
+        if self.transparent && matches!(walk.departure, Departure::Camera) {
+            return Spectrum::ZERO;
+        }
+        walk.beta * sky.radiance * self.share_of_hit(&walk.departure, index, || sky.pdf().value())
+    }
+
+    /// Light from one sampled light, scattered at `point`.
+    #[inline]
+    fn direct(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum {
+        let (lights, receiver) = (self.scene.lights(), Receiver::from(shading.point));
+        let Some((light, pmf)) = lights.choose(&receiver, sampler.u1(walk.depth, Slot::LightPick)) else {
+            return Spectrum::ZERO;
+        };
+        let Some(sample) = light.sample_toward(&receiver, sampler.u2(walk.depth, Slot::LightPoint)) else {
+            return Spectrum::ZERO;
+        };
+        let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
+        let weight = Self::light_weight(&scattering, &sample, pmf);
+        tally.shadows += 1;
+        let through = self.scene.transmittance(&self.segment(walk, shading.point, &sample));
+        walk.beta * scattering.f_cos * sample.radiance * through * weight
+    }
+
+    /// Share of the light sample over its density.
+    #[inline]
+    fn light_weight(scattering: &Scattering, sample: &LightSample, pmf: Pdf<Discrete>) -> f32 {
+        match sample.density {
+            Density::Delta(probability) => (pmf.value() * probability).recip(),
+            Density::Smooth(pdf) => {
+                let density = pdf.choose(pmf).value();
+                S::share_of_light(density, scattering.pdf.value()) / density
+            }
+        }
+    }
+
+    /// The next direction. Models with one lobe do not look at the number that chooses among several.
+    #[inline]
+    fn scatter(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler) -> Option<ShadingSample> {
+        let lobe = if shading.surface.is_single_lobe() { 0.0 } else { sampler.u1(walk.depth, Slot::Lobe) };
+        let [u, v] = sampler.u2(walk.depth, Slot::Direction);
+        S::scatter(shading, [lobe, u, v])
+    }
+
+    /// The segment that must be free for `sample` to arrive.
+    #[inline]
+    fn segment(&self, walk: &Walk, point: &SurfacePoint, sample: &LightSample) -> Ray {
+        let ray = match sample.end {
+            End::Surface { p, error, ng } => point.segment(p, error, ng),
+            End::Point(p) => point.segment(p, 0.0, point.ng),
+            End::Infinity => point.spawn(sample.wi),
+        };
+        Ray { medium: walk.medium_toward(point, sample.wi), time: walk.ray.time, ..ray }
+    }
+}
+
+impl<S: Strategy> Radiance for PathTracer<'_, S> {
+    fn radiance(&self, ray: Ray, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum {
+        let mut walk = Walk::new(self.scene, ray);
+        let mut total = Spectrum::ZERO;
+        loop {
+            let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
+            total += self.emitted(&walk, &point);
+            if walk.depth >= self.max_depth {
+                return total;
+            }
+            let surface = self.scene.surface(&mut point);
+            let wo = -walk.ray.direction;
+            let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return total };
+            if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
+                total += self.direct(&shading, &walk, sampler, tally);
+            }
+            let Some(scatter) = self.scatter(&shading, &walk, sampler) else { return total };
+            walk.depart(&point, &scatter, tally);
+            if !walk.survives(sampler, tally) {
+                return total;
+            }
+        }
+    }
+}

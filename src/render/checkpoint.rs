@@ -1,0 +1,65 @@
+//! Films saved while rendering, so that a kill costs a minute at most.
+
+use super::{Provenance, film_file};
+use crate::error::{Error, Kind, Result};
+use crate::film::Film;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// How long a film goes unsaved.
+const INTERVAL: Duration = Duration::from_secs(60);
+
+/// How many times longer than a save itself the time between saves is, so that large films on slow disks do not hold
+/// the render up.
+const PATIENCE: u32 = 20;
+
+/// Where and when a film is saved.
+#[derive(Debug)]
+pub struct Checkpoint {
+    path: PathBuf,
+    saved: Instant,
+    wait: Duration,
+}
+
+impl Checkpoint {
+    /// Saves to `path`, first after a minute.
+    pub fn new(path: &Path) -> Self {
+        Checkpoint { path: path.to_owned(), saved: Instant::now(), wait: INTERVAL }
+    }
+
+    /// Saves if it is time.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub(super) fn save_if_due(&mut self, provenance: &Provenance, film: &Film) -> Result<()> {
+        if self.saved.elapsed() < self.wait {
+            return Ok(());
+        }
+        let start = Instant::now();
+        save(&self.path, provenance, film)?;
+        self.saved = Instant::now();
+        self.wait = INTERVAL.max(start.elapsed() * PATIENCE);
+        Ok(())
+    }
+}
+
+/// Writes `film` to `path` with where it came from.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn save(path: &Path, provenance: &Provenance, film: &Film) -> Result<()> {
+    film_file::write(path, &serde_json::json!(provenance), film)
+}
+
+/// Reads a film and where it came from.
+///
+/// # Errors
+/// The file cannot be read, or is no film that this étendue understands.
+pub fn restore(path: &Path) -> Result<(Provenance, Film)> {
+    let (provenance, film) = film_file::read(path)?;
+    let provenance = serde_json::from_value(provenance).map_err(|cause| {
+        let what = format!("{}: its provenance is not one this étendue understands", path.display());
+        Error::new(Kind::Scene, what).because(cause)
+    })?;
+    Ok((provenance, film))
+}

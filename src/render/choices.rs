@@ -1,0 +1,272 @@
+//! What a person chose, on the command line or in `render.toml`: one type for both, every field optional, so that the
+//! same names mean the same in both places and the command line wins field by field.
+
+use super::plan::round_spp;
+use super::{Aov, Budget, Environment, Plan, Selection, Settings, Size, Stop, Window};
+use crate::accel::Build;
+use crate::error::{Error, Result};
+use crate::film::{Crop, Filter};
+use crate::integrator::Method;
+use crate::io::png::Curve;
+use crate::sampling::SamplerKind;
+use std::path::Path;
+
+/// Choices about a render; whatever is `None` takes its default.
+#[derive(Debug, Clone, Default, clap::Args, serde::Deserialize)]
+#[command(next_help_heading = "Picture")]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Choices {
+    /// How light is simulated [default: path]
+    #[arg(long, short, value_enum)]
+    pub method: Option<Method>,
+    /// Samples per pixel, rounded up to the replicates times a power of two [default: 64]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30), conflicts_with = "time")]
+    pub spp: Option<u32>,
+    /// Render for this long instead, e.g. 30s or 5m
+    #[arg(long, value_name = "TIME")]
+    pub time: Option<Budget>,
+    /// Image size; without a height the camera's aspect decides [default: 1280 wide, or 1280x720]
+    #[arg(long, value_name = "WIDTH[xHEIGHT]")]
+    pub size: Option<Size>,
+    /// Render only these pixels, from the top left, X1 and Y1 exclusive
+    #[arg(long, value_name = "X0,Y0,X1,Y1")]
+    pub crop: Option<Window>,
+    /// Camera by name or number from 0 [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Longest light path, in scattering events [default: unlimited, ended by roulette]
+    #[arg(long, value_name = "EVENTS")]
+    pub depth: Option<u32>,
+    /// Pixel filter [default: blackman-harris]
+    #[arg(long, value_enum)]
+    pub filter: Option<Filter>,
+    /// Source of the sample points [default: sobol]
+    #[arg(long, value_enum)]
+    pub sampler: Option<SamplerKind>,
+    /// Seed of all random numbers [default: 0]
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Independent replicates that the error is measured between; 1 measures none [default: 4]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub replicates: Option<u32>,
+    /// How the ray-tracing structure is built [default: robust]
+    #[arg(long, value_enum)]
+    pub build: Option<Build>,
+    /// Extra layers of the EXR image, separated by commas
+    #[arg(long = "aov", value_enum, value_delimiter = ',', value_name = "LAYERS")]
+    #[serde(rename = "aov")]
+    pub aovs: Option<Vec<Aov>>,
+    /// Limit each sample to this radiance: less noise, but the image is biased (darker)
+    #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
+    pub clamp: Option<f32>,
+    /// Leave the background out and write coverage as alpha
+    #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
+    pub transparent: Option<bool>,
+    /// Radiance where nothing is hit, instead of the scene's own: one number or R,G,B
+    #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
+    pub environment: Option<Environment>,
+    /// Exposure of PNG images, in stops [default: 0]
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    pub exposure: Option<f32>,
+    /// Tone curve of PNG images [default: srgb]
+    #[arg(long, value_enum)]
+    pub curve: Option<Curve>,
+}
+
+/// How an image is shown where it must be shown in eight bits.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Look {
+    /// Exposure in stops.
+    pub exposure: f32,
+    /// Tone curve.
+    pub curve: Curve,
+}
+
+impl Choices {
+    /// The choices of the `render.toml` beside `scene`; none if there is no such file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or says something étendue does not know, with the line.
+    pub fn beside(scene: &Path) -> Result<Choices> {
+        let path = scene.with_file_name("render.toml");
+        match std::fs::read_to_string(&path) {
+            Ok(text) => Choices::parse(&text).map_err(|e| e.context(path.display())),
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(Choices::default()),
+            // A scene path that leads through a file: the scene loader says so better.
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotADirectory => Ok(Choices::default()),
+            Err(cause) => Err(Error::usage(format!("cannot read {}", path.display())).because(cause)),
+        }
+    }
+
+    fn parse(text: &str) -> Result<Choices> {
+        let choices: Choices = toml::from_str(text).map_err(|e| {
+            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+            Error::usage(format!("line {line}: {}", e.message().replace('\n', " ")))
+        })?;
+        if choices.spp.is_some() && choices.time.is_some() {
+            return Err(Error::usage("spp and time exclude each other"));
+        }
+        Ok(choices)
+    }
+
+    /// These choices, and those of `fallback` where there is none.
+    pub fn or(self, fallback: Choices) -> Choices {
+        let stops_here = self.spp.is_some() || self.time.is_some();
+        Choices {
+            method: self.method.or(fallback.method),
+            spp: if stops_here { self.spp } else { fallback.spp },
+            time: if stops_here { self.time } else { fallback.time },
+            size: self.size.or(fallback.size),
+            crop: self.crop.or(fallback.crop),
+            camera: self.camera.or(fallback.camera),
+            depth: self.depth.or(fallback.depth),
+            filter: self.filter.or(fallback.filter),
+            sampler: self.sampler.or(fallback.sampler),
+            seed: self.seed.or(fallback.seed),
+            replicates: self.replicates.or(fallback.replicates),
+            build: self.build.or(fallback.build),
+            aovs: self.aovs.or(fallback.aovs),
+            clamp: self.clamp.or(fallback.clamp),
+            transparent: self.transparent.or(fallback.transparent),
+            environment: self.environment.or(fallback.environment),
+            exposure: self.exposure.or(fallback.exposure),
+            curve: self.curve.or(fallback.curve),
+        }
+    }
+
+    /// The settings chosen, for a camera whose width is `aspect` times its height.
+    ///
+    /// # Errors
+    /// Values out of range, a crop outside the image.
+    pub fn settings(&self, aspect: Option<f64>) -> Result<Settings> {
+        let [width, height] = self.image_size(aspect);
+        let mut aovs = self.aovs.clone().unwrap_or_default();
+        aovs.sort_unstable();
+        aovs.dedup();
+        Ok(Settings {
+            method: self.method.unwrap_or_default(),
+            width,
+            height,
+            crop: self.crop.map(|w| within(w.0, width, height)).transpose()?,
+            camera: self.camera.clone(),
+            depth: self.depth,
+            filter: self.filter.unwrap_or_default(),
+            sampler: self.sampler.unwrap_or_default(),
+            seed: self.seed.unwrap_or(0),
+            replicates: in_range("replicates", self.replicates.unwrap_or(4), 256)?,
+            build: self.build.unwrap_or_default(),
+            aovs,
+            clamp: self.clamp.map(positive).transpose()?,
+            transparent: self.transparent.unwrap_or(false),
+            environment: self.environment,
+        })
+    }
+
+    /// The plan chosen, for that share of the passes.
+    ///
+    /// # Errors
+    /// Values out of range.
+    pub fn plan(&self, selection: Selection) -> Result<Plan> {
+        let replicates = self.replicates.unwrap_or(4);
+        let stop = match self.time {
+            Some(Budget(time)) => Stop::Seconds(time.as_secs_f64()),
+            None => Stop::Spp(round_spp(u64::from(in_range("spp", self.spp.unwrap_or(64), 1 << 30)?), replicates)),
+        };
+        Ok(Plan { stop, selection })
+    }
+
+    /// How PNG images look.
+    ///
+    /// # Errors
+    /// An exposure that is not finite.
+    pub fn look(&self) -> Result<Look> {
+        let exposure = self.exposure.unwrap_or(0.0);
+        if !exposure.is_finite() {
+            return Err(Error::usage("exposure must be finite"));
+        }
+        Ok(Look { exposure, curve: self.curve.unwrap_or_default() })
+    }
+
+    fn image_size(&self, aspect: Option<f64>) -> [u32; 2] {
+        let width = self.size.map_or(1280, |s| s.width);
+        let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0).unwrap_or(16.0 / 9.0);
+        let by_aspect = (f64::from(width) / aspect).round().clamp(1.0, 65536.0) as u32;
+        [width, self.size.and_then(|s| s.height).unwrap_or(by_aspect)]
+    }
+}
+
+fn in_range(name: &str, value: u32, most: u32) -> Result<u32> {
+    if (1..=most).contains(&value) { Ok(value) } else { Err(Error::usage(format!("{name} must be from 1 to {most}"))) }
+}
+
+fn positive(clamp: f32) -> Result<f32> {
+    if clamp.is_finite() && clamp > 0.0 { Ok(clamp) } else { Err(Error::usage("clamp must be above zero")) }
+}
+
+fn within(crop: Crop, width: u32, height: u32) -> Result<Crop> {
+    if crop.x1 <= width && crop.y1 <= height {
+        Ok(crop)
+    } else {
+        let Crop { x0, y0, x1, y1 } = crop;
+        Err(Error::usage(format!("crop {x0},{y0},{x1},{y1} reaches outside the {width}x{height} image")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_wins_field_by_field() {
+        let line = Choices { seed: Some(7), ..Choices::default() };
+        let file = Choices::parse("seed = 1\nreplicates = 8\nfilter = \"box\"\nsize = \"64x32\"").unwrap();
+        let settings = line.or(file).settings(None).unwrap();
+        assert_eq!((settings.seed, settings.replicates, settings.width, settings.height), (7, 8, 64, 32));
+        assert_eq!(settings.filter, Filter::Box);
+    }
+
+    #[test]
+    fn spp_and_time_replace_each_other() {
+        let line = Choices { spp: Some(16), ..Choices::default() };
+        let file = Choices::parse("time = \"5m\"").unwrap();
+        assert_eq!(line.or(file.clone()).plan(Selection::All).unwrap().stop, Stop::Spp(16));
+        assert_eq!(file.plan(Selection::All).unwrap().stop, Stop::Seconds(300.0));
+    }
+
+    #[test]
+    fn unknown_keys_are_named_with_their_line() {
+        let error = Choices::parse("seed = 1\nsped = 2").unwrap_err();
+        assert!(error.chain().contains("line 2") && error.chain().contains("sped"), "{}", error.chain());
+    }
+
+    #[test]
+    fn wrong_values_in_a_file_are_refused_like_those_on_the_line() {
+        for text in ["size = \"0x4\"", "environment = -1.0", "spp = -4", "spp = 4\ntime = \"1s\"", "aov = [\"beauty\"]"] {
+            assert!(Choices::parse(text).is_err(), "{text}");
+        }
+        for text in ["replicates = 0", "replicates = 1000", "clamp = 0.0", "clamp = inf", "size = \"4x4\"\ncrop = \"0,0,5,4\""] {
+            assert!(Choices::parse(text).unwrap().settings(None).is_err(), "{text}");
+        }
+        assert!(Choices::parse("spp = 0").unwrap().plan(Selection::All).is_err());
+    }
+
+    #[test]
+    fn environments_may_be_numbers_arrays_or_text() {
+        for text in ["environment = 0.5", "environment = [0.5, 0.5, 0.5]", "environment = \"0.5\""] {
+            assert_eq!(Choices::parse(text).unwrap().environment.map(Environment::rgb), Some([0.5; 3]), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_camera_decides_a_missing_height() {
+        let height = |size: Option<&str>, aspect| {
+            let size = size.map(|s| s.parse().unwrap());
+            Choices { size, ..Choices::default() }.settings(aspect).unwrap().height
+        };
+        assert_eq!(height(None, None), 720);
+        assert_eq!(height(None, Some(2.0)), 640);
+        assert_eq!(height(Some("100"), Some(0.5)), 200);
+        assert_eq!(height(Some("100x7"), Some(0.5)), 7);
+        assert_eq!(height(Some("100"), Some(f64::NAN)), 56);
+    }
+}

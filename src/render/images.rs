@@ -1,0 +1,81 @@
+//! Films as images: EXR with every layer and the report in its header, PNG to look at.
+
+use super::aov::Source;
+use super::{Aov, Outputs, Provenance, Report};
+use crate::error::Result;
+use crate::film::{Film, Plane};
+use crate::io::exr::{self, Layer};
+use crate::io::png;
+
+/// Instance and material numbers at the pixel centres.
+pub type Ids = [Vec<f32>; 2];
+
+/// Whether the EXR image needs the scene besides the film: identifiers are not in films.
+pub fn needs_ids(aovs: &[Aov]) -> bool {
+    aovs.iter().any(|aov| matches!(aov.source(), Source::InstanceIds | Source::MaterialIds))
+}
+
+/// Writes the images of `outputs`; the EXR one holds `layers`.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, layers: &[Layer], report: &Report) -> Result<()> {
+    let settings = &provenance.settings;
+    let layout = settings.layout();
+    if let Some(path) = &outputs.exr {
+        exr::write(path, layout.width, layout.height, settings.crop, layers, &report.attributes())?;
+    }
+    if let Some(path) = &outputs.png {
+        let crop = layout.crop;
+        let alpha = settings.transparent.then(|| film.mean(Plane::Alpha));
+        let (width, height, look) = (crop.x1 - crop.x0, crop.y1 - crop.y0, provenance.look);
+        png::write(path, width, height, &film.mean(Plane::Color), alpha.as_deref(), look.exposure, look.curve)?;
+    }
+    Ok(())
+}
+
+/// All layers of the EXR image: colour, alpha if asked for, the standard error of colour, the extra ones.
+pub fn layers(provenance: &Provenance, film: &Film, ids: Option<&Ids>) -> Vec<Layer> {
+    let settings = &provenance.settings;
+    let mut layers = split(&["R", "G", "B"], &film.mean(Plane::Color));
+    if settings.transparent {
+        layers.extend(split(&["A"], &film.mean(Plane::Alpha)));
+    }
+    if let Some(error) = film.standard_error() {
+        layers.extend(split(&["stderr.R", "stderr.G", "stderr.B"], &error));
+    }
+    for aov in &settings.aovs {
+        let values = match (aov.source(), ids) {
+            (Source::Plane(plane), _) => film.mean(plane),
+            (Source::InstanceIds, Some([instances, _])) => instances.clone(),
+            (Source::MaterialIds, Some([_, materials])) => materials.clone(),
+            (Source::InstanceIds | Source::MaterialIds, None) => continue,
+        };
+        layers.extend(split(aov.channels(), &values));
+    }
+    layers
+}
+
+/// One layer a channel from values that lie pixel by pixel.
+fn split(names: &[&str], values: &[f32]) -> Vec<Layer> {
+    let channel = |at: usize| values.iter().skip(at).step_by(names.len()).copied().collect();
+    names.iter().enumerate().map(|(at, &name)| Layer { name: name.into(), values: channel(at) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_are_taken_apart_in_order() {
+        let layers = split(&["a.X", "a.Y"], &[1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(layers.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["a.X", "a.Y"]);
+        assert_eq!(layers.into_iter().map(|l| l.values).collect::<Vec<_>>(), [[1.0, 3.0], [2.0, 4.0]]);
+    }
+
+    #[test]
+    fn only_identifiers_need_the_scene() {
+        assert!(needs_ids(&[Aov::Depth, Aov::Material]));
+        assert!(!needs_ids(&[Aov::Depth, Aov::Invalid]));
+    }
+}

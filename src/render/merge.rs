@@ -1,0 +1,161 @@
+//! Films of the same picture made one: shards of a farm, ranges of passes, sessions on several machines. Sums are integers
+//! per replicate, so the result is what one run would have given, bit for bit, in whatever order they come.
+
+use super::{Plan, Provenance, Selection, Stop, checkpoint};
+use crate::error::{Error, Result};
+use crate::film::{Film, PassSet};
+use std::path::PathBuf;
+
+/// What a merge does about passes that no film holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Gaps {
+    /// Refuses.
+    Refuse,
+    /// Takes the passes that are there.
+    Allow,
+}
+
+/// Reads the films at `paths` and makes them one.
+///
+/// # Errors
+/// Unreadable films; films of another scene, settings, seed or version; passes held twice; passes missing.
+pub fn merge(paths: &[PathBuf], gaps: Gaps) -> Result<(Provenance, Film)> {
+    let [first, others @ ..] = paths else { return Err(Error::usage("nothing to merge")) };
+    let (mut provenance, mut film) = checkpoint::restore(first)?;
+    let mut total = provenance.plan.picture(film.passes(), provenance.settings.replicates);
+    for path in others {
+        let named = |e: Error| e.context(format!("cannot merge {} with {}", path.display(), first.display()));
+        let (other, other_film) = checkpoint::restore(path)?;
+        provenance.same_picture(&other).map_err(named)?;
+        disjoint(film.passes(), other_film.passes()).map_err(named)?;
+        film.merge(&other_film).map_err(named)?;
+        provenance.work.absorb(other.work);
+        total = total.max(other.plan.picture(film.passes(), other.settings.replicates));
+    }
+    if gaps == Gaps::Refuse {
+        complete(film.passes(), total)?;
+    }
+    provenance.plan = Plan { stop: Stop::Spp(total), selection: Selection::All };
+    Ok((provenance, film))
+}
+
+fn disjoint(a: &PassSet, b: &PassSet) -> Result<()> {
+    let both = collect(b.iter().filter(|&pass| a.contains(pass)));
+    if both.is_empty() { Ok(()) } else { Err(Error::usage(format!("both hold passes {both}"))) }
+}
+
+fn complete(held: &PassSet, total: u64) -> Result<()> {
+    let missing = collect((0..total).filter(|&pass| !held.contains(pass)));
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(Error::usage(format!("passes {missing} of {total} are missing: add their films, or merge with --allow-gaps")))
+}
+
+fn collect(passes: impl Iterator<Item = u64>) -> PassSet {
+    let mut set = PassSet::default();
+    for pass in passes {
+        set.insert(pass);
+    }
+    set
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{PassFilm, Units};
+    use crate::render::provenance::{Program, SceneRecord, Work};
+    use crate::render::{Choices, Look, film_file};
+
+    struct Films(tempfile::TempDir);
+
+    impl Films {
+        fn new() -> Self {
+            Films(tempfile::tempdir().unwrap())
+        }
+
+        /// Writes a film of a tiny picture that holds the passes of `selection`, after `change`.
+        fn write(&self, name: &str, selection: &str, change: impl Fn(&mut Provenance)) -> PathBuf {
+            let choices = Choices { size: Some("4x2".parse().unwrap()), spp: Some(16), ..Choices::default() };
+            let selection = if selection.is_empty() { Selection::All } else { selection.parse().unwrap() };
+            let mut provenance = Provenance {
+                program: Program::current(),
+                scene: SceneRecord {
+                    path: "scene.gltf".into(),
+                    hash: "a".into(),
+                    ignored: vec![],
+                    warnings: vec![],
+                    blind_spots: vec![],
+                },
+                settings: choices.settings(None).unwrap(),
+                plan: choices.plan(selection).unwrap(),
+                look: Look::default(),
+                work: Work { sessions: 1, ..Work::default() },
+            };
+            change(&mut provenance);
+            let (settings, path) = (&provenance.settings, self.0.path().join(name));
+            let units = Units { radiance: 1.0, length: 1.0 };
+            let mut film = Film::new(settings.layout(), settings.replicates, settings.seed, units);
+            for pass in provenance.plan.passes() {
+                film.commit(pass, &PassFilm::new(&settings.layout()));
+            }
+            film_file::write(&path, &serde_json::json!(provenance), &film).unwrap();
+            path
+        }
+    }
+
+    fn refusal(paths: &[PathBuf]) -> String {
+        merge(paths, Gaps::Refuse).err().unwrap().chain()
+    }
+
+    #[test]
+    fn shards_make_a_whole_in_any_order() {
+        let films = Films::new();
+        let mut shards: Vec<_> = (0..3).map(|i| films.write(&format!("{i}.film"), &format!("{i}/3"), |_| ())).collect();
+        let (provenance, film) = merge(&shards, Gaps::Refuse).unwrap();
+        assert_eq!((film.passes().to_string(), provenance.work.sessions), ("0-15".into(), 3));
+        shards.rotate_left(1);
+        shards.swap(0, 1);
+        assert_eq!(merge(&shards, Gaps::Refuse).unwrap().1.pixel_hash(), film.pixel_hash());
+    }
+
+    #[test]
+    fn a_merged_film_merges_on() {
+        let films = Films::new();
+        let shards: Vec<_> = (0..3).map(|i| films.write(&format!("{i}.film"), &format!("{i}/3"), |_| ())).collect();
+        let (provenance, film) = merge(&shards[..2], Gaps::Allow).unwrap();
+        let part = films.0.path().join("part.film");
+        checkpoint::save(&part, &provenance, &film).unwrap();
+        assert!(merge(&[part, shards[2].clone()], Gaps::Refuse).is_ok());
+    }
+
+    #[test]
+    fn gaps_are_refused_unless_allowed() {
+        let films = Films::new();
+        let one = films.write("1.film", "1/2", |_| ());
+        assert!(refusal(std::slice::from_ref(&one)).contains("missing"));
+        assert_eq!(merge(&[one], Gaps::Allow).unwrap().1.passes().len(), 8);
+        let (a, c) = (films.write("a.film", "0..4", |_| ()), films.write("c.film", "6..8", |_| ()));
+        assert!(refusal(&[a.clone(), c.clone()]).contains("4-5 of 8"));
+        let b = films.write("b.film", "4..6", |_| ());
+        assert!(merge(&[c, b, a], Gaps::Refuse).is_ok());
+    }
+
+    #[test]
+    fn overlaps_and_other_pictures_are_refused_by_name() {
+        let films = Films::new();
+        let all = films.write("all.film", "", |_| ());
+        assert!(refusal(&[all.clone(), films.write("again.film", "3..5", |_| ())]).contains("both hold passes 3-4"));
+        type Change = fn(&mut Provenance);
+        let others: [(&str, Change); 4] = [
+            ("scenes", |p| p.scene.hash = "b".into()),
+            ("settings: depth", |p| p.settings.depth = Some(1)),
+            ("seeds", |p| p.settings.seed = 1),
+            ("versions", |p| p.program.version = "0.0.0".into()),
+        ];
+        for (what, change) in others {
+            let text = refusal(&[all.clone(), films.write("other.film", "16..32", change)]);
+            assert!(text.contains(what) && text.contains("other.film"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Which passes a run wants: how many in all, and which share of them is this process's. Pass k is one sample per pixel
+//! and belongs to replicate k mod R, so a total is R × a power of two: every replicate then holds a whole block of its
+//! low-discrepancy sequence.
+
+use crate::film::PassSet;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// When a render is done.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stop {
+    /// After this many samples per pixel.
+    Spp(u64),
+    /// After this many seconds, in whole passes.
+    Seconds(f64),
+}
+
+/// The share of the passes that this process renders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Selection {
+    /// All of them.
+    #[default]
+    All,
+    /// Those that are `index` modulo `count`.
+    Shard {
+        /// Which shard, from 0.
+        index: u64,
+        /// How many shards there are.
+        count: u64,
+    },
+    /// `start` ≤ pass < `end`, whatever the wanted samples per pixel.
+    Range {
+        /// The first pass.
+        start: u64,
+        /// The pass past the last.
+        end: u64,
+    },
+}
+
+/// What a run wants.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Plan {
+    /// When it is done.
+    pub stop: Stop,
+    /// Which share of the passes it renders.
+    pub selection: Selection,
+}
+
+/// The smallest `replicates` × 2^n that is at least `spp`.
+pub fn round_spp(spp: u64, replicates: u32) -> u64 {
+    let replicates = u64::from(replicates.max(1));
+    spp.div_ceil(replicates).next_power_of_two() * replicates
+}
+
+impl Plan {
+    /// The passes wanted, in order. Endless for a time budget without a range.
+    pub fn passes(&self) -> Box<dyn Iterator<Item = u64>> {
+        let total = match self.stop {
+            Stop::Spp(n) => n,
+            Stop::Seconds(_) => u64::MAX,
+        };
+        match self.selection {
+            Selection::All => Box::new(0..total),
+            Selection::Shard { index, count } => Box::new((index..total).step_by(count as usize)),
+            Selection::Range { start, end } => Box::new(start..end),
+        }
+    }
+
+    /// How many passes are wanted, if that is known beforehand.
+    pub fn count(&self) -> Option<u64> {
+        match (self.stop, self.selection) {
+            (_, Selection::Range { start, end }) => Some(end - start),
+            (Stop::Seconds(_), _) => None,
+            (Stop::Spp(n), Selection::All) => Some(n),
+            (Stop::Spp(n), Selection::Shard { index, count }) => Some(n.saturating_sub(index).div_ceil(count)),
+        }
+    }
+
+    /// How long the run may take, if time decides.
+    pub fn budget(&self) -> Option<Duration> {
+        match self.stop {
+            Stop::Seconds(s) => Some(Duration::from_secs_f64(s)),
+            Stop::Spp(_) => None,
+        }
+    }
+
+    /// How many passes the whole picture has that `held` are part of: what a merge must find without gaps. A time budget
+    /// promises nothing, so there the held passes decide, in whole rounds of the replicates.
+    pub(super) fn picture(&self, held: &PassSet, replicates: u32) -> u64 {
+        let past_last = held.iter().last().map_or(0, |last| last + 1);
+        match (self.stop, self.selection) {
+            (_, Selection::Range { .. }) => round_spp(past_last.max(1), replicates),
+            (Stop::Spp(n), _) => n,
+            (Stop::Seconds(_), _) => past_last.next_multiple_of(u64::from(replicates)),
+        }
+    }
+}
+
+impl FromStr for Selection {
+    type Err = String;
+
+    /// Reads a shard `i/n` or a range `a..b`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let pair = |separator: &str| {
+            let (a, b) = text.split_once(separator)?;
+            Some((a.trim().parse::<u64>().ok()?, b.trim().parse::<u64>().ok()?))
+        };
+        match (pair("/"), pair("..")) {
+            (Some((index, count)), _) if index < count && count <= u64::from(u32::MAX) => Ok(Selection::Shard { index, count }),
+            (_, Some((start, end))) if start < end && end <= u64::from(u32::MAX) => Ok(Selection::Range { start, end }),
+            (Some(_), _) => Err(format!("'{text}' is not a shard: write I/N with I from 0 to N-1")),
+            (_, Some(_)) => Err(format!("'{text}' is not a range of passes: write A..B with A < B")),
+            _ => Err(format!("'{text}' is neither a shard I/N nor a range of passes A..B")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(stop: Stop, selection: &str) -> Plan {
+        let selection = if selection.is_empty() { Selection::All } else { selection.parse().unwrap() };
+        Plan { stop, selection }
+    }
+
+    #[test]
+    fn spp_is_rounded_up_to_replicates_times_a_power_of_two() {
+        let cases =
+            [(1, 4, 4), (4, 4, 4), (5, 4, 8), (64, 4, 64), (65, 4, 128), (100, 4, 128), (7, 1, 8), (10, 3, 12), (13, 3, 24)];
+        for (spp, replicates, rounded) in cases {
+            assert_eq!(round_spp(spp, replicates), rounded, "{spp} spp in {replicates} replicates");
+        }
+    }
+
+    #[test]
+    fn shards_partition_the_passes() {
+        let mut all: Vec<u64> = (0..3).flat_map(|i| plan(Stop::Spp(16), &format!("{i}/3")).passes()).collect();
+        all.sort_unstable();
+        assert_eq!(all, (0..16).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn counts_agree_with_the_passes() {
+        for text in ["", "0/3", "1/3", "2/3", "9/20", "19/20", "3..9"] {
+            let plan = plan(Stop::Spp(16), text);
+            assert_eq!(plan.count(), Some(plan.passes().count() as u64), "{text}");
+        }
+        assert_eq!(plan(Stop::Seconds(1.0), "").count(), None);
+        assert_eq!(plan(Stop::Seconds(1.0), "3..9").count(), Some(6));
+    }
+
+    #[test]
+    fn shards_and_ranges_are_read_strictly() {
+        assert_eq!("0/4".parse(), Ok(Selection::Shard { index: 0, count: 4 }));
+        assert_eq!("8..16".parse(), Ok(Selection::Range { start: 8, end: 16 }));
+        for wrong in ["4/4", "0/0", "-1/4", "1", "", "16..8", "8..8", "a..b", "1/2/3", "0..99999999999"] {
+            assert!(wrong.parse::<Selection>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_picture_is_what_its_films_belong_to() {
+        let held = |passes: &[u64]| {
+            let mut set = PassSet::default();
+            passes.iter().for_each(|&p| {
+                set.insert(p);
+            });
+            set
+        };
+        assert_eq!(plan(Stop::Spp(64), "1/2").picture(&held(&[1, 3]), 4), 64);
+        assert_eq!(plan(Stop::Spp(64), "4..6").picture(&held(&[4, 5]), 4), 8);
+        assert_eq!(plan(Stop::Seconds(1.0), "").picture(&held(&[0, 1, 2, 3, 4]), 4), 8);
+    }
+}

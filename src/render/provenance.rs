@@ -1,0 +1,164 @@
+//! Where a film comes from: enough to continue it, to refuse to mix it with another, and to say so in the image.
+
+use super::{Look, Plan, Settings, Stage};
+use crate::error::{Error, Result};
+use crate::integrator::{self, PassReport};
+use std::path::PathBuf;
+
+/// The program that rendered.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Program {
+    /// Version of étendue.
+    pub version: String,
+    /// Git revision it was built from, where known.
+    pub revision: Option<String>,
+    /// Instruction set it was compiled for.
+    pub isa: String,
+    /// Who answers ray queries.
+    pub backend: String,
+}
+
+/// The scene that was rendered.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct SceneRecord {
+    /// Where it was.
+    pub path: PathBuf,
+    /// Hash of its content.
+    pub hash: String,
+    /// What it uses and étendue ignores.
+    pub ignored: Vec<String>,
+    /// What is doubtful about it.
+    pub warnings: Vec<String>,
+    /// What the method cannot see in it.
+    pub blind_spots: Vec<String>,
+}
+
+/// What rendering has taken so far, over all sessions and shards.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Work {
+    /// Rays, guards and invalid samples.
+    pub passes: PassReport,
+    /// Seconds of wall-clock time, summed over sessions and shards.
+    pub wall_seconds: f64,
+    /// Seconds of processor time.
+    pub cpu_seconds: f64,
+    /// How many sessions, a shard being one.
+    pub sessions: u64,
+    /// When the first began, in UTC.
+    pub started: String,
+    /// When the last ended, in UTC.
+    pub finished: String,
+}
+
+/// Where a film comes from.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Provenance {
+    /// The program.
+    pub program: Program,
+    /// The scene.
+    pub scene: SceneRecord,
+    /// The settings.
+    pub settings: Settings,
+    /// Which passes the run wanted.
+    pub plan: Plan,
+    /// How PNG images of it look.
+    pub look: Look,
+    /// What it took.
+    pub work: Work,
+}
+
+impl Program {
+    /// This program.
+    pub fn current() -> Self {
+        Program {
+            version: env!("CARGO_PKG_VERSION").into(),
+            revision: option_env!("ETENDUE_GIT_REVISION").filter(|r| !r.is_empty()).map(str::to_owned),
+            isa: option_env!("ETENDUE_TARGET_FEATURES").unwrap_or(std::env::consts::ARCH).into(),
+            backend: if cfg!(feature = "embree") { "embree" } else { "none" }.into(),
+        }
+    }
+}
+
+impl std::fmt::Display for Program {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let revision = self.revision.as_deref().unwrap_or("unknown revision");
+        write!(f, "{} ({revision}, {}, {})", self.version, self.isa, self.backend)
+    }
+}
+
+impl Work {
+    /// Adds the work of another film.
+    pub(super) fn absorb(&mut self, other: Work) {
+        self.passes.absorb(other.passes);
+        self.wall_seconds += other.wall_seconds;
+        self.cpu_seconds += other.cpu_seconds;
+        self.sessions += other.sessions;
+        // RFC 3339 times in UTC sort as text.
+        self.started = std::cmp::min(std::mem::take(&mut self.started), other.started);
+        self.finished = std::cmp::max(std::mem::take(&mut self.finished), other.finished);
+    }
+}
+
+impl Provenance {
+    /// The provenance of a render that begins now.
+    pub fn new(stage: &Stage, settings: Settings, plan: Plan, look: Look) -> Self {
+        let scene = SceneRecord {
+            // Another process, in another folder, may resume.
+            path: std::path::absolute(&stage.path).unwrap_or_else(|_| stage.path.clone()),
+            hash: stage.scene.hash().to_owned(),
+            ignored: stage.info.ignored.clone(),
+            warnings: stage.info.warnings.clone(),
+            blind_spots: integrator::blind_spots(settings.method, &stage.scene),
+        };
+        let work = Work { started: now(), finished: now(), ..Work::default() };
+        Provenance { program: Program::current(), scene, settings, plan, look, work }
+    }
+
+    /// Refuses `other` unless its passes are passes of the same picture.
+    ///
+    /// # Errors
+    /// Says what differs.
+    pub fn same_picture(&self, other: &Provenance) -> Result<()> {
+        let (a, b) = (&self.program, &other.program);
+        if self.scene.hash != other.scene.hash {
+            return Err(differ("scenes", &self.scene.hash, &other.scene.hash));
+        }
+        if a != b {
+            return Err(differ("versions of étendue", &a.to_string(), &b.to_string()));
+        }
+        if self.settings.seed != other.settings.seed {
+            return Err(differ("seeds", &self.settings.seed.to_string(), &other.settings.seed.to_string()));
+        }
+        if self.settings.hash() != other.settings.hash() {
+            let (a, b) = (serde_json::json!(self.settings), serde_json::json!(other.settings));
+            let (a, b) = first_difference(&a, &b);
+            return Err(differ("settings", &a, &b));
+        }
+        Ok(())
+    }
+
+    /// Refuses to be continued by another program than the one that began it.
+    ///
+    /// # Errors
+    /// Says what differs.
+    pub(super) fn continuable_on(&self, stage: &Stage) -> Result<()> {
+        let here = Provenance::new(stage, self.settings.clone(), self.plan, self.look);
+        self.same_picture(&here)
+    }
+}
+
+fn differ(what: &str, a: &str, b: &str) -> Error {
+    Error::usage(format!("different {what}: {a} and {b}"))
+}
+
+/// The first field in which two JSON objects differ, as text.
+fn first_difference(a: &serde_json::Value, b: &serde_json::Value) -> (String, String) {
+    let fields = a.as_object().into_iter().flatten();
+    let different = fields.map(|(key, value)| (key, value, &b[key])).find(|(_, value, other)| value != other);
+    different.map_or_else(Default::default, |(key, value, other)| (format!("{key} {value}"), format!("{key} {other}")))
+}
+
+/// The time, in UTC, to the second.
+pub(super) fn now() -> String {
+    humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
+}

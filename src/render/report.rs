@@ -1,0 +1,282 @@
+//! What a render reports: one document, printed with `--json`, written with `--report`, and flattened into the header of
+//! the EXR image as `etendue.` attributes (`etendue.render.wall_seconds`, …).
+
+use super::provenance::Program;
+use super::{Outputs, Plan, Provenance, Settings, Stage, machine};
+use crate::film::{Film, ImageError};
+use crate::integrator::{Guards, InvalidSample};
+use crate::io::exr::{self, Attribute, Layer};
+use crate::spectrum::LANES;
+use serde::Serialize;
+use serde_json::Value;
+
+/// The report of a render or a merge.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    image: Option<String>,
+    film: Option<String>,
+    program: Program,
+    machine: Machine,
+    scene: Scene,
+    settings: Settings,
+    settings_hash: String,
+    plan: Plan,
+    load: Option<Phase>,
+    build: Option<Phase>,
+    render: Render,
+    error: Option<ImageError>,
+    guards: Guards,
+    clamp: Option<Clamp>,
+    invalid: Vec<Invalid>,
+    pixel_hash: String,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Machine {
+    processor: Option<String>,
+    threads: Option<usize>,
+    peak_memory_bytes: Option<u64>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Scene {
+    file: String,
+    hash: String,
+    camera: String,
+    ignored: Vec<String>,
+    warnings: Vec<String>,
+    blind_spots: Vec<String>,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Phase {
+    seconds: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Render {
+    wall_seconds: f64,
+    cpu_seconds: f64,
+    started: String,
+    finished: String,
+    sessions: u64,
+    passes: String,
+    spp: u64,
+    rays: Rays,
+    rays_per_second: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Rays {
+    camera: u64,
+    bounce: u64,
+    shadow: u64,
+    total: u64,
+}
+
+/// What `--clamp` did to the image.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Clamp {
+    /// Always: a clamped image is.
+    pub biased: bool,
+    /// The limit.
+    pub limit: f32,
+    /// How many samples it changed.
+    pub samples: u64,
+    /// The radiance it took from the average pixel, as a mean over lanes.
+    pub mean_removed: f64,
+    /// The same as a share of what the mean would have been.
+    pub share_removed: f64,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct Invalid {
+    #[serde(flatten)]
+    sample: InvalidSample,
+    /// Arguments to `render` that trace this sample alone.
+    replay: String,
+}
+
+impl Report {
+    /// Reports on `film`, whose image has `layers`; `stage` if the scene was loaded for it.
+    pub fn new(provenance: &Provenance, film: &Film, layers: &[Layer], outputs: &Outputs, stage: Option<&Stage>) -> Report {
+        let (work, settings) = (&provenance.work, &provenance.settings);
+        let name = |path: Option<&std::path::Path>| path.map(|p| p.display().to_string());
+        let error = film.image_error();
+        Report {
+            image: name(outputs.image()),
+            film: name(outputs.film.as_deref()),
+            program: provenance.program.clone(),
+            machine: Machine::now(stage),
+            scene: Scene::of(provenance),
+            settings: settings.clone(),
+            settings_hash: settings.hash(),
+            plan: provenance.plan,
+            load: stage.map(|s| Phase { seconds: s.load_seconds }),
+            build: stage.map(|s| Phase { seconds: s.build_seconds }),
+            render: Render::of(provenance, film),
+            guards: work.passes.guards,
+            clamp: settings.clamp.map(|limit| clamp(limit, provenance, film, error.as_ref())),
+            error,
+            invalid: work.passes.invalid.iter().map(|&sample| Invalid { sample, replay: replay(sample) }).collect(),
+            pixel_hash: exr::hash_pixels(settings.width, settings.height, settings.crop, layers),
+        }
+    }
+
+    /// The error of the image, if it has replicates to measure it between.
+    pub fn error(&self) -> Option<&ImageError> {
+        self.error.as_ref()
+    }
+
+    /// What clamping did, if it was asked for.
+    pub fn clamp(&self) -> Option<Clamp> {
+        self.clamp
+    }
+
+    /// How often guards fired.
+    pub fn guards(&self) -> Guards {
+        self.guards
+    }
+
+    /// How to trace the first sample that was not finite again.
+    pub fn first_replay(&self) -> Option<&str> {
+        self.invalid.first().map(|i| i.replay.as_str())
+    }
+
+    /// One line for people: samples, time, rays a second, error.
+    pub fn summary(&self) -> String {
+        let render = &self.render;
+        let speed = render.rays_per_second / 1e6;
+        let mut line = format!("{} spp in {:.2} s, {speed:.2} Mrays/s", render.spp, render.wall_seconds);
+        if let Some(error) = &self.error {
+            let relmse = &error.relmse;
+            let interval = format!("95% [{:.3e}, {:.3e}]", relmse.low, relmse.high);
+            line.push_str(&format!(", relMSE {:.3e} {interval}", relmse.value));
+            line.push_str(&format!(", mean {:.6} ± {:.1e}", error.mean, error.mean_standard_error));
+        }
+        line
+    }
+
+    /// The report as attributes for an EXR header.
+    pub fn attributes(&self) -> Vec<(String, Attribute)> {
+        let mut attributes = Vec::new();
+        flatten("etendue", &serde_json::json!(self), &mut attributes);
+        attributes
+    }
+}
+
+impl Machine {
+    fn now(stage: Option<&Stage>) -> Self {
+        Machine {
+            processor: machine::Processor::detect().model,
+            threads: stage.map(|s| s.threads),
+            peak_memory_bytes: machine::peak_memory(),
+        }
+    }
+}
+
+impl Scene {
+    fn of(provenance: &Provenance) -> Self {
+        let record = &provenance.scene;
+        Scene {
+            file: record.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            hash: record.hash.clone(),
+            camera: provenance.settings.camera.clone().unwrap_or_else(|| "0".into()),
+            ignored: record.ignored.clone(),
+            warnings: record.warnings.clone(),
+            blind_spots: record.blind_spots.clone(),
+        }
+    }
+}
+
+impl Render {
+    fn of(provenance: &Provenance, film: &Film) -> Self {
+        let work = &provenance.work;
+        let rays = work.passes.rays;
+        let total = rays.camera + rays.bounce + rays.shadow;
+        Render {
+            wall_seconds: work.wall_seconds,
+            cpu_seconds: work.cpu_seconds,
+            started: work.started.clone(),
+            finished: work.finished.clone(),
+            sessions: work.sessions,
+            passes: film.passes().to_string(),
+            spp: film.passes().len(),
+            rays: Rays { camera: rays.camera, bounce: rays.bounce, shadow: rays.shadow, total },
+            rays_per_second: if work.wall_seconds > 0.0 { total as f64 / work.wall_seconds } else { 0.0 },
+        }
+    }
+}
+
+fn clamp(limit: f32, provenance: &Provenance, film: &Film, error: Option<&ImageError>) -> Clamp {
+    let guards = provenance.work.passes.guards;
+    let samples = provenance.settings.layout().pixels() as f64 * film.passes().len() as f64;
+    let mean_removed = if samples > 0.0 { guards.clamped_energy / (samples * LANES as f64) } else { 0.0 };
+    let mean = error.map_or_else(|| mean_of(film), |e| e.mean);
+    let share_removed = if mean_removed > 0.0 { mean_removed / (mean + mean_removed) } else { 0.0 };
+    Clamp { biased: true, limit, samples: guards.clamped, mean_removed, share_removed }
+}
+
+fn mean_of(film: &Film) -> f64 {
+    let colors = film.mean(crate::film::Plane::Color);
+    colors.iter().copied().map(f64::from).sum::<f64>() / colors.len().max(1) as f64
+}
+
+/// The arguments to `render` that trace one sample alone.
+fn replay(InvalidSample { pass, x, y }: InvalidSample) -> String {
+    format!("--passes {pass}..{} --crop {x},{y},{},{}", pass + 1, x + 1, y + 1)
+}
+
+/// Turns a JSON document into attributes named by their place in it. What is absent or empty is left out; numbers that
+/// an attribute cannot hold exactly become text.
+fn flatten(name: &str, value: &Value, out: &mut Vec<(String, Attribute)>) {
+    let attribute = match value {
+        Value::Null => return,
+        Value::Object(fields) => {
+            for (key, field) in fields {
+                flatten(&format!("{name}.{key}"), field, out);
+            }
+            return;
+        }
+        Value::Array(items) if items.is_empty() => return,
+        Value::Array(_) => Attribute::Text(value.to_string()),
+        Value::Bool(truth) => Attribute::Int(i32::from(*truth)),
+        Value::String(text) => Attribute::Text(text.clone()),
+        Value::Number(number) => match number.as_i64().map(i32::try_from) {
+            Some(Ok(int)) => Attribute::Int(int),
+            None if number.is_f64() => Attribute::Float(number.as_f64().unwrap_or_default() as f32),
+            _ => Attribute::Text(number.to_string()),
+        },
+    };
+    out.push((name.to_owned(), attribute));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reports_flatten_to_named_attributes() {
+        let json = serde_json::json!({
+            "a": { "b": 1.5, "c": 7, "d": null, "e": [] },
+            "f": "text", "g": true, "h": 10_000_000_000_u64, "i": ["x", "y"],
+        });
+        let mut flat = Vec::new();
+        flatten("etendue", &json, &mut flat);
+        let text = |s: &str| Attribute::Text(s.into());
+        let expected = [
+            ("etendue.a.b", Attribute::Float(1.5)),
+            ("etendue.a.c", Attribute::Int(7)),
+            ("etendue.f", text("text")),
+            ("etendue.g", Attribute::Int(1)),
+            ("etendue.h", text("10000000000")),
+            ("etendue.i", text("[\"x\",\"y\"]")),
+        ];
+        assert_eq!(flat, expected.map(|(name, value)| (name.to_owned(), value)));
+    }
+
+    #[test]
+    fn a_replay_names_one_pass_and_one_pixel() {
+        assert_eq!(replay(InvalidSample { pass: 17, x: 12, y: 40 }), "--passes 17..18 --crop 12,40,13,41");
+    }
+}

@@ -1,0 +1,115 @@
+//! What decides the pixels of a pass. How many passes there are, on how many threads and into which file does not, so
+//! that films of different runs can be continued and merged.
+
+use super::{Aov, Environment};
+use crate::accel::Build;
+use crate::film::{Crop, Filter, Layout, Plane};
+use crate::integrator::{Method, Options};
+use crate::sampling::SamplerKind;
+
+/// Everything besides the scene that the pixels of a pass depend on.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Settings {
+    /// The method.
+    pub method: Method,
+    /// Width of the full image.
+    pub width: u32,
+    /// Height of the full image.
+    pub height: u32,
+    /// What of it is rendered; `None` for all.
+    pub crop: Option<Crop>,
+    /// Camera by name or number; `None` for the first.
+    pub camera: Option<String>,
+    /// Longest path in scattering events; `None` for no limit.
+    pub depth: Option<u32>,
+    /// Pixel filter.
+    pub filter: Filter,
+    /// Source of sample points.
+    pub sampler: SamplerKind,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Independent replicates.
+    pub replicates: u32,
+    /// How the acceleration structure is built: ties between surfaces depend on it.
+    pub build: Build,
+    /// Extra layers, sorted.
+    pub aovs: Vec<Aov>,
+    /// Limit of a sample's radiance.
+    pub clamp: Option<f32>,
+    /// Whether the background is left out.
+    pub transparent: bool,
+    /// Environment in place of the scene's own.
+    pub environment: Option<Environment>,
+}
+
+impl Settings {
+    /// A hash of all of it, in hexadecimal.
+    pub fn hash(&self) -> String {
+        // serde_json writes fields in the order of the struct and floats in their shortest exact form.
+        let text = serde_json::json!(self).to_string();
+        blake3::hash(text.as_bytes()).to_hex().to_string()
+    }
+
+    /// What the integrators need of it.
+    pub fn options(&self) -> Options {
+        Options {
+            seed: self.seed,
+            sampler: self.sampler,
+            filter: self.filter,
+            max_depth: self.depth,
+            clamp: self.clamp,
+            replicates: self.replicates,
+            transparent: self.transparent,
+        }
+    }
+
+    /// The film's pixels and planes.
+    pub fn layout(&self) -> Layout {
+        let planes = self.aovs.iter().filter_map(|aov| match aov.source() {
+            super::aov::Source::Plane(plane) => Some(plane),
+            _ => None,
+        });
+        let alpha = self.transparent.then_some(Plane::Alpha);
+        Layout::new(self.width, self.height, self.crop, &planes.chain(alpha).collect::<Vec<_>>())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Choices;
+
+    fn settings() -> Settings {
+        Choices::default().settings(None).unwrap()
+    }
+
+    #[test]
+    fn settings_survive_json_and_keep_their_hash() {
+        let settings = Settings { clamp: Some(0.1), environment: Some("0.1,0.2,0.3".parse().unwrap()), ..settings() };
+        let back: Settings = serde_json::from_value(serde_json::json!(settings)).unwrap();
+        assert_eq!(back, settings);
+        assert_eq!(back.hash(), settings.hash());
+    }
+
+    #[test]
+    fn every_setting_enters_the_hash() {
+        let base = settings();
+        let changed = [
+            Settings { seed: 1, ..base.clone() },
+            Settings { replicates: 8, ..base.clone() },
+            Settings { depth: Some(3), ..base.clone() },
+            Settings { clamp: Some(1.0), ..base.clone() },
+            Settings { transparent: true, ..base.clone() },
+            Settings { build: Build::Fast, ..base.clone() },
+            Settings { aovs: vec![Aov::Depth], ..base.clone() },
+        ];
+        assert!(changed.iter().all(|s| s.hash() != base.hash()));
+    }
+
+    #[test]
+    fn layers_bring_their_planes() {
+        let layout = Settings { aovs: vec![Aov::Depth, Aov::Instance], ..settings() }.layout();
+        assert_eq!(layout.planes(), [Plane::Color, Plane::Alpha, Plane::Depth]);
+    }
+}

@@ -1,0 +1,67 @@
+//! A scene loaded and built, with what that took.
+
+use super::Environment;
+use super::machine::Stopwatch;
+use crate::accel::Build;
+use crate::error::{Error, Result};
+use crate::io::gltf;
+use crate::scene::{BuildOptions, Scene, SceneInfo};
+use crate::spectrum::Spectrum;
+use std::path::{Path, PathBuf};
+
+/// A scene that is ready to be rendered.
+pub struct Stage {
+    /// The scene.
+    pub scene: Scene,
+    /// Where it came from.
+    pub path: PathBuf,
+    /// What is in it.
+    pub info: SceneInfo,
+    /// Seconds that reading and decoding took.
+    pub load_seconds: f64,
+    /// Seconds that building took, the acceleration structure included.
+    pub build_seconds: f64,
+    /// Threads that the machine grants.
+    pub threads: usize,
+    /// Runs since the end of the build.
+    pub clock: Stopwatch,
+}
+
+impl Stage {
+    /// Loads and builds the scene at `path`, with `environment` instead of its own if given. Call it from outside the
+    /// rayon pool, which the caller has set up with `threads` threads.
+    ///
+    /// # Errors
+    /// A scene that cannot be read or is invalid.
+    pub fn open(path: &Path, environment: Option<Environment>, build: Build, threads: usize) -> Result<Stage> {
+        let loading = Stopwatch::start();
+        let mut description = gltf::load(path)?;
+        if let Some(environment) = environment {
+            description.environment = Some(Spectrum::from_rgb(environment.rgb()));
+        }
+        let building = Stopwatch::start();
+        let load_seconds = loading.wall().as_secs_f64();
+        let scene = Scene::build(description, &BuildOptions { build, threads }).map_err(|e| e.context(path.display()))?;
+        let info = scene.info().clone();
+        Ok(Stage {
+            info,
+            path: path.to_owned(),
+            load_seconds,
+            build_seconds: building.wall().as_secs_f64(),
+            threads,
+            clock: Stopwatch::start(),
+            scene,
+        })
+    }
+
+    /// Refuses a scene that uses what étendue ignores.
+    ///
+    /// # Errors
+    /// Names everything ignored.
+    pub fn refuse_ignored(&self) -> Result<()> {
+        if self.info.ignored.is_empty() {
+            return Ok(());
+        }
+        Err(Error::scene(format!("{}: --strict: {}", self.path.display(), self.info.ignored.join("; "))))
+    }
+}

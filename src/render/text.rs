@@ -1,0 +1,191 @@
+//! Values as people write them, on the command line and in `render.toml` alike: `640x480`, `0,0,64,64`, `5m`, `1,0.9,0.8`.
+
+use crate::film::Crop;
+use std::str::FromStr;
+use std::time::Duration;
+
+/// The largest width or height of an image, in pixels.
+const MAX_SIDE: u32 = 1 << 16;
+
+/// Image size; without a height the camera's aspect ratio decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(try_from = "String")]
+pub struct Size {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: Option<u32>,
+}
+
+/// A rectangle of pixels `x0,y0,x1,y1` from the top left, the last two exclusive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(try_from = "String")]
+pub struct Window(pub Crop);
+
+/// A length of time such as `30s`, `5m` or `1h 30m`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(try_from = "String")]
+pub struct Budget(pub Duration);
+
+/// Radiance from every direction where nothing is hit: one number, or linear red, green, blue.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "EnvironmentText", into = "[f32; 3]")]
+pub struct Environment([f32; 3]);
+
+/// The forms an environment takes in a file.
+#[derive(serde::Deserialize)]
+#[serde(untagged)]
+enum EnvironmentText {
+    Grey(f32),
+    Rgb([f32; 3]),
+    Text(String),
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |s: &str| {
+            let side = s.trim().parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+            side.ok_or_else(|| format!("'{text}' is not a size: write WIDTHxHEIGHT or WIDTH, each from 1 to {MAX_SIDE}"))
+        };
+        Ok(match text.split_once('x') {
+            Some((width, height)) => Size { width: side(width)?, height: Some(side(height)?) },
+            None => Size { width: side(text)?, height: None },
+        })
+    }
+}
+
+impl FromStr for Window {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match numbers::<u32>(text).as_deref() {
+            Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Window(Crop { x0, y0, x1, y1 })),
+            _ => Err(format!("'{text}' is not a rectangle: write X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1")),
+        }
+    }
+}
+
+impl FromStr for Budget {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let length = humantime::parse_duration(text).map_err(|e| format!("'{text}' is not a time such as 30s or 5m: {e}"))?;
+        if length.is_zero() { Err("a time budget must be above zero".into()) } else { Ok(Budget(length)) }
+    }
+}
+
+impl Environment {
+    /// Linear red, green and blue.
+    pub fn rgb(self) -> [f32; 3] {
+        self.0
+    }
+
+    fn checked(rgb: [f32; 3]) -> Result<Self, String> {
+        if rgb.iter().all(|v| v.is_finite() && *v >= 0.0) {
+            Ok(Environment(rgb))
+        } else {
+            Err("an environment's radiance must be finite and not negative".into())
+        }
+    }
+}
+
+impl FromStr for Environment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match numbers::<f32>(text).as_deref() {
+            Some(&[grey]) => Environment::checked([grey; 3]),
+            Some(&[r, g, b]) => Environment::checked([r, g, b]),
+            _ => Err(format!("'{text}' is not a radiance: write one number or R,G,B")),
+        }
+    }
+}
+
+impl From<Environment> for [f32; 3] {
+    fn from(environment: Environment) -> Self {
+        environment.0
+    }
+}
+
+impl TryFrom<EnvironmentText> for Environment {
+    type Error = String;
+
+    fn try_from(text: EnvironmentText) -> Result<Self, String> {
+        match text {
+            EnvironmentText::Grey(v) => Environment::checked([v; 3]),
+            EnvironmentText::Rgb(rgb) => Environment::checked(rgb),
+            EnvironmentText::Text(text) => text.parse(),
+        }
+    }
+}
+
+impl TryFrom<String> for Size {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl TryFrom<String> for Window {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl TryFrom<String> for Budget {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+/// The numbers of a comma-separated list, or `None` if one of them is not a number.
+fn numbers<T: FromStr>(text: &str) -> Option<Vec<T>> {
+    text.split(',').map(|n| n.trim().parse().ok()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_with_and_without_height() {
+        assert_eq!("640x480".parse(), Ok(Size { width: 640, height: Some(480) }));
+        assert_eq!("640".parse(), Ok(Size { width: 640, height: None }));
+        for wrong in ["", "x", "0x4", "4x0", "640x", "70000", "-1x2", "4x4x4"] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn windows_must_hold_a_pixel() {
+        assert_eq!("1,2,3,4".parse(), Ok(Window(Crop { x0: 1, y0: 2, x1: 3, y1: 4 })));
+        for wrong in ["1,2,3", "1,2,1,4", "3,2,1,4", "1,2,3,4,5", "a,b,c,d"] {
+            assert!(wrong.parse::<Window>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn times_are_read_in_the_usual_units() {
+        assert_eq!("30s".parse(), Ok(Budget(Duration::from_secs(30))));
+        assert_eq!("1h 30m".parse(), Ok(Budget(Duration::from_secs(5400))));
+        for wrong in ["", "0s", "30", "fast"] {
+            assert!(wrong.parse::<Budget>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn environments_are_finite_and_not_negative() {
+        assert_eq!("0.5".parse::<Environment>().map(Environment::rgb), Ok([0.5; 3]));
+        assert_eq!("1, 2, 3".parse::<Environment>().map(Environment::rgb), Ok([1.0, 2.0, 3.0]));
+        for wrong in ["-1", "inf", "NaN", "1,2", ""] {
+            assert!(wrong.parse::<Environment>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! Whole renders of the Cornell box: what may and what must not change the pixels, and what is left behind.
+
+use crate::run::{Place, cornell};
+
+#[test]
+fn the_last_line_names_the_image() {
+    let place = Place::new();
+    let ran = place.run(&format!("render {} --spp 4 -o box.exr --png", cornell()));
+    assert_eq!(ran.code(), 0, "{}", ran.stderr());
+    assert_eq!(ran.stdout().lines().last(), Some("image: box.exr"));
+    assert!(std::fs::metadata(place.path("box.exr")).unwrap().len() > 32 * 32 * 12);
+    assert!(std::fs::metadata(place.path("box.png")).unwrap().len() > 0);
+}
+
+#[test]
+fn the_picture_is_named_after_the_scenes_folder() {
+    let place = Place::new();
+    let ran = place.run(&format!("render {} --spp 4 --quiet", cornell()));
+    assert_eq!(ran.stdout().lines().last(), Some("image: cornell-box.exr"), "{}", ran.stderr());
+    assert_eq!(ran.stderr(), "");
+}
+
+#[test]
+fn thread_counts_do_not_change_the_pixels() {
+    let place = Place::new();
+    let line = |threads| format!("render {} --spp 8 --threads {threads} -o x.exr", cornell());
+    let [one, two, five] = [1, 2, 5].map(|threads| place.pixels(&line(threads)));
+    assert_eq!(one, two);
+    assert_eq!(one, five);
+}
+
+#[test]
+fn seeds_do_change_the_pixels() {
+    let place = Place::new();
+    let line = |seed| format!("render {} --spp 4 --seed {seed} -o x.exr", cornell());
+    assert_ne!(place.pixels(&line(1)), place.pixels(&line(2)));
+}
+
+#[test]
+fn shards_merged_in_any_order_are_one_run() {
+    let place = Place::new();
+    let whole = place.pixels(&format!("render {} --spp 16 -o whole.exr", cornell()));
+    for i in 0..3 {
+        place.report(&format!("render {} --spp 16 --shard {i}/3 -o {i}.film", cornell()));
+    }
+    let merged = place.report("merge 2.film 0.film 1.film -o merged.exr");
+    assert_eq!(merged["pixel_hash"], whole.as_str());
+    assert_eq!(merged["render"]["passes"], "0-15");
+    assert_eq!(place.pixels("merge 1.film 2.film 0.film -o merged.film"), whole);
+    assert_eq!(place.pixels("resume merged.film -o again.exr"), whole);
+}
+
+#[test]
+fn ranges_of_passes_are_parts_of_one_run() {
+    let place = Place::new();
+    let whole = place.pixels(&format!("render {} --spp 8 -o whole.exr", cornell()));
+    place.report(&format!("render {} --passes 0..5 -o a.film", cornell()));
+    place.run("merge a.film -o x.exr").fails(2, "passes 5-7 of 8 are missing");
+    place.report(&format!("render {} --passes 5..8 -o b.film", cornell()));
+    assert_eq!(place.pixels("merge b.film a.film -o x.exr"), whole);
+}
+
+#[test]
+fn films_of_other_pictures_do_not_mix() {
+    let place = Place::new();
+    place.report(&format!("render {} --spp 8 --shard 0/2 -o a.film", cornell()));
+    for (option, what) in [("--seed 5", "seeds"), ("--depth 2", "depth"), ("--filter box", "filter")] {
+        place.report(&format!("render {} --spp 8 --shard 1/2 -o b.film {option}", cornell()));
+        place.run("merge a.film b.film -o x.exr").fails(2, what);
+    }
+    place.run("merge a.film a.film -o x.exr").fails(2, "both hold passes 0,2,4,6");
+}
+
+#[test]
+fn more_samples_later_are_as_good_as_at_once() {
+    let place = Place::new();
+    let whole = place.pixels(&format!("render {} --spp 16 -o whole.exr", cornell()));
+    place.report(&format!("render {} --spp 4 -o part.film", cornell()));
+    let report = place.report("resume part.film --spp 16 -o part.exr");
+    assert_eq!(report["pixel_hash"], whole.as_str());
+    assert_eq!(report["render"]["sessions"], 2);
+}
+
+#[test]
+fn spp_is_rounded_up_and_said() {
+    let place = Place::new();
+    let ran = place.run(&format!("render {} --spp 9 -o x.exr", cornell()));
+    assert!(ran.stderr().contains("9 samples per pixel rounded up to 16"), "{}", ran.stderr());
+    assert_eq!(place.report(&format!("render {} --spp 9 -o x.exr", cornell()))["render"]["spp"], 16);
+}
+
+#[test]
+fn a_time_budget_ends_in_balanced_replicates() {
+    let place = Place::new();
+    let report = place.report(&format!("render {} --time 500ms -o x.exr", cornell()));
+    let spp = report["render"]["spp"].as_u64().unwrap();
+    assert!(spp < 4 || spp % 4 == 0, "{spp}");
+    assert!(report["render"]["wall_seconds"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn the_report_file_is_the_document_on_stdout() {
+    let place = Place::new();
+    let report = place.report(&format!("render {} --spp 4 -o x.exr --report x.json", cornell()));
+    let file: serde_json::Value = serde_json::from_slice(&std::fs::read(place.path("x.json")).unwrap()).unwrap();
+    assert_eq!(file, report);
+    for key in ["wall_seconds", "cpu_seconds", "rays_per_second"] {
+        assert!(report["render"][key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    assert!(report["load"]["seconds"].is_f64() && report["build"]["seconds"].is_f64());
+    let relmse = &report["error"]["relmse"];
+    assert!(relmse["low"].as_f64().unwrap() <= relmse["value"].as_f64().unwrap());
+    assert!(relmse["value"].as_f64().unwrap() <= relmse["high"].as_f64().unwrap());
+}
+
+#[test]
+fn clamping_is_called_biased() {
+    let place = Place::new();
+    let line = format!("render {} --spp 4 --clamp 0.5 -o x.exr", cornell());
+    assert!(place.run(&line).stderr().contains("biased"));
+    let clamp = &place.report(&line)["clamp"];
+    assert_eq!(clamp["biased"], true);
+    assert!(clamp["share_removed"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn info_tells_what_is_there() {
+    let info = Place::new().report(&format!("info {}", cornell()));
+    assert!(info["triangles"].as_u64().unwrap() >= 12);
+    assert!(info["memory"]["film_bytes"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn a_failed_render_leaves_the_old_image_whole() {
+    let place = Place::new();
+    std::fs::write(place.path("x.exr"), "old").unwrap();
+    assert_eq!(place.run(&format!("render {} --camera nobody -o x.exr", cornell())).code(), 3);
+    assert_eq!(std::fs::read(place.path("x.exr")).unwrap(), b"old");
+}

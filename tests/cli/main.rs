@@ -1,0 +1,8 @@
+//! The real binary, driven as people and farms drive it.
+
+#![allow(clippy::unwrap_used)]
+
+mod end_to_end;
+mod run;
+mod signals;
+mod usage;
