@@ -1,7 +1,8 @@
 //! Which primitive does a ray hit: one trait, one enum of backends. To add a backend, write one file that implements
 //! [`Intersector`] and give it a variant in [`Accel`].
 
-// pub mod embree;
+#[cfg(feature = "embree")]
+pub mod embree;
 
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
@@ -50,6 +51,14 @@ impl Accel {
         {
             let _ = (geometry, build, threads);
             Err(crate::error::Error::usage("this étendue was built without a ray-tracing backend"))
+        }
+    }
+
+    /// Bytes that the acceleration structure takes, as far as the backend tells.
+    pub fn bytes(&self) -> usize {
+        match *self {
+            #[cfg(feature = "embree")]
+            Accel::Embree(ref scene) => scene.bytes(),
         }
     }
 

@@ -5,6 +5,29 @@
 //! along `wi` and leaves along `wo`, whichever end the walk came from; for refraction the value is radiance's, that is
 //! F(wi, wo) / η²_o = F(wo, wi) / η²_i. Geometric normals and adjoint factors are not known here: see [`shading`].
 
+pub mod albedo;
+mod conductor;
+mod dielectric;
+pub mod fresnel;
+pub mod ggx;
+mod gltf;
+mod lambert;
+mod metallic_roughness;
+pub mod shading;
+mod surface;
+mod thin;
+
+pub use conductor::Conductor;
+pub use dielectric::Dielectric;
+pub use fresnel::Fresnel;
+pub use ggx::Ggx;
+pub use gltf::Gltf;
+pub use lambert::Lambert;
+pub use metallic_roughness::{MetallicRoughness, Wall};
+pub use shading::{Shading, ShadingSample};
+pub use surface::Surface;
+pub use thin::Thin;
+
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::Density;
@@ -82,4 +105,11 @@ pub trait Bsdf: Copy {
     fn invert(&self, known: Local, other: Local, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)>;
     /// The components it has.
     fn lobes(&self) -> Lobes;
+}
+
+/// A number in [start, end) chosen by `aux`, and the logarithm of its density; `None` for an empty interval.
+fn within([start, end]: [f32; 2], aux: f32) -> Option<(f32, f64)> {
+    let width = end - start;
+    let x = start + width * aux;
+    (width > 0.0).then(|| (if x < end { x } else { start }, -f64::from(width).ln()))
 }

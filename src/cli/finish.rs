@@ -3,7 +3,9 @@
 use super::args::StrictArgs;
 use super::{Console, console};
 use crate::error::{Error, Kind, Result};
-use crate::render::{Ended, Outputs, Report, Session, Stage, images, write_atomically};
+use crate::io::atomic::write_atomically;
+use crate::render::{Ended, Outputs, Report, Session, Stage, images};
+use std::io::Write;
 use std::path::Path;
 
 /// Where results go.
@@ -30,12 +32,13 @@ pub(super) fn session(
     if let Some(path) = &files.outputs.film {
         session.save(path)?;
     }
-    let report = Report::new(session.provenance(), session.film(), files.outputs, Some(stage));
     let ids = match &files.outputs.exr {
         Some(_) if images::needs_ids(&session.provenance().settings.aovs) => Some(session.ids()?),
         _ => None,
     };
-    images::write(files.outputs, session.provenance(), session.film(), ids.as_ref(), &report)?;
+    let layers = images::layers(session.provenance(), session.film(), ids.as_ref());
+    let report = Report::new(session.provenance(), session.film(), &layers, files.outputs, Some(stage));
+    images::write(files.outputs, session.provenance(), session.film(), &layers, &report)?;
     complain(&report, console);
     tell(&report, files, console)?;
     if strict.fail_on_nonfinite && report.guards().nonfinite > 0 {
@@ -49,7 +52,8 @@ pub(super) fn session(
 /// Writes the report and prints the result; the image is the last line.
 pub(super) fn tell(report: &Report, files: Files<'_>, console: Console) -> Result<()> {
     if let Some(path) = files.report {
-        write_atomically(path, (console::pretty(report)? + "\n").as_bytes())?;
+        let text = console::pretty(report)? + "\n";
+        write_atomically(path, |file| file.write_all(text.as_bytes()))?;
     }
     console.document(report)?;
     console.line(&report.summary())?;

@@ -4,6 +4,7 @@ use super::args::{SceneArgs, ThreadArgs};
 use super::{Console, startup};
 use crate::error::Result;
 use crate::film::Film;
+use crate::integrator;
 use crate::render::{Settings, Stage};
 use crate::scene::SceneInfo;
 use serde::Serialize;
@@ -49,12 +50,12 @@ pub(super) fn run(args: Args) -> Result<()> {
     let early = choices.settings(None)?;
     let threads = startup::start_threads(args.threads.threads)?;
     let stage = Stage::open(&args.scene.scene, early.environment, early.build, threads)?;
-    let settings = choices.settings(stage.scene.aspect(early.camera.as_deref()))?;
+    let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
     let document = Document {
         path: stage.path.display().to_string(),
-        hash: stage.scene.hash(),
+        hash: stage.scene.hash().to_owned(),
         cameras: stage.scene.cameras(),
-        blind_spots: stage.scene.blind_spots(settings.method),
+        blind_spots: integrator::blind_spots(settings.method, &stage.scene),
         memory: Memory::estimate(&settings, &stage.info),
         settings,
         load_seconds: stage.load_seconds,
@@ -71,10 +72,10 @@ impl Memory {
         let film_bytes = Film::bytes_per_pixel(&layout, settings.replicates) as u64 * layout.pixels() as u64;
         Memory {
             film_bytes,
-            geometry_bytes: info.geometry_bytes,
-            accel_bytes: info.accel_bytes,
-            texture_bytes: info.texture_bytes,
-            total_bytes: film_bytes + info.geometry_bytes + info.accel_bytes + info.texture_bytes,
+            geometry_bytes: info.geometry_bytes as u64,
+            accel_bytes: info.accel_bytes as u64,
+            texture_bytes: info.texture_bytes as u64,
+            total_bytes: film_bytes + (info.geometry_bytes + info.accel_bytes + info.texture_bytes) as u64,
         }
     }
 }
@@ -88,10 +89,10 @@ impl Document {
             format!("triangles  {} in {} meshes, {} instances", info.triangles, info.meshes, info.instances),
             format!("materials  {}", info.materials),
             format!("lights     {}", info.lights),
-            format!("textures   {}", info.textures),
+            format!("images     {}", info.images),
             format!("cameras    {}", list(&self.cameras)),
             format!("features   {}", list(&info.features)),
-            format!("extent     centre {:?}, scale {}", info.centre, info.scale),
+            format!("extent     centre {:?}, scale {}", info.centre.to_array(), info.scale),
             format!(
                 "memory     {} in all: film {} ({}x{}, {} replicates), geometry {}, ray tracing {}, textures {}",
                 megabytes(memory.total_bytes),

@@ -36,8 +36,9 @@ pub(super) fn run(args: Args) -> Result<()> {
     if let Some(path) = &outputs.film {
         checkpoint::save(path, &provenance, &film)?;
     }
-    let report = Report::new(&provenance, &film, &outputs, None);
-    images::write(&outputs, &provenance, &film, ids.as_ref(), &report)?;
+    let layers = images::layers(&provenance, &film, ids.as_ref());
+    let report = Report::new(&provenance, &film, &layers, &outputs, None);
+    images::write(&outputs, &provenance, &film, &layers, &report)?;
     finish::tell(&report, finish::Files { outputs: &outputs, report: args.output.report.as_deref() }, args.console)
 }
 

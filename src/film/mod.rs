@@ -4,10 +4,16 @@ mod accumulate;
 mod error_estimate;
 mod filter;
 mod layout;
+mod pass_film;
 mod pass_set;
+mod sums;
+mod units;
 
-pub use accumulate::{Film, PassFilm, Units};
+pub use accumulate::Film;
 pub use error_estimate::{ImageError, RelMse};
-pub use filter::Filter;
+pub use filter::{Filter, FilterSampler};
 pub use layout::{Crop, Layout, Plane};
+pub use pass_film::PassFilm;
 pub use pass_set::PassSet;
+pub(crate) use sums::Sums;
+pub use units::Units;

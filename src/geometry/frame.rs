@@ -71,6 +71,13 @@ impl Local {
     }
 }
 
+impl From<Vec3> for Local {
+    #[inline]
+    fn from(v: Vec3) -> Self {
+        Local::new(v.x, v.y, v.z)
+    }
+}
+
 /// An orthonormal, right-handed basis around a normal.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame {

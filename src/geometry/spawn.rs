@@ -1,6 +1,7 @@
 //! The only place where a ray's origin is moved off the surface it leaves.
 
 use crate::geometry::Ray;
+use crate::numeric::{BELOW_ONE, next_down, next_up};
 use glam::Vec3;
 
 /// `p` moved along the normal `ng` to the side of `toward` by `error`, then rounded away from the surface.
@@ -12,9 +13,9 @@ fn offset(p: Vec3, error: f32, ng: Vec3, toward: Vec3) -> Vec3 {
     let moved = p + shift;
     let away = |x: f32, s: f32| {
         if s > 0.0 {
-            x.next_up()
+            next_up(x)
         } else if s < 0.0 {
-            x.next_down()
+            next_down(x)
         } else {
             x
         }
@@ -36,6 +37,6 @@ pub fn spawn_segment(p: Vec3, error: f32, ng: Vec3, to: Vec3, to_error: f32, to_
     let origin = offset(p, error, ng, toward);
     let end = if to_error > 0.0 { offset(to, to_error, to_ng, -toward) } else { to };
     let mut ray = Ray::new(origin, end - origin);
-    ray.t_max = 1.0f32.next_down();
+    ray.t_max = BELOW_ONE;
     ray
 }

@@ -1,11 +1,81 @@
 //! Integrators: what one pass of a method does. An integrator has no hidden state: a pass is a pure function of
 //! (scene, settings, seed, pass). To add one, write its file, implement [`Integrator`] and give it a name in [`Method`].
 
+mod camera_pass;
+mod features;
+mod ids;
 mod method;
 mod path;
+mod prelude;
 
+pub use ids::ids;
 pub use method::Method;
-pub use path::{Integrator, Options, Prelude, build, ids, prelude};
+pub use prelude::Prelude;
+
+use crate::camera::Camera;
+use crate::film::{Filter, Layout, PassFilm};
+use crate::parallel::Cancel;
+use crate::sampling::SamplerKind;
+use crate::scene::Scene;
+use camera_pass::CameraPass;
+use path::{Combined, Naive, NextEvent, PathTracer};
+
+/// What every method is told. All of it changes pixels, so all of it belongs to the settings hash.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Where they come from.
+    pub sampler: SamplerKind,
+    /// Pixel filter, importance sampled.
+    pub filter: Filter,
+    /// Most scattering events of a path; `None` for no limit.
+    pub max_depth: Option<u32>,
+    /// Limit of each lane of a sample, which biases; `None` for none.
+    pub clamp: Option<f32>,
+    /// Number of independent replicates; pass k belongs to replicate k mod this.
+    pub replicates: u32,
+    /// Whether the environment is hidden where the camera sees it directly.
+    pub transparent: bool,
+}
+
+/// The integrator of `method` for an image that `camera` takes of `scene`.
+pub fn build<'a>(method: Method, scene: &'a Scene, camera: Camera, options: &Options) -> Box<dyn Integrator + 'a> {
+    let (depth, transparent) = (options.max_depth, options.transparent);
+    match method {
+        Method::PathNaive => {
+            let tracer = PathTracer::<Naive>::new(scene, depth, transparent);
+            Box::new(CameraPass::new(tracer, scene, camera, options))
+        }
+        Method::PathNee => {
+            let tracer = PathTracer::<NextEvent>::new(scene, depth, transparent);
+            Box::new(CameraPass::new(tracer, scene, camera, options))
+        }
+        Method::Path => {
+            let tracer = PathTracer::<Combined>::new(scene, depth, transparent);
+            Box::new(CameraPass::new(tracer, scene, camera, options))
+        }
+    }
+}
+
+/// What is fixed before the first pass over an image of `layout`.
+pub fn prelude(scene: &Scene, camera: &Camera, options: &Options, layout: &Layout) -> Prelude {
+    // The naive tracer is blind to some lights; a pilot that sees all fixes the same unit for every method.
+    Prelude::new(scene, layout, options, camera, |camera, options| build(Method::Path, scene, camera, options))
+}
+
+/// What `method` cannot see in `scene`, one sentence each.
+pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
+    let features = scene.features();
+    let mut spots = Vec::new();
+    if method == Method::PathNaive && features.dirac_lights {
+        spots.push("path-naive does not see point, spot and directional lights: they are missing from the image".into());
+    }
+    if method == Method::PathNaive && features.dirac {
+        spots.push("path-naive does not see mirrors and clear glass: they are black".into());
+    }
+    spots
+}
 
 /// How many rays of each kind were traced.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -74,4 +144,11 @@ impl PassReport {
         self.invalid.extend(other.invalid);
         self.invalid.truncate(Self::MAX_INVALID);
     }
+}
+
+/// A method that renders passes.
+pub trait Integrator: Send + Sync {
+    /// Renders pass `pass` (one sample of every pixel of the film) into `out`; `None` if it was cancelled, in which case
+    /// `out` must not be used.
+    fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport>;
 }

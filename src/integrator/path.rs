@@ -1,53 +1,228 @@
-//! TEMP stand-in until the integrators are merged: noise that depends on pass and pixel alone.
-#![allow(missing_docs)]
-use super::{Method, PassReport};
-use crate::camera::Camera;
-use crate::film::{Filter, Layout, PassFilm, Units};
-use crate::parallel::Cancel;
-use crate::sampling::SamplerKind;
-use crate::scene::Scene;
-use rayon::prelude::*;
+//! Path tracing in three strengths over one walk: `path-naive`, `path-nee`, `path`.
+//!
+//! - `path-naive` samples directions uniformly and never samples lights: as simple as it can be, and slow. A reference.
+//! - `path-nee` samples directions by the BSDF and lights by next-event estimation; light found by chance counts only where
+//!   light sampling could not have found it. Noisy where glossy surfaces mirror large lights.
+//! - `path` weights both techniques by the power heuristic [Veach97 §9.2]. The default.
+//!
+//! Caustics from small lights and light through ajar doors are slow in all three.
 
-#[derive(Debug, Clone, Copy)]
-pub struct Options {
-    pub seed: u64,
-    pub sampler: SamplerKind,
-    pub filter: Filter,
-    pub max_depth: Option<u32>,
-    pub clamp: Option<f32>,
-    pub replicates: u32,
+use super::camera_pass::Radiance;
+use crate::bsdf::{Lobes, Shading, ShadingSample};
+use crate::geometry::{Local, Ray, SurfacePoint};
+use crate::light::{End, Light, LightSample};
+use crate::path::{Arrival, Departure, Tally, Walk};
+use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+use glam::Vec3;
+
+/// How a path tracer samples directions and lights, and what share each technique has.
+pub(super) trait Strategy: Send + Sync {
+    /// Whether lights are sampled at all.
+    const SAMPLES_LIGHTS: bool;
+    /// A direction to go on.
+    fn scatter(shading: &Shading, wo: Vec3, u: [f32; 3]) -> Option<ShadingSample>;
+    /// Share of a light sample of density `light` that scattering would have made with density `scattering`.
+    fn share_of_light(light: f32, scattering: f32) -> f32;
+    /// Share of light found by scattering with density `scattering` that light sampling would have found with `light`.
+    fn share_of_scattering(scattering: f32, light: f32) -> f32;
 }
-#[derive(Debug)]
-pub struct Prelude {
-    pub units: Units,
-}
-pub trait Integrator: Send + Sync {
-    fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport>;
-}
-struct Noise(u64, usize);
-impl Integrator for Noise {
-    fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
-        out.values.par_iter_mut().enumerate().for_each(|(i, v)| {
-            if cancel.requested() {
-                return;
-            }
-            let mut z = self.0 ^ (pass << 32) ^ i as u64;
-            for _ in 0..200 {
-                z = (z ^ (z >> 31)).wrapping_mul(0x94d0_49bb_1331_11eb).wrapping_add(0x9e37_79b9_7f4a_7c15);
-            }
-            *v = (z >> 48) as i64;
-        });
-        let mut report = PassReport::default();
-        report.rays.camera = self.1 as u64;
-        (!cancel.requested()).then_some(report)
+
+/// Uniform directions, no light sampling.
+pub(super) struct Naive;
+/// BSDF sampling and next-event estimation, each light by one technique.
+pub(super) struct NextEvent;
+/// BSDF sampling and next-event estimation, combined.
+pub(super) struct Combined;
+
+impl Strategy for Naive {
+    const SAMPLES_LIGHTS: bool = false;
+    /// Uniform over the hemisphere on the side of `wo`, or over the sphere where the surface transmits.
+    fn scatter(shading: &Shading, wo: Vec3, [_, u, v]: [f32; 3]) -> Option<ShadingSample> {
+        let frame = shading.point.frame;
+        if shading.lobes().intersects(Lobes::TRANSMIT) {
+            let wi = frame.to_world(Local::from(warp::uniform_sphere([u, v])));
+            Some(shading.along(wi, wo, warp::uniform_sphere_pdf()))
+        } else {
+            let w = warp::uniform_hemisphere([u, v]);
+            let wi = frame.to_world(Local::new(w.x, w.y, w.z.copysign(wo.dot(frame.n))));
+            Some(shading.along(wi, wo, warp::uniform_hemisphere_pdf()))
+        }
+    }
+    fn share_of_light(_: f32, _: f32) -> f32 {
+        0.0
+    }
+    fn share_of_scattering(_: f32, _: f32) -> f32 {
+        1.0
     }
 }
-pub fn prelude(_: &Scene, _: &Camera, _: &Options, _: &Layout) -> Prelude {
-    Prelude { units: Units { radiance: 1.0, length: 1.0 } }
+
+impl Strategy for NextEvent {
+    const SAMPLES_LIGHTS: bool = true;
+    #[inline]
+    fn scatter(shading: &Shading, wo: Vec3, u: [f32; 3]) -> Option<ShadingSample> {
+        shading.sample(wo, Transport::Light, u)
+    }
+    #[inline]
+    fn share_of_light(_: f32, _: f32) -> f32 {
+        1.0
+    }
+    #[inline]
+    fn share_of_scattering(_: f32, _: f32) -> f32 {
+        0.0
+    }
 }
-pub fn build<'a>(_: Method, _: &'a Scene, _: Camera, options: &Options, layout: &Layout) -> Box<dyn Integrator + 'a> {
-    Box::new(Noise(options.seed, layout.pixels()))
+
+impl Strategy for Combined {
+    const SAMPLES_LIGHTS: bool = true;
+    #[inline]
+    fn scatter(shading: &Shading, wo: Vec3, u: [f32; 3]) -> Option<ShadingSample> {
+        shading.sample(wo, Transport::Light, u)
+    }
+    #[inline]
+    fn share_of_light(light: f32, scattering: f32) -> f32 {
+        power(light, scattering)
+    }
+    #[inline]
+    fn share_of_scattering(scattering: f32, light: f32) -> f32 {
+        power(scattering, light)
+    }
 }
-pub fn ids(_: &Scene, _: &Camera, layout: &Layout) -> [Vec<f32>; 2] {
-    [vec![1.0; layout.pixels()], vec![2.0; layout.pixels()]]
+
+/// The radiance estimator of a path tracer.
+pub(super) struct PathTracer<'a, S: Strategy> {
+    scene: &'a Scene,
+    max_depth: u32,
+    /// Whether the environment is left out where the camera sees it directly.
+    transparent: bool,
+    strategy: std::marker::PhantomData<S>,
+}
+
+impl<'a, S: Strategy> PathTracer<'a, S> {
+    pub(super) fn new(scene: &'a Scene, max_depth: Option<u32>, transparent: bool) -> Self {
+        let max_depth = max_depth.unwrap_or(u32::MAX);
+        PathTracer { scene, max_depth, transparent, strategy: std::marker::PhantomData }
+    }
+
+    /// Light that scattering found, times its share: `density(reference, light index)` is what light sampling would have had.
+    #[inline]
+    fn share_of_hit(&self, departure: &Departure, light: usize, pdf: impl FnOnce() -> f32) -> f32 {
+        match departure {
+            Departure::Surface(from, Density::Smooth(scattering)) => {
+                let pmf = self.scene.lights().pmf(from, light).value();
+                S::share_of_scattering(scattering.value(), pmf * pdf())
+            }
+            Departure::Surface(_, Density::Delta(_)) | Departure::Camera => 1.0,
+        }
+    }
+
+    /// What the surface at `point` emits toward the walk.
+    #[inline]
+    fn emitted(&self, walk: &Walk, point: &SurfacePoint) -> Spectrum {
+        let Some((index, Light::Area(light))) = self.scene.light_at(point) else { return Spectrum::ZERO };
+        let wi = walk.ray.direction;
+        let radiance = light.radiance(point.barycentric, -wi);
+        if radiance.is_black() {
+            return radiance;
+        }
+        let pdf = |from: &SurfacePoint| light.pdf_toward((point.p - from.p).length_squared(), wi).value();
+        let share = match &walk.departure {
+            Departure::Surface(from, _) => self.share_of_hit(&walk.departure, index, || pdf(from)),
+            Departure::Camera => 1.0,
+        };
+        walk.beta * radiance * share
+    }
+
+    /// What arrives from outside the scene.
+    #[inline]
+    fn background(&self, walk: &Walk) -> Spectrum {
+        let lights = self.scene.lights();
+        let Some(index) = lights.sky() else { return Spectrum::ZERO };
+        let Light::Sky(sky) = &lights.all()[index] else { return Spectrum::ZERO };
+        if self.transparent && matches!(walk.departure, Departure::Camera) {
+            return Spectrum::ZERO;
+        }
+        walk.beta * sky.radiance * self.share_of_hit(&walk.departure, index, || sky.pdf().value())
+    }
+
+    /// Light from one sampled light, scattered at `point`.
+    #[inline]
+    fn direct(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum {
+        let (point, wo) = (shading.point, -walk.ray.direction);
+        let lights = self.scene.lights();
+        let Some((light, pmf)) = lights.choose(point, sampler.u1(walk.depth, Slot::LightPick)) else {
+            return Spectrum::ZERO;
+        };
+        let Some(sample) = light.sample_toward(point, sampler.u2(walk.depth, Slot::LightPoint)) else {
+            return Spectrum::ZERO;
+        };
+        let value = shading.f_cos_light(sample.wi, wo);
+        if value.is_black() {
+            return Spectrum::ZERO;
+        }
+        let weight = self.light_weight(shading, wo, &sample, pmf);
+        tally.shadows += 1;
+        let through = self.scene.transmittance(&self.segment(walk, point, &sample));
+        walk.beta * value * sample.radiance * through * weight
+    }
+
+    /// Share of the light sample over its density.
+    #[inline]
+    fn light_weight(&self, shading: &Shading, wo: Vec3, sample: &LightSample, pmf: Pdf<Discrete>) -> f32 {
+        match sample.density {
+            Density::Delta(probability) => (pmf.value() * probability).recip(),
+            Density::Smooth(pdf) => {
+                let density = pdf.choose(pmf).value();
+                S::share_of_light(density, shading.pdf(wo, sample.wi, Transport::Light).value()) / density
+            }
+        }
+    }
+
+    /// The next direction. Models with one lobe do not look at the number that chooses among several.
+    #[inline]
+    fn scatter(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler) -> Option<ShadingSample> {
+        let lobe = if shading.surface.is_single_lobe() { 0.0 } else { sampler.u1(walk.depth, Slot::Lobe) };
+        let [u, v] = sampler.u2(walk.depth, Slot::Direction);
+        S::scatter(shading, -walk.ray.direction, [lobe, u, v])
+    }
+
+    /// The segment that must be free for `sample` to arrive.
+    #[inline]
+    fn segment(&self, walk: &Walk, point: &SurfacePoint, sample: &LightSample) -> Ray {
+        let ray = match sample.end {
+            End::Surface { p, error, ng } => point.segment(p, error, ng),
+            End::Point(p) => point.segment(p, 0.0, point.ng),
+            End::Infinity => point.spawn(sample.wi),
+        };
+        Ray { medium: walk.medium_toward(point, sample.wi), time: walk.ray.time, ..ray }
+    }
+}
+
+impl<S: Strategy> Radiance for PathTracer<'_, S> {
+    fn radiance(&self, ray: Ray, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum {
+        let mut walk = Walk::new(self.scene, ray);
+        let mut total = Spectrum::ZERO;
+        loop {
+            let mut point = match walk.arrive(sampler, tally) {
+                Arrival::Surface(point) => point,
+                Arrival::Escaped => return total + self.background(&walk),
+            };
+            total += self.emitted(&walk, &point);
+            if walk.depth >= self.max_depth {
+                return total;
+            }
+            let surface = self.scene.surface(&mut point);
+            let shading = Shading::new(&point, &surface);
+            if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
+                total += self.direct(&shading, &walk, sampler, tally);
+            }
+            let Some(scatter) = self.scatter(&shading, &walk, sampler) else { return total };
+            walk.depart(&point, &scatter, tally);
+            if !walk.survives(sampler, tally) {
+                return total;
+            }
+        }
+    }
 }

@@ -1,5 +1,6 @@
-//! Files in and out: glTF scenes, EXR and PNG images.
+//! Files: what étendue reads and writes.
 
+pub mod atomic;
 pub mod exr;
 pub mod gltf;
 pub mod png;

@@ -1,15 +1,115 @@
-//! TEMP stand-in until branch `film` is merged: not a PNG at all.
-#![allow(missing_docs)]
-use crate::error::{Error, Result};
+//! 8-bit PNG for looking at; the picture of record is the EXR.
+
+use super::atomic::write_atomically;
+use crate::error::{Error, Kind, Result};
+use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+
+/// How linear values become display values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Curve {
+    /// The sRGB transfer function of IEC 61966-2-1; values above 1 clip.
     #[default]
     Srgb,
+    /// Narkowicz's fit of the ACES curve, then the sRGB transfer function: highlights roll off [Narkowicz15].
     Filmic,
 }
-pub fn write(path: &Path, w: u32, h: u32, rgb: &[f32], alpha: Option<&[f32]>, stops: f32, curve: Curve) -> Result<()> {
-    let text = format!("{w} {h} {} {} {stops} {curve:?}", rgb.len(), alpha.is_some());
-    std::fs::write(path, text).map_err(|e| Error::write(path, e))
+
+impl Curve {
+    /// The display value in [0, 1] of a linear value; NaN gives 0.
+    pub fn apply(self, linear: f32) -> f32 {
+        let x = linear.max(0.0);
+        match self {
+            Curve::Srgb => srgb(x),
+            // Beyond 1e6 the curve is clipped at 1 and its squares would overflow.
+            Curve::Filmic => srgb(filmic(x.min(1e6))),
+        }
+    }
+}
+
+fn filmic(x: f32) -> f32 {
+    (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)
+}
+
+fn srgb(x: f32) -> f32 {
+    let x = x.min(1.0);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Writes linear Rec. 709 values, row by row, `exposure` in stops applied first. With `alpha` the colour is taken as
+/// multiplied by it (as a film's means are) and divided out, since PNG stores it so.
+///
+/// # Errors
+/// [`Kind::Output`] with the path if the file cannot be written, [`Kind::Internal`] if there are not width × height pixels.
+pub fn write(
+    path: &Path,
+    width: u32,
+    height: u32,
+    rgb: &[f32],
+    alpha: Option<&[f32]>,
+    exposure: f32,
+    curve: Curve,
+) -> Result<()> {
+    let pixels = width as usize * height as usize;
+    if rgb.len() != 3 * pixels || alpha.is_some_and(|a| a.len() != pixels) {
+        return Err(Error::new(Kind::Internal, format!("{} does not have {width}×{height} pixels", path.display())));
+    }
+    let (bytes, color) = encode(rgb, alpha, exposure.exp2(), curve);
+    write_atomically(path, |file| {
+        let mut file = BufWriter::new(file);
+        PngEncoder::new(&mut file).write_image(&bytes, width, height, color).map_err(io::Error::other)?;
+        file.flush()
+    })
+}
+
+fn encode(rgb: &[f32], alpha: Option<&[f32]>, gain: f32, curve: Curve) -> (Vec<u8>, ExtendedColorType) {
+    let byte = |display: f32| (display * 255.0 + 0.5) as u8;
+    let Some(alpha) = alpha else {
+        return (rgb.iter().map(|&v| byte(curve.apply(v * gain))).collect(), ExtendedColorType::Rgb8);
+    };
+    let straight = |a: f32| if a > 0.0 { gain / a } else { 0.0 };
+    let pixels = rgb.chunks_exact(3).zip(alpha);
+    let bytes = pixels.flat_map(|(c, &a)| {
+        let [r, g, b] = [c[0], c[1], c[2]].map(|v| byte(curve.apply(v * straight(a))));
+        [r, g, b, byte(a.clamp(0.0, 1.0))]
+    });
+    (bytes.collect(), ExtendedColorType::Rgba8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn round_trips_through_a_reader() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let rgb = [0.0, 0.5, 1.0, 0.214_041_14, f32::NAN, f32::INFINITY];
+        write(&path, 2, 1, &rgb, None, 0.0, Curve::Srgb).unwrap();
+        let read = image::open(&path).unwrap().into_rgb8();
+        assert_eq!(read.as_raw(), &[0, 188, 255, 128, 0, 255]);
+        write(&path, 2, 1, &rgb, Some(&[0.5, 0.0]), -1.0, Curve::Srgb).unwrap();
+        let read = image::open(&path).unwrap().into_rgba8();
+        assert_eq!(read.as_raw(), &[0, 188, 255, 128, 0, 0, 0, 0]);
+    }
+
+    /// Published values of the fit: 0 → 0, 0.5 → 0.6163 before the transfer function, and 1 from 8 on within a byte.
+    #[test]
+    fn filmic_is_the_published_curve() {
+        assert!((filmic(0.5) - 0.616_307).abs() < 1e-6);
+        let (mut last, mut x) = (0.0, 1e-4_f32);
+        while x < 1e3 {
+            let y = Curve::Filmic.apply(x);
+            assert!((last..=1.0).contains(&y), "{x}");
+            (last, x) = (y, x * 1.1);
+        }
+        assert!((Curve::Filmic.apply(f32::INFINITY) - 1.0).abs() < f32::EPSILON && Curve::Filmic.apply(f32::NAN).to_bits() == 0);
+    }
+
+    #[test]
+    fn refuses_a_wrong_number_of_pixels() {
+        assert_eq!(write(Path::new("a.png"), 2, 2, &[0.0; 9], None, 0.0, Curve::Srgb).unwrap_err().kind, Kind::Internal);
+    }
 }

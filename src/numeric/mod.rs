@@ -2,6 +2,8 @@
 
 mod eft;
 mod scalar;
+mod ulp;
 
 pub use eft::{difference_of_products, gamma};
 pub use scalar::Scalar;
+pub use ulp::{BELOW_ONE, next_down, next_up};

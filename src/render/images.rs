@@ -3,7 +3,7 @@
 use super::aov::Source;
 use super::{Aov, Outputs, Provenance, Report};
 use crate::error::Result;
-use crate::film::{Film, Layout, Plane};
+use crate::film::{Film, Plane};
 use crate::io::exr::{self, Layer};
 use crate::io::png;
 
@@ -15,16 +15,15 @@ pub fn needs_ids(aovs: &[Aov]) -> bool {
     aovs.iter().any(|aov| matches!(aov.source(), Source::InstanceIds | Source::MaterialIds))
 }
 
-/// Writes the images of `outputs`.
+/// Writes the images of `outputs`; the EXR one holds `layers`.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, ids: Option<&Ids>, report: &Report) -> Result<()> {
+pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, layers: &[Layer], report: &Report) -> Result<()> {
     let settings = &provenance.settings;
     let layout = settings.layout();
     if let Some(path) = &outputs.exr {
-        let layers = layers(&layout, provenance, film, ids);
-        exr::write(path, layout.width, layout.height, settings.crop, &layers, &report.attributes())?;
+        exr::write(path, layout.width, layout.height, settings.crop, layers, &report.attributes())?;
     }
     if let Some(path) = &outputs.png {
         let crop = layout.crop;
@@ -36,7 +35,7 @@ pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, ids: Optio
 }
 
 /// All layers of the EXR image: colour, alpha if asked for, the standard error of colour, the extra ones.
-fn layers(layout: &Layout, provenance: &Provenance, film: &Film, ids: Option<&Ids>) -> Vec<Layer> {
+pub fn layers(provenance: &Provenance, film: &Film, ids: Option<&Ids>) -> Vec<Layer> {
     let settings = &provenance.settings;
     let mut layers = split(&["R", "G", "B"], &film.mean(Plane::Color));
     if settings.transparent {
@@ -47,7 +46,7 @@ fn layers(layout: &Layout, provenance: &Provenance, film: &Film, ids: Option<&Id
     }
     for aov in &settings.aovs {
         let values = match (aov.source(), ids) {
-            (Source::Plane(plane), _) => plane_values(layout, plane, film),
+            (Source::Plane(plane), _) => film.mean(plane),
             (Source::InstanceIds, Some([instances, _])) => instances.clone(),
             (Source::MaterialIds, Some([_, materials])) => materials.clone(),
             (Source::InstanceIds | Source::MaterialIds, None) => continue,
@@ -55,25 +54,6 @@ fn layers(layout: &Layout, provenance: &Provenance, film: &Film, ids: Option<&Id
         layers.extend(split(aov.channels(), &values));
     }
     layers
-}
-
-/// A plane as users expect it: what was gathered times coverage is divided by it, what is counted is a sum.
-fn plane_values(layout: &Layout, plane: Plane, film: &Film) -> Vec<f32> {
-    let mut values = film.mean(plane);
-    match plane {
-        Plane::Depth | Plane::Position if layout.offset(Plane::Alpha).is_some() => {
-            let coverage = film.mean(Plane::Alpha);
-            for (pixel, coverage) in values.chunks_mut(plane.channels()).zip(coverage) {
-                pixel.iter_mut().for_each(|v| *v = if coverage > 0.0 { *v / coverage } else { 0.0 });
-            }
-        }
-        Plane::Invalid => {
-            let samples = film.passes().len() as f32;
-            values.iter_mut().for_each(|v| *v = (*v * samples).round());
-        }
-        _ => (),
-    }
-    values
 }
 
 /// One layer a channel from values that lie pixel by pixel.

@@ -23,7 +23,7 @@ mod text;
 pub use aov::Aov;
 pub use checkpoint::Checkpoint;
 pub use choices::{Choices, Look};
-pub use outputs::{Outputs, picture_name, writable, write_atomically};
+pub use outputs::{Outputs, picture_name, writable};
 pub use plan::{Plan, Selection, Stop, round_spp};
 pub use progress::{Observer, Progress};
 pub use provenance::{Program, Provenance, Work};

@@ -2,7 +2,7 @@
 
 use super::{Look, Plan, Settings, Stage};
 use crate::error::{Error, Result};
-use crate::integrator::PassReport;
+use crate::integrator::{self, PassReport};
 use std::path::PathBuf;
 
 /// The program that rendered.
@@ -105,10 +105,10 @@ impl Provenance {
         let scene = SceneRecord {
             // Another process, in another folder, may resume.
             path: std::path::absolute(&stage.path).unwrap_or_else(|_| stage.path.clone()),
-            hash: stage.scene.hash(),
+            hash: stage.scene.hash().to_owned(),
             ignored: stage.info.ignored.clone(),
             warnings: stage.info.warnings.clone(),
-            blind_spots: stage.scene.blind_spots(settings.method),
+            blind_spots: integrator::blind_spots(settings.method, &stage.scene),
         };
         let work = Work { started: now(), finished: now(), ..Work::default() };
         Provenance { program: Program::current(), scene, settings, plan, look, work }

@@ -5,7 +5,7 @@ use super::provenance::Program;
 use super::{Outputs, Plan, Provenance, Settings, Stage, machine};
 use crate::film::{Film, ImageError};
 use crate::integrator::{Guards, InvalidSample};
-use crate::io::exr::Attribute;
+use crate::io::exr::{self, Attribute, Layer};
 use crate::spectrum::LANES;
 use serde::Serialize;
 use serde_json::Value;
@@ -98,8 +98,8 @@ struct Invalid {
 }
 
 impl Report {
-    /// Reports on `film`; `stage` if the scene was loaded for it.
-    pub fn new(provenance: &Provenance, film: &Film, outputs: &Outputs, stage: Option<&Stage>) -> Report {
+    /// Reports on `film`, whose image has `layers`; `stage` if the scene was loaded for it.
+    pub fn new(provenance: &Provenance, film: &Film, layers: &[Layer], outputs: &Outputs, stage: Option<&Stage>) -> Report {
         let (work, settings) = (&provenance.work, &provenance.settings);
         let name = |path: Option<&std::path::Path>| path.map(|p| p.display().to_string());
         let error = film.image_error();
@@ -119,7 +119,7 @@ impl Report {
             clamp: settings.clamp.map(|limit| clamp(limit, provenance, film, error.as_ref())),
             error,
             invalid: work.passes.invalid.iter().map(|&sample| Invalid { sample, replay: replay(sample) }).collect(),
-            pixel_hash: film.pixel_hash(),
+            pixel_hash: exr::hash_pixels(settings.width, settings.height, settings.crop, layers),
         }
     }
 

@@ -77,7 +77,7 @@ impl<'a> Session<'a> {
     pub fn run(&mut self, cancel: &Cancel, observer: &mut dyn Observer, mut checkpoint: Option<Checkpoint>) -> Result<Ended> {
         let (stage, settings) = (self.stage, self.provenance.settings.clone());
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
-        let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options(), &self.layout);
+        let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options());
         let mut scratch = PassFilm::new(&self.layout);
         let (earlier, mut done) = (self.provenance.work.clone(), 0);
         self.provenance.work.sessions += 1;

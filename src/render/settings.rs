@@ -60,6 +60,7 @@ impl Settings {
             max_depth: self.depth,
             clamp: self.clamp,
             replicates: self.replicates,
+            transparent: self.transparent,
         }
     }
 

@@ -42,7 +42,7 @@ impl Stage {
         let building = Stopwatch::start();
         let load_seconds = loading.wall().as_secs_f64();
         let scene = Scene::build(description, &BuildOptions { build, threads }).map_err(|e| e.context(path.display()))?;
-        let info = scene.info();
+        let info = scene.info().clone();
         Ok(Stage {
             info,
             path: path.to_owned(),

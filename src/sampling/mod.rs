@@ -1,20 +1,20 @@
 //! Random numbers and what is made of them: addressed samplers, densities that say their measure, warps with their pdf
 //! and inverse, discrete tables.
 
-// mod hash;
-//mod heuristic;
-//mod independent;
+mod hash;
+mod heuristic;
+mod independent;
 mod pdf;
-//mod sobol;
-//mod table;
-//pub mod warp;
+mod sobol;
+mod table;
+pub mod warp;
 
-//pub use hash::{Address, unit_f32, unit_f64};
-//pub use heuristic::{Heuristic, balance, power};
-//pub use independent::Independent;
+pub use hash::{Address, unit_f32, unit_f64};
+pub use heuristic::{Heuristic, balance, power};
+pub use independent::Independent;
 pub use pdf::{Area, Density, Discrete, Measure, Pdf, SolidAngle};
-//pub use sobol::Sobol;
-//pub use table::Distribution;
+pub use sobol::Sobol;
+pub use table::Distribution;
 
 /// What a number is used for at one bounce. Numbers are addressed by slot and never consumed in order, so that control
 /// flow cannot shift the meaning of another number.
@@ -44,21 +44,21 @@ pub enum Slot {
 /// How many slots one bounce has.
 pub const SLOTS: u32 = 12;
 
+/// The samplers by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SamplerKind {
+    /// Independent numbers.
+    Independent,
+    /// Owen-scrambled Sobol' points.
+    #[default]
+    Sobol,
+}
+
 /// A source of numbers in [0, 1), each a pure function of its address.
 pub trait Sampler {
     /// One number.
     fn u1(&mut self, bounce: u32, slot: Slot) -> f32;
     /// Two numbers that are stratified together where the sampler stratifies.
     fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2];
-}
-
-/// TEMP until the samplers are merged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SamplerKind {
-    /// Owen-scrambled Sobol.
-    #[default]
-    Sobol,
-    /// Independent.
-    Independent,
 }

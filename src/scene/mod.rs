@@ -1,58 +1,139 @@
-//! TEMP stand-in until the scene is merged.
-#![allow(missing_docs)]
+//! The scene that integrators see: geometry behind a backend, materials, lights. It answers what a ray meets, what scatters
+//! there, what emits there, and how much light passes between two points.
+
+mod assemble;
+mod build;
 pub mod description;
-use crate::accel::Build;
-use crate::camera::Camera;
-use crate::error::{Error, Result};
-use description::Description;
-#[derive(Debug)]
-pub struct Scene(Description);
-#[derive(Debug)]
-pub struct BuildOptions {
-    pub build: Build,
-    pub threads: usize,
+mod info;
+mod material;
+mod query;
+mod rebase;
+mod view;
+
+pub use build::BuildOptions;
+pub use info::SceneInfo;
+pub use rebase::Rebase;
+
+use crate::accel::Accel;
+use crate::geometry::Geometry;
+use crate::light::Lights;
+use crate::spectrum::Spectrum;
+use material::Material;
+
+/// A scene ready to render. Lengths are scene units: the file's, rebased by [`Scene::rebase`].
+pub struct Scene {
+    geometry: Geometry,
+    objects: Vec<ObjectInfo>,
+    materials: Vec<Material>,
+    media: Vec<Absorption>,
+    lights: Lights,
+    accel: Accel,
+    rebase: Rebase,
+    radius: f32,
+    features: Features,
+    views: view::Views,
+    info: SceneInfo,
+    hash: String,
 }
-#[derive(Debug, Clone, Default, serde::Serialize)]
-pub struct SceneInfo {
-    pub triangles: u64,
-    pub instances: u64,
-    pub meshes: u64,
-    pub materials: u64,
-    pub lights: u64,
-    pub textures: u64,
-    pub texture_bytes: u64,
-    pub geometry_bytes: u64,
-    pub accel_bytes: u64,
-    pub features: Vec<String>,
-    pub ignored: Vec<String>,
-    pub warnings: Vec<String>,
-    pub centre: [f64; 3],
-    pub scale: f64,
+
+/// What a scene needs from the kernels that render it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Features {
+    /// Some surface has an alpha mask.
+    pub masks: bool,
+    /// Some surface blends by alpha.
+    pub blends: bool,
+    /// Some object absorbs light inside.
+    pub media: bool,
+    /// Some material looks textures up.
+    pub textures: bool,
+    /// Some material bends normals.
+    pub normal_maps: bool,
+    /// Some mesh has shading normals.
+    pub shading_normals: bool,
+    /// Some material is a mirror or clear glass.
+    pub dirac: bool,
+    /// Some material refracts.
+    pub refraction: bool,
+    /// Some mesh stands at several places.
+    pub instances: bool,
+    /// Some light has no extent.
+    pub dirac_lights: bool,
 }
+
+impl Features {
+    /// The names of those that are there.
+    pub fn names(&self) -> Vec<&'static str> {
+        [
+            ("alpha-mask", self.masks),
+            ("alpha-blend", self.blends),
+            ("absorption", self.media),
+            ("textures", self.textures),
+            ("normal-maps", self.normal_maps),
+            ("shading-normals", self.shading_normals),
+            ("dirac-materials", self.dirac),
+            ("refraction", self.refraction),
+            ("instances", self.instances),
+            ("dirac-lights", self.dirac_lights),
+        ]
+        .into_iter()
+        .filter_map(|(name, there)| there.then_some(name))
+        .collect()
+    }
+}
+
+/// What shading needs to know of an object besides its geometry.
+#[derive(Debug, Clone, Copy)]
+struct ObjectInfo {
+    /// Index into [`Scene::materials`].
+    material: u32,
+    /// Index of the light on the object's first triangle, if its triangles are lights.
+    first_light: Option<u32>,
+    /// Index of the instance in the file's order.
+    instance: u32,
+    /// Whether its mesh has vertex colours.
+    colors: bool,
+}
+
+/// Absorption coefficient per scene unit of length, one medium.
+#[derive(Debug, Clone, Copy)]
+struct Absorption(Spectrum);
+
 impl Scene {
-    pub fn build(description: Description, _: &BuildOptions) -> Result<Scene> {
-        Ok(Scene(description))
+    /// The lights and the choice among them.
+    #[inline]
+    pub fn lights(&self) -> &Lights {
+        &self.lights
     }
-    pub fn camera(&self, selector: Option<&str>, _: u32, _: u32) -> Result<Camera> {
-        match selector {
-            None | Some("0") => Ok(Camera),
-            Some(other) => Err(Error::scene(format!("no camera {other}"))),
-        }
+
+    /// Radius of the sphere around all geometry, in scene units.
+    pub fn radius(&self) -> f32 {
+        self.radius
     }
-    pub fn cameras(&self) -> Vec<String> {
-        vec!["camera".into()]
+
+    /// From the file's coordinates to the scene's.
+    pub fn rebase(&self) -> &Rebase {
+        &self.rebase
     }
-    pub fn aspect(&self, _: Option<&str>) -> Option<f64> {
-        None
+
+    /// What the scene needs.
+    #[inline]
+    pub fn features(&self) -> Features {
+        self.features
     }
-    pub fn info(&self) -> SceneInfo {
-        SceneInfo { ignored: self.0.ignored.clone(), ..Default::default() }
+
+    /// Counts, sizes and warnings, for people.
+    pub fn info(&self) -> &SceneInfo {
+        &self.info
     }
-    pub fn blind_spots(&self, method: impl Copy) -> Vec<String> {
-        let _ = method;
-        vec![]
+
+    /// Hash of everything in the description that can change a picture.
+    pub fn hash(&self) -> &str {
+        &self.hash
     }
-    pub fn hash(&self) -> String {
-        "TEMP".into()
+
+    /// Name of the ray backend.
+    pub fn backend(&self) -> &'static str {
+        self.accel.name()
     }
 }

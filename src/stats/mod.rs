@@ -1,1 +1,18 @@
-//! (in work)
+//! Statistics: moments, estimates with intervals, hypothesis tests with a stated level, corrections for many tests.
+//! Everything is f64 and deterministic; the distributions come from `statrs`.
+
+mod chi_squared;
+mod estimate;
+mod hypothesis;
+mod moments;
+mod multiple;
+mod student;
+#[cfg(test)]
+pub(crate) mod test_random;
+
+pub use chi_squared::{chi_squared_p_value, chi_squared_test};
+pub use estimate::Estimate;
+pub use hypothesis::{TestResult, t_test, welch_test, z_test};
+pub use moments::Moments;
+pub use multiple::{holm, sidak_level, sidak_p_value};
+pub use student::{student_p_value, student_quantile};

@@ -13,11 +13,21 @@ pub enum Texels {
 }
 
 /// An image in memory.
-#[derive(Debug)]
 pub struct Image {
     width: u32,
     height: u32,
     texels: Texels,
+}
+
+/// Size and content hash, never the texels.
+impl std::fmt::Debug for Image {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let bytes: &[u8] = match &self.texels {
+            Texels::Rgba8(t) => bytemuck::cast_slice(t),
+            Texels::Rgba16(t) => bytemuck::cast_slice(t),
+        };
+        write!(f, "Image({}x{} {})", self.width, self.height, blake3::hash(bytes).to_hex())
+    }
 }
 
 static SRGB8: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));

@@ -1,5 +1,7 @@
 //! A scene as loaded: plain data in the file's own units, before anything is rebased or built.
 
+pub(in crate::scene) mod hash;
+
 use crate::spectrum::Spectrum;
 use crate::texture::{Image, Texture};
 use glam::{DAffine3, Vec2, Vec3, Vec4};
@@ -134,7 +136,7 @@ pub struct Material {
     pub specular_color: Spectrum,
     /// Specular colour (sRGB) texture.
     pub specular_color_texture: Option<Texture>,
-    /// Refractive index.
+    /// Refractive index, 1 or more; or 0, with which Schlick's formula gives reflectance 1 (KHR_materials_ior).
     pub ior: f32,
     /// KHR_materials_transmission's share of light that goes through.
     pub transmission: f32,

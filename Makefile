@@ -1,0 +1,45 @@
+# What a person types first. Every target that builds runs setup.sh, which changes nothing that is in place.
+CARGO ?= cargo
+export PATH := $(PATH):$(HOME)/.cargo/bin
+SHELL := bash
+
+.PHONY: help setup build demo test test-deep bench scenes doc deny
+
+help: ## this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+setup: ## install what the build needs (Debian 12 and 13)
+	@./setup.sh
+
+build: setup ## the optimised binary, target/release/etendue
+	$(CARGO) build --release --locked
+
+demo: build ## render scenes/cornell-box to out/cornell-box.exr and .png
+	@mkdir -p out
+	@$(CARGO) run --release --locked --quiet -- render scenes/cornell-box/scene.gltf --spp 256 --png --output out/cornell-box.exr
+
+# Dependencies are compiled once for clippy and once for the tests, and only étendue itself is built again without Embree:
+# --workspace everywhere, since without it the features of shared dependencies change and all of them are built anew.
+test: setup ## format, lints, architecture, all tests with and without Embree, documentation
+	$(CARGO) fmt --all --check
+	$(CARGO) test --locked --test architecture
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+	$(CARGO) clippy --locked --workspace --all-targets --no-default-features -- -D warnings
+	$(CARGO) test --locked --workspace
+	$(CARGO) test --locked --workspace --no-default-features
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
+
+test-deep: setup scenes ## all tests, those that render for minutes included
+	ETENDUE_TEST_DEEP=1 $(CARGO) test --locked --workspace
+
+bench: build ## time to error against other renderers, and start-up time (see bench/versus.sh)
+	bench/versus.sh
+
+scenes: ## write the glTF files of scenes/ anew
+	scenes/make.py
+
+doc: setup ## the documentation of the code, target/doc/etendue/index.html
+	$(CARGO) doc --locked --workspace --no-deps --document-private-items
+
+deny: ## licences, advisories and sources of the dependencies (needs cargo-deny)
+	$(CARGO) deny --locked check

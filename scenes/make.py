@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+"""Writes the scenes that étendue is compared with its peers on, as glTF 2.0: scene.gltf and scene.bin in the folder of
+each name given, all three without a name. Needs Python 3.8 and its standard library; the output is deterministic.
+
+    scenes/make.py                # all three
+    scenes/make.py cornell-box
+
+The numbers are those of shared/peers/scenes.py, which the reference images were rendered from. Its conventions and what
+becomes of them here:
+
+- Z up, metres; glTF is Y up: (x, y, z) becomes (x, z, -y), a rotation, so windings stay.
+- Emission is constant radiance, one-sided along the counter-clockwise normal, on a black absorber: black base colour,
+  specularFactor 0, emissiveFactor at most 1 with KHR_materials_emissive_strength for the scale, single-sided.
+- Diffuse is exactly Lambert and two-sided: metallicFactor 0, roughnessFactor 1, specularFactor 0, doubleSided.
+- A mirror reflects its colour at every angle: metallicFactor 1, roughnessFactor 0, extras.etendue.fresnel "constant".
+- Glass: KHR_materials_transmission, _ior and _volume (a thickness above 0 makes it solid).
+- The horizontal field of view is the vertical one, the image being square.
+- Spheres are icospheres with the same vertices in the same order; meshes without normals are flat, as glTF says.
+"""
+import json
+import math
+import struct
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+
+# --- meshes: (positions, triangles, normals or None), Z up ---------------------------------------------------------
+
+
+def quad(a, b, c, d):
+    return [a, b, c, d], [(0, 1, 2), (0, 2, 3)], None
+
+
+def box(lo, hi, angle):
+    """A box turned about the vertical through its centre."""
+    corners = [(x, y, z) for z in (lo[2], hi[2]) for y in (lo[1], hi[1]) for x in (lo[0], hi[0])]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    cx, cy = (lo[0] + hi[0]) / 2, (lo[1] + hi[1]) / 2
+    cos, sin = math.cos(angle), math.sin(angle)
+    turned = [((x - cx) * cos - (y - cy) * sin + cx, (x - cx) * sin + (y - cy) * cos + cy, z) for x, y, z in corners]
+    return turned, [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))], None
+
+
+def normalized(v):
+    length = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return (v[0] / length, v[1] / length, v[2] / length)
+
+
+def icosphere(levels, centre, radius):
+    """An icosahedron, each triangle split in four `levels` times, with the sphere's own normals."""
+    t = (1 + 5**0.5) / 2
+    points = [(-1, t, 0), (1, t, 0), (-1, -t, 0), (1, -t, 0), (0, -1, t), (0, 1, t),
+              (0, -1, -t), (0, 1, -t), (t, 0, -1), (t, 0, 1), (-t, 0, -1), (-t, 0, 1)]
+    triangles = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2),
+                 (10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11),
+                 (6, 2, 10), (8, 6, 7), (9, 8, 1)]
+    points = [normalized(p) for p in points]
+    for _ in range(levels):
+        points, triangles = subdivided(points, triangles)
+    positions = [tuple(n * radius + c for n, c in zip(p, centre)) for p in points]
+    return positions, triangles, points
+
+
+def subdivided(points, triangles):
+    def edge(a, b):
+        return (a, b) if a < b else (b, a)
+
+    edges = sorted({edge(*e) for a, b, c in triangles for e in ((a, b), (b, c), (c, a))})
+    middle = {e: len(points) + i for i, e in enumerate(edges)}
+    midpoints = [normalized(tuple(x + y for x, y in zip(points[a], points[b]))) for a, b in edges]
+    cut = [(a, b, c, middle[edge(a, b)], middle[edge(b, c)], middle[edge(c, a)]) for a, b, c in triangles]
+    split = [(a, ab, ca) for a, b, c, ab, bc, ca in cut]
+    split += [(b, bc, ab) for a, b, c, ab, bc, ca in cut]
+    split += [(c, ca, bc) for a, b, c, ab, bc, ca in cut]
+    split += [(ab, bc, ca) for a, b, c, ab, bc, ca in cut]
+    return points + midpoints, split
+
+
+# --- materials -----------------------------------------------------------------------------------------------------
+
+
+def surface(color, metallic, roughness):
+    return {"baseColorFactor": [*color, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness}
+
+
+def diffuse(*color):
+    return {"pbrMetallicRoughness": surface(color, 0.0, 1.0), "doubleSided": True,
+            "extensions": {"KHR_materials_specular": {"specularFactor": 0.0}}}
+
+
+def emitter(*radiance):
+    strength = float(max(radiance))
+    return {"pbrMetallicRoughness": surface((0.0, 0.0, 0.0), 0.0, 1.0),
+            "emissiveFactor": [x / strength for x in radiance],
+            "extensions": {"KHR_materials_specular": {"specularFactor": 0.0},
+                           "KHR_materials_emissive_strength": {"emissiveStrength": strength}}}
+
+
+def mirror(*color):
+    return {"pbrMetallicRoughness": surface(color, 1.0, 0.0), "doubleSided": True,
+            "extras": {"etendue": {"fresnel": "constant"}}}
+
+
+def glass(ior, thickness):
+    return {"pbrMetallicRoughness": surface((1.0, 1.0, 1.0), 0.0, 0.0),
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
+                           "KHR_materials_ior": {"ior": ior},
+                           "KHR_materials_volume": {"thicknessFactor": thickness}}}
+
+
+# --- scenes: (name, mesh, material) of each object, and the materials --------------------------------------------------
+
+COLOURS = {"white": diffuse(0.725, 0.71, 0.68), "red": diffuse(0.63, 0.065, 0.05), "green": diffuse(0.14, 0.45, 0.091)}
+# Looks along the peers' +Y, which is glTF's -Z, the direction of an unrotated camera: its node only moves it.
+CAMERA_ORIGIN, CAMERA_FOV = (0.0, -3.9, 1.0), 39.3
+
+ROOM = [
+    ("floor", quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), "white"),
+    ("ceiling", quad((-1, -1, 2), (-1, 1, 2), (1, 1, 2), (1, -1, 2)), "white"),
+    ("back", quad((-1, 1, 0), (1, 1, 0), (1, 1, 2), (-1, 1, 2)), "white"),
+    ("left", quad((-1, -1, 0), (-1, 1, 0), (-1, 1, 2), (-1, -1, 2)), "red"),
+    ("right", quad((1, -1, 0), (1, -1, 2), (1, 1, 2), (1, 1, 0)), "green"),
+]
+TALL = ("tall", box((-0.63, 0.0, 0), (-0.05, 0.58, 1.2), 0.29), "white")
+SHORT = ("short", box((0.05, -0.65, 0), (0.63, -0.07, 0.6), -0.29), "white")
+
+
+def cornell_box():
+    light = quad((-0.25, -0.2, 1.98), (-0.25, 0.2, 1.98), (0.25, 0.2, 1.98), (0.25, -0.2, 1.98))
+    return ROOM + [TALL, SHORT, ("light", light, "light")], {**COLOURS, "light": emitter(17, 12, 4)}
+
+
+def modified_cornell():
+    light = quad((-0.25, -0.25, 1.8), (0.25, -0.25, 1.8), (0.25, 0.25, 1.8), (-0.25, 0.25, 1.8))
+    ball = icosphere(6, (0.4, -0.4, 0.37), 0.36)
+    materials = {**COLOURS, "light": emitter(30, 25, 18), "mirror": mirror(0.95, 0.95, 0.95)}
+    return ROOM + [TALL, ("light", light, "light"), ("ball", ball, "mirror")], materials
+
+
+def glass_caustic():
+    light = quad((0.32, 0.12, 1.9), (0.32, 0.28, 1.9), (0.48, 0.28, 1.9), (0.48, 0.12, 1.9))
+    ball = icosphere(6, (0, 0, 0.47), 0.45)
+    materials = {**COLOURS, "light": emitter(120, 110, 90), "glass": glass(1.5, 0.9)}
+    return ROOM + [("ball", ball, "glass"), ("light", light, "light")], materials
+
+
+SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic}
+
+# --- glTF --------------------------------------------------------------------------------------------------------------
+
+FLOAT, UNSIGNED_SHORT = 5126, 5123
+ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
+
+
+def to_gltf(v):
+    return (v[0], v[2], -v[1] + 0.0)  # + 0.0: no negative zeros
+
+
+class Buffer:
+    """The binary chunk with its views and accessors: one of each per array."""
+
+    def __init__(self):
+        self.data, self.views, self.accessors = bytearray(), [], []
+
+    def add(self, packed, target, **accessor):
+        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(packed), "target": target})
+        self.data += packed + bytes(-len(packed) % 4)
+        self.accessors.append({"bufferView": len(self.views) - 1, **accessor})
+        return len(self.accessors) - 1
+
+    def vectors(self, vectors, bounds=False):
+        flat = struct.pack(f"<{3 * len(vectors)}f", *(x for v in vectors for x in to_gltf(v)))
+        extra = {}
+        if bounds:  # of the float32 values, as the specification wants them
+            stored = list(struct.iter_unpack("<3f", flat))
+            extra = {"min": [min(axis) for axis in zip(*stored)], "max": [max(axis) for axis in zip(*stored)]}
+        return self.add(flat, ARRAY_BUFFER, componentType=FLOAT, count=len(vectors), type="VEC3", **extra)
+
+    def indices(self, triangles):
+        flat = [i for t in triangles for i in t]
+        assert max(flat) < 65535, "65535 restarts a primitive and larger indices need 32 bits"
+        packed = struct.pack(f"<{len(flat)}H", *flat)
+        return self.add(packed, ELEMENT_ARRAY_BUFFER, componentType=UNSIGNED_SHORT, count=len(flat), type="SCALAR")
+
+    def primitive(self, mesh, material):
+        positions, triangles, normals = mesh
+        attributes = {"POSITION": self.vectors(positions, bounds=True)}
+        if normals:
+            attributes["NORMAL"] = self.vectors(normals)
+        return {"attributes": attributes, "indices": self.indices(triangles), "material": material}
+
+
+def document(name, objects, materials):
+    """The glTF document as JSON data, and its binary chunk."""
+    buffer, order = Buffer(), list(materials)
+    meshes = [{"name": n, "primitives": [buffer.primitive(mesh, order.index(material))]} for n, mesh, material in objects]
+    nodes = [{"name": n, "mesh": i} for i, (n, _, _) in enumerate(objects)]
+    nodes.append({"name": "camera", "camera": 0, "translation": list(to_gltf(CAMERA_ORIGIN))})
+    lens = {"yfov": math.radians(CAMERA_FOV), "aspectRatio": 1.0, "znear": 0.001}
+    return {
+        "asset": {"version": "2.0", "generator": "etendue scenes/make.py"},
+        "extensionsUsed": sorted({e for m in materials.values() for e in m.get("extensions", {})}),
+        "scene": 0,
+        "scenes": [{"name": name, "nodes": list(range(len(nodes)))}],
+        "nodes": nodes,
+        "cameras": [{"name": "camera", "type": "perspective", "perspective": lens}],
+        "materials": [{"name": n, **m} for n, m in materials.items()],
+        "meshes": meshes,
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
+        "buffers": [{"uri": "scene.bin", "byteLength": len(buffer.data)}],
+    }, bytes(buffer.data)
+
+
+def main(names):
+    unknown = sorted(set(names) - set(SCENES))
+    if unknown:
+        sys.exit(f"make.py: no scene is called {', '.join(unknown)}; there are {', '.join(SCENES)}")
+    for name in names or SCENES:
+        objects, materials = SCENES[name]()
+        gltf, binary = document(name, objects, materials)
+        folder = HERE / name
+        folder.mkdir(exist_ok=True)
+        (folder / "scene.bin").write_bytes(binary)
+        (folder / "scene.gltf").write_text(json.dumps(gltf, indent=2) + "\n", encoding="utf-8")
+        triangles = sum(len(mesh[1]) for _, mesh, _ in objects)
+        print(f"{folder / 'scene.gltf'}: {triangles} triangles, {len(binary)} bytes")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

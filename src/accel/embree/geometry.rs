@@ -1,0 +1,100 @@
+//! What is attached to a scene: a triangle mesh or an instance of another scene.
+
+use super::device::Device;
+use super::scene::Committed;
+use crate::error::Result;
+use crate::geometry::TriangleMesh;
+use embree4_sys::{
+    RTCBufferType, RTCFormat, RTCGeometry, RTCGeometryType, rtcCommitGeometry, rtcNewGeometry, rtcReleaseGeometry,
+    rtcSetGeometryEnableFilterFunctionFromArguments, rtcSetGeometryInstancedScene, rtcSetGeometryTransform,
+    rtcSetSharedGeometryBuffer,
+};
+use glam::{Affine3A, Vec3};
+use std::sync::Arc;
+
+// Embree is told these strides.
+const _: () = assert!(size_of::<Vec3>() == 12 && size_of::<[u32; 3]>() == 12);
+
+/// An Embree geometry and what it points to.
+pub(super) struct Shape {
+    raw: RTCGeometry,
+    _source: Source,
+}
+
+/// Kept alive by a shape, never looked at. Embree itself counts references to an instanced scene, but not to the meshes in it.
+#[expect(dead_code, reason = "held for its lifetime")]
+enum Source {
+    Mesh(Arc<TriangleMesh>),
+    Scene(Arc<Committed>),
+}
+
+// SAFETY: a shape is only changed before it is attached, by the thread that makes it; afterwards it is only released, and
+// Embree counts references atomically.
+unsafe impl Send for Shape {}
+// SAFETY: no method of a shared shape changes it.
+unsafe impl Sync for Shape {}
+
+impl Shape {
+    /// A shape that reads the arrays of `mesh`; queries ask their filter about it if it is `filtered`.
+    pub(super) fn mesh(device: &Device, mesh: &Arc<TriangleMesh>, filtered: bool) -> Result<Shape> {
+        let shape = Shape::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_TRIANGLE, Source::Mesh(Arc::clone(mesh)))?;
+        // Embree reads 16 bytes at each position, and the padding is what follows the last.
+        let positions = &mesh.padded_positions()[..mesh.positions().len()];
+        // SAFETY: a `Vec3` is three f32; the shape holds the mesh, which never changes and is padded.
+        unsafe { shape.share(RTCBufferType::RTC_BUFFER_TYPE_VERTEX, RTCFormat::RTC_FORMAT_FLOAT3, positions) };
+        // SAFETY: a triangle is three u32 below the number of positions, which `TriangleMesh::new` checks.
+        unsafe { shape.share(RTCBufferType::RTC_BUFFER_TYPE_INDEX, RTCFormat::RTC_FORMAT_UINT3, mesh.triangles()) };
+        // SAFETY: the geometry is live and not yet attached.
+        unsafe { rtcSetGeometryEnableFilterFunctionFromArguments(shape.raw, filtered) };
+        shape.committed(device)
+    }
+
+    /// An instance of `scene` at `placement`.
+    pub(super) fn instance(device: &Device, scene: &Arc<Committed>, placement: &Affine3A) -> Result<Shape> {
+        let shape = Shape::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_INSTANCE, Source::Scene(Arc::clone(scene)))?;
+        // SAFETY: both handles are live, and the shape holds the scene.
+        unsafe { rtcSetGeometryInstancedScene(shape.raw, scene.raw()) };
+        let columns: [f32; 12] = placement.to_cols_array();
+        // SAFETY: Embree copies four columns of three f32.
+        unsafe {
+            rtcSetGeometryTransform(shape.raw, 0, RTCFormat::RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.as_ptr().cast());
+        }
+        shape.committed(device)
+    }
+
+    pub(super) fn raw(&self) -> RTCGeometry {
+        self.raw
+    }
+
+    fn new(device: &Device, kind: RTCGeometryType, source: Source) -> Result<Shape> {
+        // SAFETY: the device is live.
+        let raw = unsafe { rtcNewGeometry(device.raw(), kind) };
+        let shape = Shape { raw, _source: source };
+        device.check("make a geometry")?;
+        Ok(shape)
+    }
+
+    /// Lets Embree read `elements` in place.
+    ///
+    /// # Safety
+    /// `format` describes `T`; the elements neither move nor change while the shape lives, and 16 bytes may be read at each.
+    unsafe fn share<T>(&self, buffer: RTCBufferType, format: RTCFormat, elements: &[T]) {
+        let (start, stride) = (elements.as_ptr().cast(), size_of::<T>());
+        // SAFETY: the geometry is live; the caller answers for the elements.
+        unsafe { rtcSetSharedGeometryBuffer(self.raw, buffer, 0, format, start, 0, stride, elements.len()) };
+    }
+
+    fn committed(self, device: &Device) -> Result<Shape> {
+        // SAFETY: the geometry is live and complete.
+        unsafe { rtcCommitGeometry(self.raw) };
+        device.check("set up a geometry")?;
+        Ok(self)
+    }
+}
+
+impl Drop for Shape {
+    fn drop(&mut self) {
+        // SAFETY: this is the reference that `new` got (Embree ignores null with an error code); it is released once.
+        unsafe { rtcReleaseGeometry(self.raw) };
+    }
+}

@@ -1,0 +1,234 @@
+//! The boundary of a clear solid: reflection and refraction by GGX facets or a smooth face, exact Fresnel. Inside is
+//! z < 0. Use it for closed glass bodies; for single sheets see [`super::Thin`].
+//!
+//! Values are radiance's: F(wi, wo) / η²_o = F(wo, wi) / η²_i, so a camera walk that enters glass gains 1 / η² and a light
+//! walk does not. Refraction takes Smith's masking of both directions as independent: its exact height correlation is a
+//! Beta function, nearer to their product than to reflection's formula [Heitz14 §5]. One bounce between facets only.
+//! Reference: [Walter07].
+
+use super::conductor::invert_reflection;
+use super::fresnel::{dielectric, refracted};
+use super::ggx::{DIRAC_ALPHA, Ggx, facing, half, reflect};
+use super::{Bsdf, BsdfSample, Lobes, within};
+use crate::geometry::Local;
+use crate::numeric::Scalar;
+use crate::sampling::{Density, Pdf};
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+
+/// The boundary of a clear solid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dielectric {
+    /// Roughness.
+    pub ggx: Ggx,
+    /// Refractive index inside over outside; finite and above 0.
+    pub eta: f32,
+    /// Factor of reflected light, 0 to 1.
+    pub reflect: Spectrum,
+    /// Factor of refracted light, 0 to 1.
+    pub transmit: Spectrum,
+}
+
+/// A facet that refracts two given directions into one another.
+struct RefractingFacet<T> {
+    /// Its unit normal on the side of the known direction.
+    h: Local<T>,
+    /// Index on the other side over the one on the known side.
+    eta: T,
+    /// |known + η other|².
+    length2: T,
+}
+
+impl Dielectric {
+    /// Whether the boundary counts as smooth: refraction spreads by α |η − 1|, so that both small roughness and nearly
+    /// matched media (whose half vector vanishes) make it so.
+    #[inline]
+    pub fn is_dirac(&self) -> bool {
+        self.ggx.alpha() * (self.eta - 1.0).abs().min(1.0) < DIRAC_ALPHA
+    }
+
+    /// Mean over the lanes of what leaves at all at incidence cosine `cos` on a smooth face, from the side of `known`.
+    #[inline]
+    pub(super) fn throughput<T: Scalar>(&self, known: Local<T>) -> T {
+        let f = dielectric(known.z.abs(), self.beyond(known));
+        f * T::of(f64::from(self.reflect.mean())) + (T::ONE - f) * T::of(f64::from(self.transmit.mean()))
+    }
+
+    /// Index on the other side over the one on the side of `w`.
+    #[inline]
+    fn beyond<T: Scalar>(&self, w: Local<T>) -> T {
+        let eta = T::of(f64::from(self.eta));
+        if w.z.value() > 0.0 { eta } else { eta.recip() }
+    }
+
+    /// Probability of choosing reflection at a facet of reflectance `f`.
+    #[inline]
+    fn reflect_probability<T: Scalar>(&self, f: T) -> T {
+        let r = f * T::of(f64::from(self.reflect.mean()));
+        let t = (T::ONE - f) * T::of(f64::from(self.transmit.mean()));
+        if (r + t).value() > 0.0 { r / (r + t) } else { T::ZERO }
+    }
+
+    /// The facet between directions on opposite sides [Walter07 (16)]; `None` if one of them sees its wrong side.
+    #[inline]
+    fn refracting_facet<T: Scalar>(&self, known: Local<T>, other: Local<T>) -> Option<RefractingFacet<T>> {
+        let eta = self.beyond(known);
+        let sum = known.plus(other.scale(eta));
+        let length2 = sum.dot(sum);
+        let upright = if sum.same_side(known) { sum } else { sum.reversed() };
+        let h = upright.scale(length2.sqrt().recip());
+        let seen = known.dot(h).value() > 0.0 && other.dot(h).value() < 0.0;
+        seen.then_some(RefractingFacet { h, eta, length2 })
+    }
+
+    /// f of refraction in `h` but for its measure, η²_o / |η_i wi + η_o wo|² [Walter07 (21)].
+    #[inline]
+    fn refraction<T: Scalar>(&self, a: Local<T>, b: Local<T>, h: Local<T>, f: T) -> Spectrum<T> {
+        let shape = self.ggx.d(h) * self.ggx.g1_over_cos(a) * self.ggx.g1_over_cos(b);
+        self.transmit.cast() * ((T::ONE - f) * a.dot(h).abs() * b.dot(h).abs() * shape)
+    }
+
+    fn sample_smooth_face(&self, known: Local, toward: Transport, u: f32) -> BsdfSample {
+        let eta = self.beyond(known);
+        let f = dielectric(known.z.abs(), eta);
+        let p = self.reflect_probability(f);
+        if u < p {
+            return BsdfSample {
+                direction: Local::new(-known.x, -known.y, known.z),
+                value: self.reflect * f,
+                density: Density::Delta(p),
+                lobe: Lobes::DIRAC_REFLECT,
+                eta: 1.0,
+            };
+        }
+        let g = refracted(known.z.abs(), eta).max(0.0).sqrt();
+        BsdfSample {
+            direction: Local::new(-known.x / eta, -known.y / eta, (-g / eta).copysign(-known.z)),
+            value: self.transmit * ((1.0 - f) * radiance_scale(eta, toward)),
+            density: Density::Delta(1.0 - p),
+            lobe: Lobes::DIRAC_TRANSMIT,
+            eta,
+        }
+    }
+
+    fn sample_reflection(&self, known: Local, h: Local, f: f32, p: f32) -> Option<BsdfSample> {
+        let other = reflect(known, h);
+        known.same_side(other).then(|| BsdfSample {
+            direction: other,
+            value: self.reflect * (f * self.ggx.reflection(known, other, h)),
+            density: Density::Smooth(Pdf::new(p * self.ggx.reflection_pdf(known, h))),
+            lobe: Lobes::REFLECT,
+            eta: 1.0,
+        })
+    }
+
+    fn sample_refraction(&self, known: Local, toward: Transport, h: Local, f: f32, p: f32) -> Option<BsdfSample> {
+        let eta = self.beyond(known);
+        let cos = known.dot(h);
+        let g2 = refracted(cos, eta);
+        if g2 <= 0.0 {
+            return None;
+        }
+        // cos − g without its cancellation: this is also the length of known + η other
+        let length = (1.0 - eta) * (1.0 + eta) / (cos + g2.sqrt());
+        let other = h.scale(length).plus(known.reversed()).scale(eta.recip());
+        let measure = eta * eta / (length * length);
+        let density = p * self.ggx.visible_normal_pdf(known, h) * other.dot(h).abs() * measure;
+        (known.z * other.z < 0.0).then(|| BsdfSample {
+            direction: other,
+            value: self.refraction(known, other, h, f) * (measure * radiance_scale(eta, toward)),
+            density: Density::Smooth(Pdf::new(density)),
+            lobe: Lobes::TRANSMIT,
+            eta,
+        })
+    }
+}
+
+/// What refraction does to the value beside the light walk's: the known side is where the light leaves in a camera walk.
+#[inline]
+fn radiance_scale(eta: f32, toward: Transport) -> f32 {
+    match toward {
+        Transport::Light => (eta * eta).recip(),
+        Transport::Camera => 1.0,
+    }
+}
+
+impl Bsdf for Dielectric {
+    #[inline]
+    fn eval<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, lobes: Lobes) -> Spectrum<T> {
+        let lobes = lobes.intersection(self.lobes());
+        if wi.same_side(wo) {
+            if !lobes.intersects(Lobes::REFLECT) {
+                return Spectrum::ZERO;
+            }
+            let h = half(wi, wo);
+            let f = dielectric(wi.dot(h), self.beyond(wi));
+            return self.reflect.cast() * (f * self.ggx.reflection(wi, wo, h));
+        }
+        if !opposite(wi, wo) || !lobes.intersects(Lobes::TRANSMIT) {
+            return Spectrum::ZERO;
+        }
+        self.refracting_facet(wi, wo).map_or(Spectrum::ZERO, |facet| {
+            let f = dielectric(wi.dot(facet.h), facet.eta);
+            self.refraction(wi, wo, facet.h, f) * (facet.eta.squared() / facet.length2)
+        })
+    }
+
+    #[inline]
+    fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+        if self.is_dirac() {
+            return Some(self.sample_smooth_face(known, toward, u[0]));
+        }
+        let h = facing(self.ggx.sample_normal(facing(known, known), [u[1], u[2]]), known);
+        let f = dielectric(known.dot(h), self.beyond(known));
+        let p = self.reflect_probability(f);
+        if u[0] < p { self.sample_reflection(known, h, f, p) } else { self.sample_refraction(known, toward, h, f, 1.0 - p) }
+    }
+
+    #[inline]
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: Transport, lobes: Lobes) -> T {
+        let lobes = lobes.intersection(self.lobes());
+        if known.same_side(other) {
+            if !lobes.intersects(Lobes::REFLECT) {
+                return T::ZERO;
+            }
+            let h = half(known, other);
+            let f = dielectric(known.dot(h), self.beyond(known));
+            return self.reflect_probability(f) * self.ggx.reflection_pdf(known, h);
+        }
+        if !opposite(known, other) || !lobes.intersects(Lobes::TRANSMIT) {
+            return T::ZERO;
+        }
+        self.refracting_facet(known, other).map_or(T::ZERO, |facet| {
+            let p = T::ONE - self.reflect_probability(dielectric(known.dot(facet.h), facet.eta));
+            let measure = facet.eta.squared() / facet.length2;
+            p * self.ggx.visible_normal_pdf(known, facet.h) * other.dot(facet.h).abs() * measure
+        })
+    }
+
+    fn invert(&self, known: Local, other: Local, _: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+        if self.is_dirac() {
+            return None;
+        }
+        let ([a, b], h, reflects) = if known.same_side(other) {
+            (invert_reflection(self.ggx, known, other), half(known, other), true)
+        } else {
+            let h = self.refracting_facet(known, other)?.h;
+            (self.ggx.invert_normal(facing(known, known), facing(h, known)), h, false)
+        };
+        let p = self.reflect_probability(dielectric(known.dot(h), self.beyond(known)));
+        let interval = if reflects { [0.0, p] } else { [p, 1.0] };
+        within(interval, aux[1]).map(|(lobe, log)| ([lobe, a, b], log))
+    }
+
+    #[inline]
+    fn lobes(&self) -> Lobes {
+        if self.is_dirac() { Lobes::DIRAC } else { Lobes::SMOOTH }
+    }
+}
+
+/// Whether the directions leave on opposite sides of the surface.
+#[inline]
+fn opposite<T: Scalar>(a: Local<T>, b: Local<T>) -> bool {
+    (a.z * b.z).value() < 0.0
+}

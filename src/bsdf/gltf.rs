@@ -1,0 +1,256 @@
+//! glTF's metallic-roughness surface with specular, ior and transmission, where the plain models do not suffice: one GGX
+//! reflection, a diffuse base under its dielectric share, and a transmitted share.
+//!
+//! Schlick's Fresnel is linear in f0 and f90, so that metal and dielectric mixed by `metallic` are one reflection.
+//! The base is coupled to the layer by base (1 − E(wi)) (1 − E(wo)) / (π (1 − Ē)), E the layer's directional albedo
+//! [Kelemen01], and not by the example in the specification, base (1 − F(V·H)) / π: that one ignores facets, is not what
+//! the layer lets through, and a white base gains energy at grazing angles. The coupled base gets exactly what the layer
+//! does not reflect, so a white base under a white layer loses and gains nothing up to [`super::albedo::ERROR`].
+//! Transmission takes the share `transmission` (1 − `metallic`): a thin wall keeps Schlick's layer and lets 1 − F through;
+//! in a solid the exact Fresnel governs that share, `specular` does not. References: [glTF20], [Kelemen01].
+
+use super::albedo::Albedo;
+use super::conductor::invert_reflection;
+use super::fresnel::schlick;
+use super::ggx::{Ggx, facing, half, reflect, through};
+use super::lambert::{cosine_direction, cosine_pdf, invert_cosine};
+use super::{Bsdf, BsdfSample, Dielectric, Lobes, within};
+use crate::geometry::Local;
+use crate::numeric::Scalar;
+use crate::sampling::warp::into_unit;
+use crate::sampling::{Density, Pdf};
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+use std::f32::consts::FRAC_1_PI;
+
+/// A metallic-roughness surface; made by [`super::MetallicRoughness::surface`].
+#[derive(Debug, Clone, Copy)]
+pub struct Gltf {
+    pub(super) ggx: Ggx,
+    pub(super) base: Spectrum,
+    /// Of the whole reflection.
+    pub(super) specular: Schlick,
+    /// Of the dielectric layer.
+    pub(super) layer: Schlick,
+    pub(super) albedo: Albedo,
+    /// Base colour times its share, and 1 / (1 − Ē) of the layer over it.
+    pub(super) diffuse: Spectrum,
+    pub(super) coupling: Spectrum,
+    pub(super) transmission: Transmission,
+}
+
+/// Reflectance at normal and at grazing incidence.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Schlick {
+    pub(super) f0: Spectrum,
+    pub(super) f90: Spectrum,
+}
+
+/// What goes through; weights hold its share.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Transmission {
+    None,
+    Thin(Spectrum),
+    Solid(Dielectric),
+}
+
+/// Probabilities of the three parts.
+struct Choice<T> {
+    specular: T,
+    diffuse: T,
+    transmission: T,
+}
+
+impl Gltf {
+    /// Probabilities by the albedo of each part for light from or to `known`; `None` for a black surface.
+    #[inline]
+    fn choice<T: Scalar>(&self, known: Local<T>) -> Option<Choice<T>> {
+        let moments = self.albedo.at(known.z.abs());
+        let below = (Spectrum::ONE - moments.albedo(self.layer.f0, self.layer.f90)).map(|x| x.max(T::ZERO));
+        let specular = moments.albedo(self.specular.f0, self.specular.f90).mean();
+        let diffuse = (self.diffuse.cast() * below).mean();
+        let transmission = match &self.transmission {
+            Transmission::None => T::ZERO,
+            Transmission::Thin(transmit) => (transmit.cast() * below).mean(),
+            Transmission::Solid(glass) => glass.throughput(known),
+        };
+        let total = specular + diffuse + transmission;
+        (total.value() > 0.0).then(|| {
+            let k = total.recip();
+            Choice { specular: specular * k, diffuse: diffuse * k, transmission: transmission * k }
+        })
+    }
+
+    /// What the layer lets through from or to a direction of cosine `cos`.
+    #[inline]
+    fn below<T: Scalar>(&self, cos: T) -> Spectrum<T> {
+        let reflected = self.albedo.at(cos.abs()).albedo(self.layer.f0, self.layer.f90);
+        (Spectrum::ONE - reflected).map(|x| x.max(T::ZERO))
+    }
+
+    #[inline]
+    fn reflected<T: Scalar>(&self, wi: Local<T>, wo: Local<T>) -> Spectrum<T> {
+        let diffuse = (self.diffuse * self.coupling * FRAC_1_PI).cast() * self.below(wi.z) * self.below(wo.z);
+        if self.ggx.is_dirac() {
+            return diffuse;
+        }
+        let h = half(wi, wo);
+        diffuse + schlick(self.specular.f0, self.specular.f90, wi.dot(h)) * self.ggx.reflection(wi, wo, h)
+    }
+
+    #[inline]
+    fn transmitted_thin<T: Scalar>(&self, transmit: Spectrum, wi: Local<T>, wo: Local<T>) -> Spectrum<T> {
+        let lit = through(wi);
+        let h = half(lit, wo);
+        let passed = Spectrum::ONE - schlick(self.layer.f0, self.layer.f90, wo.dot(h));
+        transmit.cast() * passed * self.ggx.reflection(lit, wo, h)
+    }
+
+    /// A mirror direction, or straight on through a thin wall, taken with probability `p`.
+    fn dirac(&self, known: Local, lobe: Lobes, p: f32) -> BsdfSample {
+        let cos = known.z.abs();
+        let mirrored = Local::new(-known.x, -known.y, known.z);
+        let (direction, value) = match &self.transmission {
+            Transmission::Thin(transmit) if lobe == Lobes::DIRAC_TRANSMIT => {
+                (through(mirrored), *transmit * (Spectrum::ONE - schlick(self.layer.f0, self.layer.f90, cos)))
+            }
+            _ => (mirrored, schlick(self.specular.f0, self.specular.f90, cos)),
+        };
+        BsdfSample { direction, value, density: Density::Delta(p), lobe, eta: 1.0 }
+    }
+
+    /// Value and density of all smooth lobes in a direction that one of them made.
+    fn smooth(&self, known: Local, toward: Transport, direction: Local, eta: f32) -> Option<BsdfSample> {
+        let (wi, wo) = toward.flow(known, direction);
+        let lobe = if known.same_side(direction) { Lobes::REFLECT } else { Lobes::TRANSMIT };
+        let density = self.pdf(known, direction, toward, Lobes::SMOOTH);
+        (density > 0.0).then(|| BsdfSample {
+            direction,
+            value: self.eval(wi, wo, Lobes::SMOOTH),
+            density: Density::Smooth(Pdf::new(density)),
+            lobe,
+            eta,
+        })
+    }
+
+    fn reflect_in_facet(&self, known: Local, u: [f32; 3]) -> Option<Local> {
+        let above = facing(known, known);
+        let other = reflect(above, self.ggx.sample_normal(above, [u[1], u[2]]));
+        above.same_side(other).then(|| facing(other, known))
+    }
+
+    fn sample_transmission(&self, known: Local, toward: Transport, u: [f32; 3], p: f32) -> Option<BsdfSample> {
+        match &self.transmission {
+            Transmission::None => None,
+            Transmission::Thin(_) if self.ggx.is_dirac() => Some(self.dirac(known, Lobes::DIRAC_TRANSMIT, p)),
+            Transmission::Thin(_) => self.smooth(known, toward, through(self.reflect_in_facet(known, u)?), 1.0),
+            Transmission::Solid(glass) => {
+                let sample = glass.sample(known, toward, u)?;
+                match sample.density {
+                    Density::Delta(q) => Some(BsdfSample { density: Density::Delta(q * p), ..sample }),
+                    Density::Smooth(_) => self.smooth(known, toward, sample.direction, sample.eta),
+                }
+            }
+        }
+    }
+
+    /// Densities of `other` in the three parts, each times its probability.
+    #[inline]
+    fn densities<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, choice: &Choice<T>) -> [T; 3] {
+        let facets = |other: Local<T>| {
+            if self.ggx.is_dirac() { T::ZERO } else { self.ggx.reflection_pdf(known, half(known, other)) }
+        };
+        let same = known.same_side(other);
+        let transmitted = match &self.transmission {
+            Transmission::Solid(glass) => glass.pdf(known, other, toward, Lobes::SMOOTH),
+            Transmission::Thin(_) if !same => facets(through(other)),
+            _ => T::ZERO,
+        };
+        let specular = if same { facets(other) } else { T::ZERO };
+        [choice.specular * specular, choice.diffuse * cosine_pdf(known, other), choice.transmission * transmitted]
+    }
+}
+
+impl Bsdf for Gltf {
+    #[inline]
+    fn eval<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, lobes: Lobes) -> Spectrum<T> {
+        let same = wi.same_side(wo);
+        if !lobes.intersects(if same { Lobes::REFLECT } else { Lobes::TRANSMIT }) {
+            return Spectrum::ZERO;
+        }
+        let own = if same { self.reflected(wi, wo) } else { Spectrum::ZERO };
+        match &self.transmission {
+            Transmission::Solid(glass) => own + glass.eval(wi, wo, lobes),
+            Transmission::Thin(t) if !same && !self.ggx.is_dirac() => self.transmitted_thin(*t, wi, wo),
+            _ => own,
+        }
+    }
+
+    #[inline]
+    fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+        let choice = self.choice(known)?;
+        let smooth_end = choice.specular + choice.diffuse;
+        if u[0] < choice.specular {
+            if self.ggx.is_dirac() {
+                return Some(self.dirac(known, Lobes::DIRAC_REFLECT, choice.specular));
+            }
+            return self.smooth(known, toward, self.reflect_in_facet(known, u)?, 1.0);
+        }
+        if u[0] < smooth_end || choice.transmission <= 0.0 {
+            return self.smooth(known, toward, cosine_direction(known, [u[1], u[2]]), 1.0);
+        }
+        let within_part = into_unit((u[0] - smooth_end) / choice.transmission);
+        self.sample_transmission(known, toward, [within_part, u[1], u[2]], choice.transmission)
+    }
+
+    #[inline]
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, lobes: Lobes) -> T {
+        if !lobes.intersects(if known.same_side(other) { Lobes::REFLECT } else { Lobes::TRANSMIT }) {
+            return T::ZERO;
+        }
+        self.choice(known).map_or(T::ZERO, |choice| {
+            let [a, b, c] = self.densities(known, other, toward, &choice);
+            a + b + c
+        })
+    }
+
+    fn invert(&self, known: Local, other: Local, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+        let choice = self.choice(known)?;
+        let [specular, diffuse, transmitted] = self.densities(known, other, toward, &choice);
+        let total = specular + diffuse + transmitted;
+        let pick = aux[0] * total;
+        let (start, end) = (choice.specular, choice.specular + choice.diffuse);
+        let log_share = |part: f32| f64::from(part / total).ln();
+        if pick < specular {
+            let [a, b] = invert_reflection(self.ggx, known, other);
+            return within([0.0, start], aux[1]).map(|(u, log)| ([u, a, b], log + log_share(specular)));
+        }
+        if pick < specular + diffuse {
+            let [a, b] = invert_cosine(other);
+            return within([start, end], aux[1]).map(|(u, log)| ([u, a, b], log + log_share(diffuse)));
+        }
+        let (part, [a, b], log) = match &self.transmission {
+            Transmission::Solid(glass) => {
+                let ([u, a, b], log) = glass.invert(known, other, toward, aux)?;
+                (u, [a, b], log)
+            }
+            _ if transmitted > 0.0 => (aux[1], invert_reflection(self.ggx, known, through(other)), 0.0),
+            _ => return None,
+        };
+        let u = end + choice.transmission * part;
+        let log = log - f64::from(choice.transmission).ln() + log_share(transmitted);
+        Some(([into_unit(u), a, b], log))
+    }
+
+    fn lobes(&self) -> Lobes {
+        let own = if self.ggx.is_dirac() { Lobes::DIRAC_REFLECT } else { Lobes::REFLECT };
+        let base = if self.diffuse.is_black() { Lobes::NONE } else { Lobes::REFLECT };
+        let transmission = match &self.transmission {
+            Transmission::None => Lobes::NONE,
+            Transmission::Thin(_) if self.ggx.is_dirac() => Lobes::DIRAC_TRANSMIT,
+            Transmission::Thin(_) => Lobes::TRANSMIT,
+            Transmission::Solid(glass) => glass.lobes(),
+        };
+        own.union(base).union(transmission)
+    }
+}

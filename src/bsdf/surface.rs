@@ -1,0 +1,83 @@
+//! The closed set of scattering models, dispatched by `match`.
+
+use super::{Bsdf, BsdfSample, Conductor, Dielectric, Gltf, Lambert, Lobes, Thin};
+use crate::geometry::Local;
+use crate::numeric::Scalar;
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+
+/// Any scattering model with its parameters at one point.
+#[derive(Debug, Clone, Copy)]
+pub enum Surface {
+    /// Scatters nothing: emitters and unlit materials.
+    Black,
+    /// Ideal diffuse reflection.
+    Lambert(Lambert),
+    /// GGX or mirror reflection.
+    Conductor(Conductor),
+    /// The boundary of a clear solid.
+    Dielectric(Dielectric),
+    /// A thin transparent wall.
+    Thin(Thin),
+    /// A mixture by glTF's metallic-roughness model.
+    Gltf(Gltf),
+}
+
+impl Surface {
+    /// Whether [`Bsdf::sample`] has no lobe to choose, so that it does not look at its first number.
+    #[inline]
+    pub fn is_single_lobe(&self) -> bool {
+        matches!(self, Surface::Black | Surface::Lambert(_) | Surface::Conductor(_))
+    }
+
+    /// The colour of the surface for denoisers and people, 0 to 1: the base colour where the model has one.
+    pub fn reflectance(&self) -> Spectrum {
+        match self {
+            Surface::Black => Spectrum::ZERO,
+            Surface::Lambert(b) => b.albedo,
+            Surface::Conductor(b) => b.fresnel.reflectance(1.0),
+            Surface::Dielectric(b) => b.transmit,
+            Surface::Thin(b) => b.transmit,
+            Surface::Gltf(b) => b.base,
+        }
+    }
+}
+
+macro_rules! dispatch {
+    ($surface:expr, $model:ident => $call:expr, $black:expr) => {
+        match $surface {
+            Surface::Black => $black,
+            Surface::Lambert($model) => $call,
+            Surface::Conductor($model) => $call,
+            Surface::Dielectric($model) => $call,
+            Surface::Thin($model) => $call,
+            Surface::Gltf($model) => $call,
+        }
+    };
+}
+
+impl Bsdf for Surface {
+    #[inline]
+    fn eval<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, lobes: Lobes) -> Spectrum<T> {
+        dispatch!(self, b => b.eval(wi, wo, lobes), Spectrum::ZERO)
+    }
+
+    #[inline]
+    fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+        dispatch!(self, b => b.sample(known, toward, u), None)
+    }
+
+    #[inline]
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, lobes: Lobes) -> T {
+        dispatch!(self, b => b.pdf(known, other, toward, lobes), T::ZERO)
+    }
+
+    fn invert(&self, known: Local, other: Local, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+        dispatch!(self, b => b.invert(known, other, toward, aux), None)
+    }
+
+    #[inline]
+    fn lobes(&self) -> Lobes {
+        dispatch!(self, b => b.lobes(), Lobes::NONE)
+    }
+}

@@ -1,0 +1,113 @@
+//! A thin transparent wall: GGX reflection, and transmission as that reflection mirrored through the surface, without
+//! refraction. This is KHR_materials_transmission without a volume [glTF20]; both sides are alike. Use it for windows
+//! and leaves modelled as one sheet; light bouncing inside the sheet is left out, as glTF does.
+
+use super::conductor::invert_reflection;
+use super::ggx::{Ggx, facing, half, reflect, through};
+use super::{Bsdf, BsdfSample, Fresnel, Lobes, within};
+use crate::geometry::Local;
+use crate::numeric::Scalar;
+use crate::sampling::{Density, Pdf};
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+
+/// A thin transparent wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Thin {
+    /// Roughness.
+    pub ggx: Ggx,
+    /// Reflectance of the facets; the rest goes through.
+    pub fresnel: Fresnel,
+    /// Factor of the light that goes through, 0 to 1.
+    pub transmit: Spectrum,
+}
+
+impl Thin {
+    /// Share of light that a facet sends each way at the incidence cosine `cos`, and the probability of reflection.
+    #[inline]
+    fn split<T: Scalar>(&self, cos: T) -> (Spectrum<T>, Spectrum<T>, T) {
+        let r = self.fresnel.reflectance(cos);
+        let t = (Spectrum::ONE - r) * self.transmit.cast();
+        let total = r.mean() + t.mean();
+        (r, t, if total.value() > 0.0 { r.mean() / total } else { T::ZERO })
+    }
+
+    #[inline]
+    fn takes<T: Scalar>(&self, a: Local<T>, b: Local<T>, lobes: Lobes) -> bool {
+        let side = if a.same_side(b) { Lobes::REFLECT } else { Lobes::TRANSMIT };
+        lobes.intersection(self.lobes()).intersects(side) && (a.z * b.z).value().abs() > 0.0
+    }
+
+    fn sample_smooth_face(&self, known: Local, u: f32) -> BsdfSample {
+        let (r, t, p) = self.split(known.z.abs());
+        let mirrored = Local::new(-known.x, -known.y, known.z);
+        let (direction, value, probability, lobe) =
+            if u < p { (mirrored, r, p, Lobes::DIRAC_REFLECT) } else { (through(mirrored), t, 1.0 - p, Lobes::DIRAC_TRANSMIT) };
+        BsdfSample { direction, value, density: Density::Delta(probability), lobe, eta: 1.0 }
+    }
+}
+
+/// `w` on the side of `reference`.
+#[inline]
+fn folded<T: Scalar>(w: Local<T>, reference: Local<T>) -> Local<T> {
+    if w.same_side(reference) { w } else { through(w) }
+}
+
+impl Bsdf for Thin {
+    #[inline]
+    fn eval<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, lobes: Lobes) -> Spectrum<T> {
+        if !self.takes(wi, wo, lobes) {
+            return Spectrum::ZERO;
+        }
+        let lit = folded(wi, wo);
+        let h = half(lit, wo);
+        let (r, t, _) = self.split(wo.dot(h));
+        (if wi.same_side(wo) { r } else { t }) * self.ggx.reflection(lit, wo, h)
+    }
+
+    #[inline]
+    fn sample(&self, known: Local, _: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+        if self.ggx.is_dirac() {
+            return Some(self.sample_smooth_face(known, u[0]));
+        }
+        let h = facing(self.ggx.sample_normal(facing(known, known), [u[1], u[2]]), known);
+        let mirrored = reflect(known, h);
+        let (r, t, p) = self.split(known.dot(h));
+        let (direction, share, probability, lobe) =
+            if u[0] < p { (mirrored, r, p, Lobes::REFLECT) } else { (through(mirrored), t, 1.0 - p, Lobes::TRANSMIT) };
+        known.same_side(mirrored).then(|| BsdfSample {
+            direction,
+            value: share * self.ggx.reflection(mirrored, known, h),
+            density: Density::Smooth(Pdf::new(probability * self.ggx.reflection_pdf(known, h))),
+            lobe,
+            eta: 1.0,
+        })
+    }
+
+    #[inline]
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: Transport, lobes: Lobes) -> T {
+        if !self.takes(known, other, lobes) {
+            return T::ZERO;
+        }
+        let h = half(folded(other, known), known);
+        let (_, _, p) = self.split(known.dot(h));
+        let probability = if known.same_side(other) { p } else { T::ONE - p };
+        probability * self.ggx.reflection_pdf(known, h)
+    }
+
+    fn invert(&self, known: Local, other: Local, _: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+        if !self.takes(known, other, Lobes::SMOOTH) {
+            return None;
+        }
+        let mirrored = folded(other, known);
+        let (_, _, p) = self.split(known.dot(half(mirrored, known)));
+        let interval = if known.same_side(other) { [0.0, p] } else { [p, 1.0] };
+        let [a, b] = invert_reflection(self.ggx, known, mirrored);
+        within(interval, aux[1]).map(|(lobe, log)| ([lobe, a, b], log))
+    }
+
+    #[inline]
+    fn lobes(&self) -> Lobes {
+        if self.ggx.is_dirac() { Lobes::DIRAC } else { Lobes::SMOOTH }
+    }
+}

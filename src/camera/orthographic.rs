@@ -1,0 +1,36 @@
+//! The orthographic camera.
+
+use super::Pose;
+use crate::geometry::Ray;
+use glam::Vec2;
+
+/// Parallel projection along the view direction.
+#[derive(Debug, Clone)]
+pub struct Orthographic {
+    pose: Pose,
+    scale: Vec2,
+    corner: Vec2,
+}
+
+impl Orthographic {
+    /// A camera that sees `ymag` scene units above and below its axis, for square pixels on a `width` × `height` image.
+    pub fn new(pose: Pose, ymag: f64, width: u32, height: u32) -> Self {
+        let pixel = 2.0 * ymag / f64::from(height);
+        let scale = Vec2::new(pixel as f32, -pixel as f32);
+        let corner = Vec2::new((-0.5 * pixel * f64::from(width)) as f32, ymag as f32);
+        Orthographic { pose, scale, corner }
+    }
+
+    /// The same view with pixels `ratio` times as large.
+    pub(super) fn with_pixels(&self, ratio: Vec2) -> Self {
+        Orthographic { scale: self.scale * ratio, ..self.clone() }
+    }
+
+    /// See [`super::Camera::ray`].
+    #[inline]
+    pub fn ray(&self, film: [f32; 2]) -> Ray {
+        let v = Vec2::from(film) * self.scale + self.corner;
+        let Pose { position, right, up, backward } = self.pose;
+        Ray::new(position + right * v.x + up * v.y, -backward)
+    }
+}

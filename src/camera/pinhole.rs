@@ -1,0 +1,58 @@
+//! The pinhole camera.
+
+use super::Pose;
+use crate::geometry::Ray;
+use glam::{Vec2, Vec3};
+
+/// Perspective projection through a point.
+#[derive(Debug, Clone)]
+pub struct Pinhole {
+    pose: Pose,
+    /// Film position to view plane at distance 1: x → scale.x x + corner.x to the right, y likewise upward.
+    scale: Vec2,
+    corner: Vec2,
+}
+
+impl Pinhole {
+    /// A camera with vertical field of view `yfov` (radians) for square pixels on a `width` × `height` image.
+    pub fn new(pose: Pose, yfov: f64, width: u32, height: u32) -> Self {
+        let top = (yfov * 0.5).tan();
+        let pixel = 2.0 * top / f64::from(height);
+        let scale = Vec2::new(pixel as f32, -pixel as f32);
+        let corner = Vec2::new((-0.5 * pixel * f64::from(width)) as f32, top as f32);
+        Pinhole { pose, scale, corner }
+    }
+
+    /// The same view with pixels `ratio` times as large.
+    pub(super) fn with_pixels(&self, ratio: Vec2) -> Self {
+        Pinhole { scale: self.scale * ratio, ..self.clone() }
+    }
+
+    /// See [`super::Camera::ray`].
+    #[inline]
+    pub fn ray(&self, film: [f32; 2]) -> Ray {
+        let v = Vec2::from(film) * self.scale + self.corner;
+        let Pose { position, right, up, backward } = self.pose;
+        let direction: Vec3 = right * v.x + up * v.y - backward;
+        Ray::new(position, direction.normalize())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_and_centre_of_the_image_look_where_the_field_of_view_says() {
+        let pose = Pose { position: Vec3::ONE, right: Vec3::X, up: Vec3::Y, backward: Vec3::Z };
+        let camera = Pinhole::new(pose, std::f64::consts::FRAC_PI_2, 200, 100);
+        let along = |film, want: Vec3| {
+            let got = camera.ray(film).direction;
+            // Three roundings of the view-plane position and the normalisation.
+            assert!((got - want.normalize()).length() < 4.0 * f32::EPSILON, "{film:?}: {got}");
+        };
+        along([100.0, 50.0], Vec3::new(0.0, 0.0, -1.0));
+        along([0.0, 0.0], Vec3::new(-2.0, 1.0, -1.0));
+        along([200.0, 100.0], Vec3::new(2.0, -1.0, -1.0));
+    }
+}

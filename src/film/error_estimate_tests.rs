@@ -1,0 +1,131 @@
+use super::*;
+use crate::film::{PassFilm, Units};
+use crate::stats::t_test;
+use crate::stats::test_random::Random;
+
+/// The true mean of a pixel: a ramp from 0.5 to 1.5 over the image.
+fn truth(pixel: usize, pixels: usize) -> f64 {
+    0.5 + pixel as f64 / (pixels - 1) as f64
+}
+
+/// A film whose samples have mean `truth` and standard deviation `noise` × truth, independent in every channel.
+fn film(layout: &Layout, replicates: u32, passes: u64, seed: u64, draw: impl Fn(&mut Random) -> f64) -> Film {
+    let mut film = Film::new(layout.clone(), replicates, seed, Units::from_exponents(-24, 0).unwrap());
+    let mut random = Random::new(seed);
+    let (mut pass, pixels) = (PassFilm::new(layout), layout.pixels());
+    for k in 0..passes {
+        let values: Vec<f32> = (0..pixels * 3).map(|i| (truth(i / 3, pixels) * draw(&mut random)) as f32).collect();
+        pass.par_chunks(1).for_each(|(p, out)| out.copy_from_slice(&values[p * 3..p * 3 + 3]));
+        film.commit(k, &pass);
+    }
+    film
+}
+
+/// relMSE of N passes whose samples have relative variance `variance`.
+fn true_relmse(layout: &Layout, passes: u64, variance: f64) -> f64 {
+    let pixels = layout.pixels();
+    let relative = |p: usize| truth(p, pixels).powi(2) / (truth(p, pixels).powi(2) + FLOOR * FLOOR);
+    (0..pixels).map(relative).sum::<f64>() / pixels as f64 * variance / passes as f64
+}
+
+fn normal(random: &mut Random) -> f64 {
+    1.0 + 0.1 * random.normal()
+}
+
+fn exponential(random: &mut Random) -> f64 {
+    random.exponential()
+}
+
+/// Over independent films the mean estimate is the truth: t test at level 1e-6. The bias bound of the module head is
+/// 3 × 0.01/8 relative here, far below what the test can see of 60 films (about 1 %).
+#[test]
+fn relmse_and_standard_error_are_unbiased() {
+    let layout = Layout::new(16, 16, None, &[]);
+    for (replicates, passes) in [(2, 8), (3, 12), (4, 16), (4, 10), (16, 32)] {
+        let (mut relmse, mut squares, mut mean) = (Moments::new(), Moments::new(), Moments::new());
+        for seed in 0..60 {
+            let film = film(&layout, replicates, passes, seed * 64 + u64::from(replicates), normal);
+            let error = film.image_error().unwrap();
+            relmse.push(error.relmse.value);
+            mean.push(error.mean_standard_error.powi(2));
+            squares.extend(film.standard_error().unwrap().iter().map(|&e| f64::from(e).powi(2)));
+            let rmse = (film.standard_error().unwrap().iter().map(|&e| f64::from(e).powi(2)).sum::<f64>() / 768.0).sqrt();
+            assert!((error.rmse / rmse - 1.0).abs() < 1e-6, "f32 standard errors round to 6e-8 each");
+        }
+        let mean_square = (0..256).map(|p| truth(p, 256).powi(2)).sum::<f64>() / 256.0;
+        let variance = 0.01 * mean_square / passes as f64;
+        for (name, found, expected) in [
+            ("relmse", relmse, true_relmse(&layout, passes, 0.01)),
+            ("variance", squares, variance),
+            ("variance of the mean", mean, variance / 768.0),
+        ] {
+            let test = t_test(&found.estimate().unwrap(), expected);
+            assert!(test.p_value > 1e-6, "{name} R={replicates}: {found:?} {expected} {test:?}");
+        }
+    }
+}
+
+/// How many of `films` films have the truth in their interval.
+fn covered(films: u64, passes: u64, variance: f64, draw: fn(&mut Random) -> f64) -> f64 {
+    let layout = Layout::new(64, 32, None, &[]);
+    let expected = true_relmse(&layout, passes, variance);
+    let holds = |seed| {
+        let relmse = film(&layout, 4, passes, seed, draw).image_error().unwrap().relmse;
+        (relmse.low..=relmse.high).contains(&expected)
+    };
+    (0..films).into_par_iter().filter(|&seed| holds(seed + 1000)).count() as f64
+}
+
+/// 95 % intervals hold the truth of normal pixels in 95 % of 500 films: two-sided binomial test at level 1e-4 (3.9 σ).
+#[test]
+fn interval_covers_for_normal_pixels() {
+    let hits = covered(500, 4, 0.01, normal);
+    assert!((hits - 475.0).abs() < 3.9 * (500.0_f64 * 0.95 * 0.05).sqrt(), "{hits} of 500");
+}
+
+/// Exponential samples (relative variance 1), 256 of them: the reference has relative variance 1/128, so the bias bound of the
+/// module head (2.3 %) is a third of the interval's half width at this size and costs up to 5 % of coverage: at least
+/// 90 % must hold, one-sided binomial test at level 1e-4 (3.7 σ).
+#[test]
+fn interval_covers_for_skewed_pixels() {
+    let hits = covered(200, 256, 1.0, exponential);
+    assert!(hits > 180.0 - 3.7 * (200.0_f64 * 0.9 * 0.1).sqrt(), "{hits} of 200");
+}
+
+#[test]
+fn too_few_replicates_give_nothing() {
+    let layout = Layout::new(4, 4, None, &[]);
+    assert!(film(&layout, 1, 4, 0, normal).image_error().is_none());
+    assert!(film(&layout, 4, 3, 0, normal).standard_error().is_none());
+    assert!(film(&layout, 4, 4, 0, normal).standard_error().is_some());
+}
+
+#[test]
+fn edge_images_have_sane_errors() {
+    let black = film(&Layout::new(9, 9, None, &[]), 4, 4, 0, |_| 0.0).image_error().unwrap();
+    assert!(black.relmse.value.to_bits() == 0 && black.relmse.high.to_bits() == 0 && black.max_share.to_bits() == 0);
+    let one = Layout::new(8, 8, Some(crate::film::Crop { x0: 3, y0: 3, x1: 4, y1: 4 }), &[]);
+    let mut pass = PassFilm::new(&one);
+    let mut single = Film::new(one, 2, 0, Units::from_exponents(-24, 0).unwrap());
+    for k in 0..2 {
+        pass.par_chunks(1).for_each(|(_, v)| v.fill(k as f32));
+        single.commit(k, &pass);
+    }
+    let error = single.image_error().unwrap();
+    assert!(error.relmse.high.is_infinite() && (error.mean - 0.5).abs() < f64::EPSILON);
+    let json = serde_json::to_string(&error).unwrap();
+    assert_eq!(serde_json::from_str::<ImageError>(&json).unwrap(), error);
+}
+
+/// One outlier pixel is seen as such.
+#[test]
+fn fireflies_show_in_the_share() {
+    let layout = Layout::new(64, 64, None, &[]);
+    let mut pass = PassFilm::new(&layout);
+    let mut film = Film::new(layout, 4, 0, Units::from_exponents(-24, 0).unwrap());
+    for k in 0..8 {
+        pass.par_chunks(1).for_each(|(p, v)| v.fill(if p == 77 && k == 3 { 1e6 } else { 1.0 + 0.01 * k as f32 }));
+        film.commit(k, &pass);
+    }
+    assert!(film.image_error().unwrap().max_share > 0.99);
+}

@@ -1,0 +1,129 @@
+//! A pass of a camera method: one sample of every pixel, each pixel its own. What the sample is worth is the method's.
+
+use super::{Guards, Integrator, InvalidSample, Options, PassReport, RayCounts};
+use crate::camera::Camera;
+use crate::film::{FilterSampler, Layout, PassFilm, Plane};
+use crate::geometry::Ray;
+use crate::parallel::Cancel;
+use crate::path::Tally;
+use crate::sampling::{Address, Independent, Sampler, SamplerKind, Slot, Sobol};
+use crate::scene::Scene;
+use crate::spectrum::{LANES, Spectrum};
+use rayon::prelude::*;
+
+/// Pixels that one task renders: enough to hide the cost of a task, few enough to balance.
+const CHUNK: usize = 128;
+
+/// A method that estimates the radiance along a camera ray.
+pub(super) trait Radiance: Send + Sync {
+    /// An unbiased estimate of the radiance that arrives along `ray`.
+    fn radiance(&self, ray: Ray, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum;
+}
+
+/// An integrator that renders each pixel by `method`.
+pub(super) struct CameraPass<'a, M: Radiance> {
+    method: M,
+    scene: &'a Scene,
+    camera: Camera,
+    options: Options,
+    filter: FilterSampler,
+}
+
+impl<'a, M: Radiance> CameraPass<'a, M> {
+    pub(super) fn new(method: M, scene: &'a Scene, camera: Camera, options: &Options) -> Self {
+        CameraPass { method, scene, camera, options: *options, filter: FilterSampler::new(options.filter) }
+    }
+
+    /// The camera ray of one sample of a pixel.
+    #[inline]
+    fn camera_ray(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> Ray {
+        let offset = self.filter.sample(sampler.u2(0, Slot::Aux));
+        self.camera.ray([pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]])
+    }
+
+    /// Renders consecutive pixels from `first` on.
+    fn chunk<P: Sampler>(&self, pass: u64, layout: &Layout, first: usize, out: &mut [f32], sampler: impl Fn(u64) -> P) -> PassReport {
+        let channels = layout.channels();
+        let mut report = PassReport::default();
+        let mut tally = Tally::default();
+        for (i, values) in out.chunks_exact_mut(channels).enumerate() {
+            let pixel = layout.pixel(first + i);
+            let mut numbers = sampler(u64::from(pixel[1]) * u64::from(layout.width) + u64::from(pixel[0]));
+            let ray = self.camera_ray(pixel, &mut numbers);
+            let mut color = self.method.radiance(ray, &mut numbers, &mut tally);
+            report.rays.camera += 1;
+            if !color.is_finite() {
+                report.drop_sample(InvalidSample { pass, x: pixel[0], y: pixel[1] });
+                if let Some(at) = layout.offset(Plane::Invalid) {
+                    values[at] = 1.0;
+                }
+                color = Spectrum::ZERO;
+            }
+            if let Some(most) = self.options.clamp {
+                color = clamp(color, most, &mut report.guards);
+            }
+            values[..LANES].copy_from_slice(&color.to_rgb());
+            if layout.planes().len() > 1 {
+                super::features::record(self.scene, ray, &mut numbers, layout, values);
+            }
+        }
+        report.add_tally(&tally);
+        report
+    }
+
+    fn passes<P: Sampler>(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm, sampler: impl Fn(u64) -> P + Sync) -> Option<PassReport> {
+        let layout = out.layout().clone();
+        out.par_chunks(CHUNK)
+            .map(|(first, values)| {
+                (!cancel.requested()).then(|| self.chunk(pass, &layout, first, values, &sampler))
+            })
+            .try_reduce(PassReport::default, |mut a, b| {
+                a.absorb(b);
+                Some(a)
+            })
+    }
+}
+
+impl<M: Radiance> Integrator for CameraPass<'_, M> {
+    fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
+        let seed = Address::new(self.options.seed);
+        match self.options.sampler {
+            SamplerKind::Independent => {
+                let of_pass = seed.with(pass);
+                self.passes(pass, cancel, out, |pixel| Independent::new(of_pass.with(pixel)))
+            }
+            SamplerKind::Sobol => {
+                let replicates = u64::from(self.options.replicates);
+                let (of_replicate, index) = (seed.with(pass % replicates), (pass / replicates) as u32);
+                self.passes(pass, cancel, out, |pixel| Sobol::new(of_replicate.with(pixel), index))
+            }
+        }
+    }
+}
+
+/// Limits each lane to `most` and notes what that takes away.
+fn clamp(color: Spectrum, most: f32, guards: &mut Guards) -> Spectrum {
+    let limited = color.map(|x: f32| x.min(most));
+    if limited != color {
+        guards.clamped += 1;
+        guards.clamped_energy += (color - limited).0.iter().map(|&x| f64::from(x)).sum::<f64>();
+    }
+    limited
+}
+
+impl PassReport {
+    fn drop_sample(&mut self, sample: InvalidSample) {
+        self.guards.nonfinite += 1;
+        if self.invalid.len() < Self::MAX_INVALID {
+            self.invalid.push(sample);
+        }
+    }
+
+    fn add_tally(&mut self, tally: &Tally) {
+        self.absorb(PassReport {
+            rays: RayCounts { camera: 0, bounce: tally.bounces, shadow: tally.shadows },
+            guards: Guards { bad_hits: tally.bad_hits, overlong_paths: tally.overlong, ..Guards::default() },
+            invalid: Vec::new(),
+        });
+    }
+}

@@ -1,0 +1,59 @@
+//! What denoisers and compositors want to know of the first thing a camera ray meets. Numbers are addressed, so walking the
+//! path a second time for it meets the same surfaces; renders without these planes pay nothing.
+
+use crate::bsdf::{Lobes, Shading};
+use crate::film::{Layout, Plane};
+use crate::geometry::{Ray, SurfacePoint};
+use crate::path::{Arrival, Tally, Walk};
+use crate::sampling::{Sampler, Slot};
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+use glam::Vec3;
+
+/// How many mirrors and panes are looked through for albedo and normal.
+const DEEPEST: u32 = 8;
+
+/// Writes coverage, depth and position of the first surface, and albedo and normal of the first that is not a mirror or
+/// clear glass, into the planes that `layout` has. Where nothing is met all are 0.
+pub(super) fn record(scene: &Scene, ray: Ray, sampler: &mut impl Sampler, layout: &Layout, values: &mut [f32]) {
+    let mut put = |plane: Plane, what: &[f32]| {
+        if let Some(at) = layout.offset(plane) {
+            values[at..at + what.len()].copy_from_slice(what);
+        }
+    };
+    let mut tally = Tally::default();
+    let mut walk = Walk::new(scene, ray);
+    let Arrival::Surface(first) = walk.arrive(sampler, &mut tally) else { return };
+    put(Plane::Alpha, &[1.0]);
+    put(Plane::Depth, &[((first.p - ray.origin).length() as f64 / scene.rebase().scale) as f32]);
+    put(Plane::Position, &scene.rebase().point_in_file(first.p.as_dvec3()).as_vec3().to_array());
+    if layout.offset(Plane::Albedo).is_none() && layout.offset(Plane::Normal).is_none() {
+        return;
+    }
+    let (albedo, normal) = first_diffuse(scene, walk, first, sampler);
+    put(Plane::Albedo, &albedo.to_rgb());
+    put(Plane::Normal, &normal.to_array());
+}
+
+/// Reflectance and shading normal of the first surface without Dirac lobes only; tinted by what lies before it.
+fn first_diffuse(scene: &Scene, mut walk: Walk, mut point: SurfacePoint, sampler: &mut impl Sampler) -> (Spectrum, Vec3) {
+    let mut tally = Tally::default();
+    loop {
+        let surface = scene.surface(&mut point);
+        let wo = -walk.ray.direction;
+        let shading = Shading::new(&point, &surface);
+        let normal = if wo.dot(point.frame.n) < 0.0 { -point.frame.n } else { point.frame.n };
+        let here = (walk.beta.map(|b: f32| b.min(1.0)) * surface.reflectance(), normal);
+        if shading.lobes().intersects(Lobes::SMOOTH) || walk.depth >= DEEPEST {
+            return here;
+        }
+        let [u, v] = sampler.u2(walk.depth, Slot::Direction);
+        let Some(scatter) = shading.sample(wo, Transport::Light, [sampler.u1(walk.depth, Slot::Lobe), u, v]) else { return here };
+        walk.depart(&point, &scatter, &mut tally);
+        match walk.arrive(sampler, &mut tally) {
+            Arrival::Surface(next) => point = next,
+            Arrival::Escaped => return here,
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! What is fixed before the first pass: a pure function of scene, camera and settings, the same in every shard.
+
+use super::{Integrator, Options};
+use crate::camera::Camera;
+use crate::film::{Layout, PassFilm, Units};
+use crate::parallel::Cancel;
+use crate::scene::Scene;
+
+/// Side of the pilot image at most, in pixels.
+const PILOT_SIDE: u32 = 32;
+
+/// Film units per pilot mean, as a power of two: 24 bits below the mean leave 39 above it.
+const BITS_BELOW_MEAN: i32 = 24;
+
+/// What all passes share.
+#[derive(Debug, Clone, Copy)]
+pub struct Prelude {
+    /// Quantisation of the film.
+    pub units: Units,
+}
+
+impl Prelude {
+    /// The prelude for an image of `layout` that `integrator` renders, given a camera for the pilot's size.
+    pub(super) fn new<'a>(
+        scene: &Scene,
+        layout: &Layout,
+        options: &Options,
+        camera: &Camera,
+        integrator: impl FnOnce(Camera, &Options) -> Box<dyn Integrator + 'a>,
+    ) -> Self {
+        let size = [layout.width.min(PILOT_SIDE), layout.height.min(PILOT_SIDE)];
+        let pilot = Layout::new(size[0], size[1], None, &[]);
+        let camera = camera.resized([layout.width, layout.height], size);
+        let mut film = PassFilm::new(&pilot);
+        // Nobody cancels the pilot, so it always reports; its numbers are those of a seed no pass uses.
+        let options = Options { seed: !options.seed, ..*options };
+        integrator(camera, &options).run_pass(0, &Cancel::new(), &mut film);
+        let mean = mean(&mut film);
+        let exponent = if mean > 0.0 { mean.log2().floor() as i32 } else { 0 };
+        let extent = f64::from(scene.radius()) / scene.rebase().scale;
+        let length = if extent > 0.0 { extent.log2().floor() as i32 } else { 0 };
+        let unit = |exponent: i32| f64::from(exponent - BITS_BELOW_MEAN).exp2();
+        Prelude { units: Units { radiance: unit(exponent), length: unit(length) } }
+    }
+}
+
+/// Mean over all pixels and lanes, summed in pixel order.
+fn mean(film: &mut PassFilm) -> f64 {
+    let values = film.values();
+    values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len().max(1) as f64
+}

@@ -1,0 +1,147 @@
+//! Typed elements from buffers, checked: component types are looked up and not assumed, ranges are compared with the bytes
+//! that are there before anything is allocated, alignment does not matter [glTF20 §3.6.2].
+
+use super::document::Document;
+use crate::error::{Error, Result};
+use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse::Sparse};
+use ::gltf::json::validation::Checked;
+
+impl Document {
+    /// The elements of accessor `index`, each of `N` components, as floats: normalised integers between 0 or −1 and 1,
+    /// others as they are.
+    ///
+    /// # Errors
+    /// A scene error that names the accessor if it is of another shape, or its bytes are not there.
+    pub(super) fn floats<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>> {
+        let read = |accessor: &Accessor| {
+            let (kind, shape) = kind_and_shape(accessor)?;
+            if (shape.multiplicity(), is_matrix(shape)) != (N, false) {
+                return Err(Error::scene(format!("it has elements of kind {shape:?} where {N} components are needed")));
+            }
+            let component = float_decoder(kind, accessor.normalized)
+                .ok_or_else(|| Error::scene(format!("component type {kind:?} is not for vertices")))?;
+            let size = kind.size();
+            self.read(accessor, size * N, [0.0; N], |e| std::array::from_fn(|c| component(&e[c * size..][..size])))
+        };
+        self.accessor(index).and_then(read).map_err(|e| e.context(format!("accessor {index}")))
+    }
+
+    /// The elements of accessor `index` as vertex indices.
+    ///
+    /// # Errors
+    /// A scene error that names the accessor if it does not have unsigned scalars, or its bytes are not there.
+    pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>> {
+        let read = |accessor: &Accessor| {
+            let (kind, shape) = kind_and_shape(accessor)?;
+            match (index_decoder(kind), shape) {
+                (Some(decode), Type::Scalar) => self.read(accessor, kind.size(), 0, decode),
+                _ => Err(Error::scene(format!("{kind:?} {shape:?} elements are not for indices"))),
+            }
+        };
+        self.accessor(index).and_then(read).map_err(|e| e.context(format!("accessor {index}")))
+    }
+
+    /// Component type and shape of accessor `index`.
+    ///
+    /// # Errors
+    /// A scene error if there is no such accessor.
+    pub(super) fn accessor(&self, index: usize) -> Result<&Accessor> {
+        self.root.accessors.get(index).ok_or_else(|| Error::scene("it does not exist"))
+    }
+
+    fn read<T: Copy>(&self, accessor: &Accessor, size: usize, zero: T, decode: impl Fn(&[u8]) -> T) -> Result<Vec<T>> {
+        let mut elements = match accessor.buffer_view {
+            Some(view) => {
+                let offset = accessor.byte_offset.unwrap_or_default().0;
+                let stride = self.root.buffer_views[view.value()].byte_stride.map_or(size, |s| s.0);
+                elements(self.view(view.value())?, offset, stride, size, accessor.count.0)?.map(&decode).collect()
+            }
+            None => vec![zero; self.count_without_bytes(accessor.count.0)?],
+        };
+        if let Some(sparse) = &accessor.sparse {
+            self.displace(sparse, &mut elements, size, decode).map_err(|e| e.context("its sparse part"))?;
+        }
+        Ok(elements)
+    }
+
+    /// Overwrites the elements that a sparse accessor gives anew.
+    fn displace<T>(&self, sparse: &Sparse, into: &mut [T], size: usize, decode: impl Fn(&[u8]) -> T) -> Result<()> {
+        let invalid = || Error::scene("its indices have a component type that is not for indices");
+        let Checked::Valid(kind) = sparse.indices.component_type else { return Err(invalid()) };
+        let index = index_decoder(kind.0).ok_or_else(invalid)?;
+        let tight = |view, offset, size| elements(self.view(view)?, offset, size, size, sparse.count.0);
+        let places = tight(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, kind.0.size())?;
+        let values = tight(sparse.values.buffer_view.value(), sparse.values.byte_offset.0, size)?;
+        let count = into.len();
+        for (place, value) in places.map(index).zip(values) {
+            let element = into.get_mut(place as usize);
+            *element.ok_or_else(|| Error::scene(format!("index {place} is out of range ({count} elements)")))? = decode(value);
+        }
+        Ok(())
+    }
+
+    /// Zeros take no bytes in the file: as many as it has bytes in all are believed, so that memory stays in proportion.
+    fn count_without_bytes(&self, count: u64) -> Result<usize> {
+        usize::try_from(count)
+            .ok()
+            .filter(|&count| count <= self.size)
+            .ok_or_else(|| Error::scene(format!("{count} elements without data are more than the file has bytes")))
+    }
+}
+
+/// `count` slices of `size` bytes, `stride` apart.
+fn elements(bytes: &[u8], offset: u64, stride: usize, size: usize, count: u64) -> Result<impl Iterator<Item = &[u8]>> {
+    if stride < size {
+        return Err(Error::scene(format!("a stride of {stride} bytes is less than an element ({size} bytes)")));
+    }
+    let length = count.checked_sub(1).map_or(Some(0), |gaps| gaps.checked_mul(stride as u64)?.checked_add(size as u64));
+    let end = length.and_then(|length| length.checked_add(offset)).unwrap_or(u64::MAX);
+    if end > bytes.len() as u64 {
+        let have = bytes.len();
+        return Err(Error::scene(format!("{count} elements end at byte {end} of a buffer view of {have} bytes")));
+    }
+    // Both fit, as they are not above a slice's length.
+    let (offset, count) = (offset as usize, count as usize);
+    Ok((0..count).map(move |i| &bytes[offset + i * stride..][..size]))
+}
+
+fn kind_and_shape(accessor: &Accessor) -> Result<(ComponentType, Type)> {
+    match (accessor.component_type, accessor.type_) {
+        (Checked::Valid(kind), Checked::Valid(shape)) => Ok((kind.0, shape)),
+        _ => Err(Error::scene("its type is not valid")),
+    }
+}
+
+fn is_matrix(shape: Type) -> bool {
+    matches!(shape, Type::Mat2 | Type::Mat3 | Type::Mat4)
+}
+
+/// The exact bytes that a component of that type takes; shorter slices cannot come from [`elements`].
+fn exactly<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    std::array::from_fn(|i| bytes[i])
+}
+
+fn index_decoder(kind: ComponentType) -> Option<fn(&[u8]) -> u32> {
+    match kind {
+        ComponentType::U8 => Some(|b| u32::from(b[0])),
+        ComponentType::U16 => Some(|b| u32::from(u16::from_le_bytes(exactly(b)))),
+        ComponentType::U32 => Some(|b| u32::from_le_bytes(exactly(b))),
+        ComponentType::I8 | ComponentType::I16 | ComponentType::F32 => None,
+    }
+}
+
+/// The conversions of [glTF20 §3.11]: signed ones have two representations of −1.
+fn float_decoder(kind: ComponentType, normalized: bool) -> Option<fn(&[u8]) -> f32> {
+    match (kind, normalized) {
+        (ComponentType::F32, _) => Some(|b| f32::from_le_bytes(exactly(b))),
+        (ComponentType::I8, false) => Some(|b| f32::from(i8::from_le_bytes(exactly(b)))),
+        (ComponentType::U8, false) => Some(|b| f32::from(b[0])),
+        (ComponentType::I16, false) => Some(|b| f32::from(i16::from_le_bytes(exactly(b)))),
+        (ComponentType::U16, false) => Some(|b| f32::from(u16::from_le_bytes(exactly(b)))),
+        (ComponentType::I8, true) => Some(|b| (f32::from(i8::from_le_bytes(exactly(b))) / 127.0).max(-1.0)),
+        (ComponentType::U8, true) => Some(|b| f32::from(b[0]) / 255.0),
+        (ComponentType::I16, true) => Some(|b| (f32::from(i16::from_le_bytes(exactly(b))) / 32767.0).max(-1.0)),
+        (ComponentType::U16, true) => Some(|b| f32::from(u16::from_le_bytes(exactly(b))) / 65535.0),
+        (ComponentType::U32, _) => None,
+    }
+}

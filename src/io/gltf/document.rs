@@ -1,0 +1,217 @@
+//! The parsed, validated JSON of a file, with its buffers.
+
+use super::{glb, resource};
+use crate::error::{Error, Result};
+use ::gltf::json::validation::{Error as Defect, Validate};
+use ::gltf::json::{self, Root};
+use json::mesh::Semantic;
+use json::validation::Checked;
+use serde::Deserialize;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// The extensions that are read. KHR_mesh_quantization is what checked component types give by themselves.
+pub(super) const READ_EXTENSIONS: [&str; 9] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// A glTF file. Every index from one part of `root` to another is in range, and no checked value is invalid.
+pub(super) struct Document {
+    pub(super) root: Root,
+    /// The same JSON, with numbers in f64 where `root` has f32.
+    pub(super) raw: Value,
+    /// The bytes of each buffer; `None` where neither a URI nor the binary chunk gives any.
+    pub(super) buffers: Vec<Option<Vec<u8>>>,
+    /// Bytes of the file and its buffers.
+    pub(super) size: usize,
+    /// The directory that relative URIs start from.
+    pub(super) base: PathBuf,
+    /// Whether the file has animations.
+    pub(super) animated: bool,
+}
+
+impl Document {
+    /// Parses the contents of a `.gltf` or `.glb` file and reads its buffers.
+    ///
+    /// # Errors
+    /// A scene error if anything is malformed, unsupported or missing.
+    pub(super) fn parse(file: &[u8], base: &Path) -> Result<Self> {
+        let (text, binary) = if file.starts_with(glb::MAGIC) { glb::split(file)? } else { (file, None) };
+        let mut raw: Value = serde_json::from_slice(text).map_err(|e| Error::scene("the JSON is not valid").because(e))?;
+        check_version(&raw["asset"])?;
+        check_required(&raw["extensionsRequired"])?;
+        let animated = forget_animations(&mut raw);
+        allow_empty_scenes(&mut raw);
+        write_integers_as_such(&mut raw);
+        let mut root = Root::deserialize(&raw).map_err(|e| Error::scene("the glTF is not valid").because(located(e, text)))?;
+        forget_skins(&mut root);
+        validate(&root)?;
+        let buffers = read_buffers(&root, base, binary)?;
+        let size = file.len() + buffers.iter().flatten().map(Vec::len).sum::<usize>();
+        Ok(Document { root, raw, buffers, size, base: base.to_path_buf(), animated })
+    }
+
+    /// The bytes of a buffer view.
+    ///
+    /// # Errors
+    /// A scene error if it reaches beyond its buffer, or the buffer has no data.
+    pub(super) fn view(&self, index: usize) -> Result<&[u8]> {
+        let view = self.root.buffer_views.get(index).ok_or_else(|| Error::scene(format!("there is no buffer view {index}")))?;
+        let buffer = view.buffer.value();
+        let Some(bytes) = self.buffers.get(buffer).and_then(Option::as_ref) else {
+            return Err(Error::scene(format!("buffer view {index}: buffer {buffer} has no data")));
+        };
+        let offset = view.byte_offset.unwrap_or_default().0;
+        let range = usize::try_from(offset).ok().zip(usize::try_from(offset.saturating_add(view.byte_length.0)).ok());
+        range.and_then(|(begin, end)| bytes.get(begin..end)).ok_or_else(|| {
+            let (length, have) = (view.byte_length.0, bytes.len());
+            Error::scene(format!(
+                "buffer view {index}: {length} bytes at {offset} do not fit into buffer {buffer} ({have} bytes)"
+            ))
+        })
+    }
+}
+
+/// The name, or one made up from what the thing is and its index.
+pub(super) fn name_or(name: &Option<String>, what: &str, index: usize) -> String {
+    name.clone().filter(|n| !n.is_empty()).unwrap_or_else(|| format!("{what} {index}"))
+}
+
+/// `N` numbers in f64 from a JSON array.
+pub(super) fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(Value::as_f64).collect();
+    numbers?.try_into().ok()
+}
+
+fn check_version(asset: &Value) -> Result<()> {
+    let version = asset["version"].as_str().unwrap_or("missing");
+    let minimum = asset["minVersion"].as_str().unwrap_or("2.0");
+    if version.starts_with("2.") && minimum == "2.0" {
+        return Ok(());
+    }
+    Err(Error::scene(format!("glTF version is {version} (at least {minimum} required to read it) where 2.0 is supported")))
+}
+
+fn check_required(extensions: &Value) -> Result<()> {
+    let names = extensions.as_array().into_iter().flatten().filter_map(Value::as_str);
+    let unknown: Vec<&str> = names.filter(|name| !READ_EXTENSIONS.contains(name)).collect();
+    if unknown.is_empty() {
+        return Ok(());
+    }
+    Err(Error::scene(format!("the file requires what is not supported: {}", unknown.join(", "))))
+}
+
+/// A scene need not have nodes, but the crate wants the list.
+fn allow_empty_scenes(raw: &mut Value) {
+    for scene in raw.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+        }
+    }
+}
+
+/// Drops animations, so that defects in what is not shown do not keep the file from being shown. Whether there were any.
+fn forget_animations(raw: &mut Value) -> bool {
+    let animations = raw.as_object_mut().and_then(|root| root.remove("animations"));
+    animations.is_some_and(|a| a.as_array().is_some_and(|a| !a.is_empty()))
+}
+
+/// Drops skins for the same reason.
+fn forget_skins(root: &mut Root) {
+    root.skins.clear();
+    root.nodes.iter_mut().for_each(|node| node.skin = None);
+}
+
+/// To JSON 1 and 1.0 are one number, but the crate wants indices without the point. Recursion is bounded by the parser.
+fn write_integers_as_such(value: &mut Value) {
+    match value {
+        Value::Array(elements) => elements.iter_mut().for_each(write_integers_as_such),
+        Value::Object(members) => members.values_mut().for_each(write_integers_as_such),
+        Value::Number(number) => {
+            let exact = number.as_f64().filter(|x| x.is_sign_positive() && x.fract() == 0.0 && *x <= LARGEST_INTEGER);
+            if let Some(integer) = exact.filter(|_| number.is_f64()) {
+                *value = Value::from(integer as u64);
+            }
+        }
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+/// The end of the range in which f64 has every integer.
+const LARGEST_INTEGER: f64 = (1u64 << f64::MANTISSA_DIGITS) as f64;
+
+/// The same defect with its line and column, if the text as it stands has it too.
+fn located(defect: serde_json::Error, text: &[u8]) -> serde_json::Error {
+    let same = |again: &serde_json::Error| again.to_string().starts_with(&defect.to_string());
+    Root::from_slice(text).err().filter(same).unwrap_or(defect)
+}
+
+fn validate(root: &Root) -> Result<()> {
+    // The crate's validation indexes with these before it has checked them.
+    let positions = Checked::Valid(Semantic::Positions);
+    let used = root.meshes.iter().flat_map(|m| &m.primitives).filter_map(|p| p.attributes.get(&positions));
+    if let Some(missing) = used.map(|a| a.value()).find(|&a| a >= root.accessors.len()) {
+        return Err(Error::scene(format!("a mesh's positions refer to accessor {missing}, which does not exist")));
+    }
+    let mut first = None;
+    let mut more = 0;
+    root.validate(root, json::Path::new, &mut |path, defect| {
+        let path = path();
+        match (&first, tolerated(path.as_str(), defect)) {
+            (_, true) => {}
+            (None, false) => first = Some((path, defect)),
+            (Some(_), false) => more += 1,
+        }
+    });
+    let Some((path, defect)) = first else { return Ok(()) };
+    let others = if more > 0 { format!(" (and {more} more defects)") } else { String::new() };
+    Err(Error::scene(format!("{} {}{others}", path.as_str(), sentence_end(defect))))
+}
+
+/// What we can do without, or check better ourselves.
+fn tolerated(path: &str, defect: Defect) -> bool {
+    let positions = path.contains(".attributes[\"POSITION\"]");
+    match defect {
+        Defect::Unsupported => path.starts_with("extensionsRequired"),
+        // An accessor without data is all zeros; a texture may have its image in an extension that is not read.
+        Defect::Missing => positions || path.ends_with("].bufferView") || path.ends_with("].source"),
+        Defect::Invalid => positions && (path.ends_with(".min") || path.ends_with(".max")),
+        Defect::IndexOutOfBounds | Defect::Oversize => false,
+    }
+}
+
+fn sentence_end(defect: Defect) -> &'static str {
+    match defect {
+        Defect::IndexOutOfBounds => "refers to something that does not exist",
+        Defect::Invalid => "has an invalid value",
+        Defect::Missing => "is missing",
+        Defect::Oversize => "is too large for this machine",
+        Defect::Unsupported => "is not supported",
+    }
+}
+
+fn read_buffers(root: &Root, base: &Path, binary: Option<&[u8]>) -> Result<Vec<Option<Vec<u8>>>> {
+    let read = |(index, buffer): (usize, &json::Buffer)| {
+        let claimed = buffer.byte_length.0;
+        let mut bytes = match (&buffer.uri, binary) {
+            (Some(uri), _) => resource::read_uri(base, uri, claimed)?,
+            (None, Some(binary)) if index == 0 => binary.to_vec(),
+            (None, _) => return Ok(None),
+        };
+        if (bytes.len() as u64) < claimed {
+            return Err(Error::scene(format!("it claims {claimed} bytes and has {}", bytes.len())));
+        }
+        bytes.truncate(usize::try_from(claimed).unwrap_or(usize::MAX));
+        Ok(Some(bytes))
+    };
+    let named = |item: (usize, _)| read(item).map_err(|e| e.context(format!("buffer {}", item.0)));
+    root.buffers.iter().enumerate().map(named).collect()
+}

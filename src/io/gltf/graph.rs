@@ -1,0 +1,103 @@
+//! The node hierarchy, flattened to nodes with world transforms in f64. Iterative: a chain of nodes may be of any length.
+
+use super::document::{Document, name_or, numbers};
+use super::notes::Notes;
+use crate::error::{Error, Result};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
+use serde_json::Value;
+
+/// A node that is in the scene.
+pub(super) struct Placement {
+    /// Its index in the file.
+    pub(super) node: usize,
+    /// Local to world.
+    pub(super) transform: DAffine3,
+}
+
+/// The nodes of the scene, parents before children, in file order. Parts whose transform is singular are left out, and
+/// a note says so.
+///
+/// # Errors
+/// A scene error that names the node if one has two parents or is its own ancestor, or a transform is not valid.
+pub(super) fn placements(document: &Document, notes: &mut Notes) -> Result<Vec<Placement>> {
+    let name = |node: usize| name_or(&document.root.nodes[node].name, "node", node);
+    let mut seen = vec![false; document.root.nodes.len()];
+    let mut stack: Vec<(usize, DAffine3)> = roots(document)?.into_iter().rev().map(|n| (n, DAffine3::IDENTITY)).collect();
+    let mut placements = Vec::new();
+    while let Some((node, parent)) = stack.pop() {
+        if std::mem::replace(&mut seen[node], true) {
+            return Err(Error::scene(format!("node '{}' is its own ancestor, or a root below another root", name(node))));
+        }
+        let local = local_transform(&document.raw["nodes"][node]);
+        let transform = parent * local.map_err(|e| e.context(format!("node '{}'", name(node))))?;
+        if !transform.is_finite() {
+            return Err(Error::scene(format!("node '{}' has a transform that is not finite", name(node))));
+        }
+        if is_singular(&transform.matrix3) {
+            notes.add(format!("node '{}' is scaled to zero and is left out, with all below it", name(node)));
+            continue;
+        }
+        let children = document.root.nodes[node].children.as_deref().unwrap_or_default();
+        stack.extend(children.iter().rev().map(|c| (c.value(), transform)));
+        placements.push(Placement { node, transform });
+    }
+    Ok(placements)
+}
+
+/// The root nodes of the default scene, else of the first one, else those that are nobody's children.
+fn roots(document: &Document) -> Result<Vec<usize>> {
+    let parents = parents(document)?;
+    let root = &document.root;
+    if let Some(scene) = root.scenes.get(root.scene.map_or(0, |s| s.value())) {
+        return Ok(scene.nodes.iter().map(|n| n.value()).collect());
+    }
+    let roots: Vec<usize> = (0..parents.len()).filter(|&n| parents[n].is_none()).collect();
+    if roots.is_empty() && !parents.is_empty() {
+        return Err(Error::scene("there is no root node: every node is below another one"));
+    }
+    Ok(roots)
+}
+
+fn parents(document: &Document) -> Result<Vec<Option<usize>>> {
+    let nodes = &document.root.nodes;
+    let name = |node: usize| name_or(&nodes[node].name, "node", node);
+    let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
+    for (parent, node) in nodes.iter().enumerate() {
+        for child in node.children.iter().flatten().map(|c| c.value()) {
+            if let Some(other) = parents[child].replace(parent) {
+                let (first, second) = (name(other), name(parent));
+                return Err(Error::scene(format!("node '{}' has two parents, '{first}' and '{second}'", name(child))));
+            }
+        }
+    }
+    Ok(parents)
+}
+
+fn local_transform(node: &Value) -> Result<DAffine3> {
+    if let Some(matrix) = numbers::<16>(&node["matrix"]) {
+        return affine(&DMat4::from_cols_array(&matrix));
+    }
+    let translation = numbers(&node["translation"]).map_or(DVec3::ZERO, DVec3::from);
+    let scale = numbers(&node["scale"]).map_or(DVec3::ONE, DVec3::from);
+    let rotation = numbers(&node["rotation"]).map_or(Some(DQuat::IDENTITY), unit_quaternion);
+    let rotation = rotation.ok_or_else(|| Error::scene("the rotation is not a unit quaternion"))?;
+    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+/// Files round quaternions to f32, which would scale the node by as much.
+fn unit_quaternion(xyzw: [f64; 4]) -> Option<DQuat> {
+    DVec4::from(xyzw).try_normalize().map(DQuat::from_vec4)
+}
+
+fn affine(matrix: &DMat4) -> Result<DAffine3> {
+    // Exporters compute in f32: that much may be left over in the last row.
+    if !(matrix.row(3) - DVec4::W).abs().cmple(DVec4::splat(f64::from(f32::EPSILON))).all() {
+        return Err(Error::scene("the matrix is not affine: its last row is not 0 0 0 1"));
+    }
+    Ok(DAffine3::from_mat4(*matrix))
+}
+
+/// Whether no inverse can be computed.
+fn is_singular(matrix: &DMat3) -> bool {
+    !matrix.determinant().recip().is_finite()
+}

@@ -1,0 +1,174 @@
+//! Metallic-roughness materials with the extensions that étendue models.
+
+use super::document::{Document, name_or};
+use super::notes::Notes;
+use super::texture::{self, Role, Slot};
+use super::{extras, image};
+use crate::error::{Error, Result};
+use crate::scene::description::{AlphaMode, Material, Volume};
+use crate::spectrum::Spectrum;
+use crate::texture::{Image, Texture};
+use ::gltf::json;
+use json::material::AlphaMode as JsonAlphaMode;
+use json::validation::Checked;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Decoded images by their index in the file.
+type Images = BTreeMap<usize, Arc<Image>>;
+
+/// The materials with these indices, in this order (`None` is the default material), and the images that they use.
+///
+/// # Errors
+/// A scene error that names the material or image at fault.
+pub(super) fn load(
+    document: &Document,
+    indices: &[Option<usize>],
+    notes: &mut Notes,
+) -> Result<(Vec<Material>, Vec<Arc<Image>>)> {
+    let name = |index: usize| name_or(&document.root.materials[index].name, "material", index);
+    let mut slots_of = |index: &Option<usize>| match *index {
+        Some(i) => texture::slots(document, &document.root.materials[i], &name(i), notes),
+        None => Vec::new(),
+    };
+    let slots: Vec<Vec<Slot>> = indices.iter().map(&mut slots_of).collect();
+    let images = images(document, slots.iter().flatten())?;
+    let material = |(index, slots): (&Option<usize>, &Vec<Slot>)| match *index {
+        Some(i) => Source { document, json: &document.root.materials[i], name: name(i), slots, images: &images }.material(notes),
+        None => Ok(Material::default()),
+    };
+    let materials = indices.iter().zip(&slots).map(material).collect::<Result<_>>()?;
+    Ok((materials, images.into_values().collect()))
+}
+
+fn images<'a>(document: &Document, slots: impl Iterator<Item = &'a Slot>) -> Result<Images> {
+    let mut used: Vec<usize> = slots.map(|s| s.image).collect();
+    used.sort_unstable();
+    used.dedup();
+    let decoded = image::decode(document, &used)?;
+    Ok(used.into_iter().zip(decoded.into_iter().map(Arc::new)).collect())
+}
+
+/// A material of the file with what is needed to read it.
+struct Source<'a> {
+    document: &'a Document,
+    json: &'a json::Material,
+    name: String,
+    slots: &'a [Slot],
+    images: &'a Images,
+}
+
+impl Source<'_> {
+    fn material(&self, notes: &mut Notes) -> Result<Material> {
+        let pbr = &self.json.pbr_metallic_roughness;
+        let [r, g, b, a] = pbr.base_color_factor.0;
+        let normal_texture = self.texture(Role::Normal).zip(self.normal_scale()?);
+        let base = Material {
+            base_color: self.unit_color([r, g, b], "base colour", notes),
+            alpha: self.unit(a, "alpha", notes),
+            base_color_texture: self.texture(Role::BaseColor),
+            metallic: self.unit(pbr.metallic_factor.0, "metalness", notes),
+            roughness: self.unit(pbr.roughness_factor.0, "roughness", notes),
+            metallic_roughness_texture: self.texture(Role::MetallicRoughness),
+            normal_texture,
+            emission: self.emission()?,
+            emission_texture: self.texture(Role::Emission),
+            alpha_mode: self.alpha_mode(),
+            double_sided: self.json.double_sided,
+            metal_fresnel: extras::metal_fresnel(&self.json.extras).map_err(|e| self.named(e))?,
+            name: self.name.clone(),
+            ..Material::default()
+        };
+        self.extended(base, notes)
+    }
+
+    /// `base` with what the material's extensions say.
+    fn extended(&self, mut base: Material, notes: &mut Notes) -> Result<Material> {
+        let Some(extensions) = &self.json.extensions else { return Ok(base) };
+        base.unlit = extensions.unlit.is_some();
+        if let Some(specular) = &extensions.specular {
+            base.specular = self.unit(specular.specular_factor.0, "specular strength", notes);
+            base.specular_color = self.non_negative(specular.specular_color_factor.0, "specular colour")?;
+            base.specular_texture = self.texture(Role::Specular);
+            base.specular_color_texture = self.texture(Role::SpecularColor);
+        }
+        if let Some(ior) = &extensions.ior {
+            base.ior = self.ior(ior.ior.0)?;
+        }
+        if let Some(transmission) = &extensions.transmission {
+            base.transmission = self.unit(transmission.transmission_factor.0, "transmission", notes);
+            base.transmission_texture = self.texture(Role::Transmission);
+        }
+        if let Some(volume) = &extensions.volume {
+            base.volume = self.volume(volume, notes)?;
+        }
+        Ok(base)
+    }
+
+    fn texture(&self, role: Role) -> Option<Texture> {
+        let slot = self.slots.iter().find(|s| s.role == role)?;
+        Some(slot.texture(self.document, Arc::clone(self.images.get(&slot.image)?)))
+    }
+
+    fn normal_scale(&self) -> Result<Option<f32>> {
+        let scale = self.json.normal_texture.as_ref().map(|t| t.scale);
+        if scale.is_some_and(|s| !s.is_finite()) {
+            return Err(self.invalid("normal scale"));
+        }
+        Ok(scale)
+    }
+
+    fn emission(&self) -> Result<Spectrum> {
+        let strength = self.json.extensions.as_ref().and_then(|e| e.emissive_strength.as_ref());
+        let strength = strength.map_or(1.0, |s| s.emissive_strength.0);
+        self.non_negative(self.json.emissive_factor.0.map(|c| c * strength), "emission")
+    }
+
+    fn alpha_mode(&self) -> AlphaMode {
+        match self.json.alpha_mode {
+            Checked::Valid(JsonAlphaMode::Mask) => AlphaMode::Mask { cutoff: self.json.alpha_cutoff.unwrap_or_default().0 },
+            Checked::Valid(JsonAlphaMode::Blend) => AlphaMode::Blend,
+            Checked::Valid(JsonAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
+        }
+    }
+
+    fn ior(&self, ior: f32) -> Result<f32> {
+        // 0 is KHR_materials_ior's way to ask for total reflection.
+        if ior == 0.0 || (ior >= 1.0 && ior.is_finite()) { Ok(ior) } else { Err(self.invalid("refractive index")) }
+    }
+
+    fn volume(&self, volume: &json::extensions::material::Volume, notes: &mut Notes) -> Result<Option<Volume>> {
+        let distance = f64::from(volume.attenuation_distance.0);
+        if distance <= 0.0 {
+            return Err(self.invalid("attenuation distance"));
+        }
+        let attenuation_color = self.unit_color(volume.attenuation_color.0, "attenuation colour", notes);
+        let solid = volume.thickness_factor.0 > 0.0;
+        Ok(solid.then_some(Volume { attenuation_distance: distance, attenuation_color }))
+    }
+
+    /// Files often miss the range by a rounding error, which must not turn into a gain of energy.
+    fn unit(&self, x: f32, what: &str, notes: &mut Notes) -> f32 {
+        if !(0.0..=1.0).contains(&x) {
+            notes.add(format!("material '{}' has a {what} outside 0 to 1, which is clamped", self.name));
+        }
+        x.clamp(0.0, 1.0)
+    }
+
+    fn unit_color(&self, rgb: [f32; 3], what: &str, notes: &mut Notes) -> Spectrum {
+        Spectrum::from_rgb(rgb.map(|c| self.unit(c, what, notes)))
+    }
+
+    fn non_negative(&self, rgb: [f32; 3], what: &str) -> Result<Spectrum> {
+        let valid = rgb.iter().all(|c| c.is_finite() && *c >= 0.0);
+        if valid { Ok(Spectrum::from_rgb(rgb)) } else { Err(self.invalid(what)) }
+    }
+
+    fn invalid(&self, what: &str) -> Error {
+        self.named(Error::scene(format!("the {what} is out of range")))
+    }
+
+    fn named(&self, error: Error) -> Error {
+        error.context(format!("material '{}'", self.name))
+    }
+}

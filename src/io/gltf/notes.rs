@@ -1,0 +1,34 @@
+//! What a file has and étendue does not: one sentence each, in order, without repeats.
+
+use super::document::{Document, READ_EXTENSIONS};
+use std::collections::HashSet;
+
+#[derive(Default)]
+pub(super) struct Notes {
+    sentences: Vec<String>,
+    known: HashSet<String>,
+}
+
+impl Notes {
+    /// Adds a sentence unless it was already said.
+    pub(super) fn add(&mut self, sentence: impl Into<String>) {
+        let sentence = sentence.into();
+        if self.known.insert(sentence.clone()) {
+            self.sentences.push(sentence);
+        }
+    }
+
+    /// Notes what is ignored whichever part of the file is used.
+    pub(super) fn about_file(&mut self, document: &Document) {
+        for extension in document.root.extensions_used.iter().filter(|e| !READ_EXTENSIONS.contains(&e.as_str())) {
+            self.add(format!("the extension {extension} is not read"));
+        }
+        if document.animated {
+            self.add("animations are not played: the scene is shown as it stands");
+        }
+    }
+
+    pub(super) fn into_sentences(self) -> Vec<String> {
+        self.sentences
+    }
+}

@@ -1,0 +1,91 @@
+//! Emitting triangles: constant radiance, or a texture, over each.
+
+use super::{End, LightSample};
+use crate::geometry::Triangle;
+use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
+use crate::spectrum::Spectrum;
+use crate::texture::Texture;
+use glam::{Vec2, Vec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Radiance over a triangle.
+#[derive(Debug, Clone)]
+pub struct Emission {
+    /// Radiance, or the factor of the texture.
+    pub radiance: Spectrum,
+    /// A texture and its coordinates at the corners.
+    pub texture: Option<Box<(Arc<Texture>, [Vec2; 3])>>,
+    /// Whether the back emits as the front does.
+    pub two_sided: bool,
+}
+
+impl Emission {
+    /// Radiance at a point.
+    #[inline]
+    fn at(&self, barycentric: [f32; 2]) -> Spectrum {
+        let Some(textured) = &self.texture else { return self.radiance };
+        let (texture, [a, b, c]) = &**textured;
+        let [u, v] = barycentric;
+        let [red, green, blue, _] = texture.at(*a * (1.0 - u - v) + *b * u + *c * v);
+        self.radiance * Spectrum::from_rgb([red, green, blue])
+    }
+}
+
+/// A triangle that emits, uniformly sampled over its area. It emits from the front (counter-clockwise winding), and from the
+/// back if its material is double-sided.
+#[derive(Debug)]
+pub struct AreaLight {
+    triangle: Triangle,
+    ng: Vec3,
+    density: Pdf<Area>,
+    emission: Emission,
+    mean_radiance: Spectrum,
+}
+
+impl AreaLight {
+    /// The light on `triangle`, whose front is the side of its winding times `winding` (±1). `mean_texture` is the texture's
+    /// mean colour, white without one.
+    pub fn new(triangle: Triangle, winding: f64, emission: Emission, mean_texture: Spectrum) -> Self {
+        let normal = triangle.scaled_normal() * winding;
+        let area = triangle.area() as f32;
+        let density = if area.recip().is_finite() { Pdf::new(area.recip()) } else { Pdf::new(0.0) };
+        let mean_radiance = emission.radiance * mean_texture;
+        AreaLight { triangle, ng: normal.normalize_or_zero().as_vec3(), density, emission, mean_radiance }
+    }
+
+    /// Radiance that leaves the point with `barycentric` along the unit direction `wo`.
+    #[inline]
+    pub fn radiance(&self, barycentric: [f32; 2], wo: Vec3) -> Spectrum {
+        if self.emission.two_sided || wo.dot(self.ng) > 0.0 { self.emission.at(barycentric) } else { Spectrum::ZERO }
+    }
+
+    /// The density per solid angle, at a point in distance √`d2` along the unit direction `wi`, of what
+    /// [`AreaLight::sample_toward`] makes.
+    #[inline]
+    pub fn pdf_toward(&self, d2: f32, wi: Vec3) -> Pdf<SolidAngle> {
+        self.density.to_solid_angle(d2, wi.dot(self.ng).abs())
+    }
+
+    /// A point on the light, seen from `p`; `None` if it shows its dark side or has no area.
+    #[inline]
+    pub fn sample_toward(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+        let barycentric = warp::uniform_triangle(u);
+        let (q, error) = self.triangle.point(barycentric);
+        let to = q - p;
+        let d2 = to.length_squared();
+        let wi = to / d2.sqrt();
+        let radiance = self.radiance(barycentric, -wi);
+        let pdf = self.pdf_toward(d2, wi);
+        if radiance.is_black() || pdf.value() <= 0.0 || d2 == 0.0 {
+            return None;
+        }
+        Some(LightSample { wi, radiance, density: Density::Smooth(pdf), end: End::Surface { p: q, error, ng: self.ng } })
+    }
+
+    /// π times area times mean radiance, for each emitting side.
+    pub fn power(&self) -> f64 {
+        let sides = if self.emission.two_sided { 2.0 } else { 1.0 };
+        sides * PI * self.triangle.area() * f64::from(self.mean_radiance.mean())
+    }
+}

@@ -1,0 +1,162 @@
+//! A walk from the camera toward the lights: the state that every path-tracing method carries from vertex to vertex.
+//!
+//! Use it as `arrive`, look at the vertex, `depart`, `survives`, and again. Blended surfaces and absorbing media are content
+//! of the edge between two vertices and never vertices themselves.
+
+use crate::bsdf::ShadingSample;
+use crate::geometry::{MediumId, Ray, SurfacePoint};
+use crate::numeric::BELOW_ONE;
+use crate::sampling::{Density, Sampler, Slot};
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+use glam::Vec3;
+
+/// How many scattering and null events a path may have before it is taken for a defect of the scene and cut.
+const LONGEST: u32 = 1 << 14;
+
+/// Scattering events before Russian roulette begins.
+const ROULETTE_FROM: u32 = 2;
+
+/// Counts of what walks did.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Tally {
+    /// Rays from a scattering event.
+    pub bounces: u64,
+    /// Visibility tests.
+    pub shadows: u64,
+    /// Hits that disagree with their triangle.
+    pub bad_hits: u64,
+    /// Paths that reached the emergency limit.
+    pub overlong: u64,
+}
+
+/// Where the last edge of a walk began.
+#[derive(Debug, Clone, Copy)]
+pub enum Departure {
+    /// At the camera.
+    Camera,
+    /// At a surface point, in a direction of this density.
+    Surface(SurfacePoint, Density),
+}
+
+/// What a walk came to.
+#[derive(Debug, Clone, Copy)]
+pub enum Arrival {
+    /// A surface.
+    Surface(SurfacePoint),
+    /// Nothing: the environment.
+    Escaped,
+}
+
+/// The state of a walk.
+pub struct Walk<'a> {
+    scene: &'a Scene,
+    /// The current edge, in a unit direction.
+    pub ray: Ray,
+    /// Product of all scattering values and transmittances over their densities.
+    pub beta: Spectrum,
+    /// Where the current edge began.
+    pub departure: Departure,
+    /// Number of scattering events so far.
+    pub depth: u32,
+    /// Square of the refractive index at the camera over the one here: radiance is scaled by it and will be scaled back.
+    eta2: f32,
+}
+
+impl<'a> Walk<'a> {
+    /// A walk along the camera ray `ray`.
+    #[inline]
+    pub fn new(scene: &'a Scene, ray: Ray) -> Self {
+        Walk { scene, ray, beta: Spectrum::ONE, departure: Departure::Camera, depth: 0, eta2: 1.0 }
+    }
+
+    /// Follows the current edge to its end. A blended surface is met with probability alpha and passed otherwise.
+    #[inline]
+    pub fn arrive(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Arrival {
+        let Some(point) = self.scene.intersect(&self.ray) else { return self.escape() };
+        if self.scene.features().blends { self.pass_blends(point, sampler, tally) } else { self.reach(point, tally) }
+    }
+
+    fn pass_blends(&mut self, mut point: SurfacePoint, sampler: &mut impl Sampler, tally: &mut Tally) -> Arrival {
+        let mut u = sampler.u1(self.depth, Slot::Event);
+        for _ in 0..LONGEST {
+            let alpha = self.scene.coverage(&point);
+            if u < alpha {
+                return self.reach(point, tally);
+            }
+            // What is left of u is uniform again: one number serves all surfaces of the edge.
+            u = ((u - alpha) / (1.0 - alpha)).min(BELOW_ONE);
+            self.absorb(point.t);
+            self.ray = Ray { medium: self.ray.medium, time: self.ray.time, ..point.spawn(self.ray.direction) };
+            match self.scene.intersect(&self.ray) {
+                Some(next) => point = next,
+                None => return self.escape(),
+            }
+        }
+        tally.overlong += 1;
+        self.beta = Spectrum::ZERO;
+        Arrival::Escaped
+    }
+
+    #[inline]
+    fn reach(&mut self, point: SurfacePoint, tally: &mut Tally) -> Arrival {
+        tally.bad_hits += u64::from(!point.consistent);
+        self.absorb(point.t);
+        Arrival::Surface(point)
+    }
+
+    #[inline]
+    fn escape(&mut self) -> Arrival {
+        self.absorb(f32::INFINITY);
+        Arrival::Escaped
+    }
+
+    #[inline]
+    fn absorb(&mut self, length: f32) {
+        if self.ray.medium != MediumId::VACUUM {
+            self.beta *= self.scene.absorption(self.ray.medium, length);
+        }
+    }
+
+    /// The medium that a ray enters which leaves `point`, where the walk now is, along `w`.
+    #[inline]
+    pub fn medium_toward(&self, point: &SurfacePoint, w: Vec3) -> MediumId {
+        if !self.scene.features().media {
+            return MediumId::VACUUM;
+        }
+        let crosses = (w.dot(point.ng) > 0.0) == (self.ray.direction.dot(point.ng) > 0.0);
+        if crosses { self.scene.medium_beyond(point, w) } else { self.ray.medium }
+    }
+
+    /// Leaves `point` as `scatter` says.
+    #[inline]
+    pub fn depart(&mut self, point: &SurfacePoint, scatter: &ShadingSample, tally: &mut Tally) {
+        tally.bounces += 1;
+        self.beta *= scatter.weight;
+        self.eta2 *= scatter.eta * scatter.eta;
+        self.depth += 1;
+        let medium = self.medium_toward(point, scatter.direction);
+        self.departure = Departure::Surface(*point, scatter.density);
+        self.ray = Ray { medium, time: self.ray.time, ..point.spawn(scatter.direction) };
+    }
+
+    /// Russian roulette by throughput, the part that refraction scales back left out. Whoever survives is scaled up.
+    #[inline]
+    pub fn survives(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> bool {
+        if self.depth >= LONGEST {
+            tally.overlong += 1;
+            return false;
+        }
+        if self.depth < ROULETTE_FROM {
+            return !self.beta.is_black();
+        }
+        let q = (self.beta.max_lane() * self.eta2).min(1.0);
+        if q < 1.0 {
+            if sampler.u1(self.depth, Slot::Roulette) >= q {
+                return false;
+            }
+            self.beta *= q.recip();
+        }
+        true
+    }
+}

@@ -1,0 +1,58 @@
+//! Independent uniform numbers: the reference for every other sampler.
+
+use super::{Address, Sampler, Slot, unit_f32};
+
+/// Hashes each address; any two numbers are independent.
+#[derive(Debug, Clone, Copy)]
+pub struct Independent {
+    address: Address,
+}
+
+impl Independent {
+    /// The numbers of one sample, whose identity `address` is.
+    #[inline]
+    pub fn new(address: Address) -> Self {
+        Independent { address }
+    }
+}
+
+impl Sampler for Independent {
+    #[inline]
+    fn u1(&mut self, bounce: u32, slot: Slot) -> f32 {
+        unit_f32((self.address.slot_bits(bounce, slot) >> 32) as u32)
+    }
+
+    #[inline]
+    fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2] {
+        let bits = self.address.slot_bits(bounce, slot);
+        [unit_f32((bits >> 32) as u32), unit_f32(bits as u32)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+    /// χ² of pairs that differ in one part of the address only, each at level 1e-4: neighbours must not be correlated.
+    #[test]
+    fn numbers_of_neighbouring_addresses_are_uniform_together() {
+        let of = |pass: u64, pixel: u64, bounce: u32| {
+            Independent::new(Address::new(7).with(pass).with(pixel)).u1(bounce, Slot::Lobe)
+        };
+        let pairs: [fn(u64) -> [(u64, u64, u32); 2]; 3] =
+            [|i| [(2 * i, 5, 0), (2 * i + 1, 5, 0)], |i| [(5, 2 * i, 0), (5, 2 * i + 1, 0)], |i| [(5, i, 0), (5, i, 1)]];
+        for pair in pairs {
+            let mut cells = [0u32; 256];
+            let n = 1 << 18;
+            for i in 0..n {
+                let [a, b] = pair(i).map(|(pass, pixel, bounce)| (of(pass, pixel, bounce) * 16.0) as usize);
+                cells[a * 16 + b] += 1;
+            }
+            let expected = n as f64 / 256.0;
+            let chi2: f64 = cells.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
+            let p = ChiSquared::new(255.0).expect("positive").sf(chi2);
+            assert!(p > 1e-4, "chi2 {chi2}, p {p}");
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Owen-scrambled Sobol' points, padded: every slot of every bounce takes the first one or two dimensions of the sequence
+//! under its own scrambling [Burley20] and its own shuffling of the index. Good wherever few numbers matter jointly; at
+//! great depth the integrand is rough and independent numbers cost less.
+//!
+//! A replicate is one scrambling of the sequence; passes of a replicate take its points in order, so that after any power of
+//! two of passes each pair of dimensions is a scrambled (0, m, 2)-net.
+
+use super::hash::mix64;
+use super::{Address, Independent, Sampler, Slot, unit_f32};
+
+/// Bounces from here on take independent numbers.
+const PADDED_BOUNCES: u32 = 8;
+
+/// Point `index` of one pixel's sequence in one replicate.
+#[derive(Debug, Clone, Copy)]
+pub struct Sobol {
+    /// Identity of (seed, replicate, pixel).
+    sequence: Address,
+    index: u32,
+    deep: Independent,
+}
+
+impl Sobol {
+    /// The point `index` of the sequence that `sequence` identifies.
+    #[inline]
+    pub fn new(sequence: Address, index: u32) -> Self {
+        let deep = Independent::new(sequence.with(u64::from(index)));
+        Sobol { sequence, index, deep }
+    }
+
+    /// The index, shuffled within its block [2ᵏ, 2ᵏ⁺¹): the first 2ᵐ points stay the first 2ᵐ points, whatever the order.
+    ///
+    /// [Burley20] shuffles by a nested scrambling instead, which keeps neighbours together in every slot: then the halves of
+    /// the domain that two neighbours fall into are opposite in *every* slot at once, and products over slots have up to twice
+    /// the variance of independent numbers (measured on the Cornell box: relMSE x spp .59 against .29).
+    #[inline]
+    fn shuffled(&self, key: u64) -> u32 {
+        if self.index < 2 {
+            return self.index;
+        }
+        let bits = self.index.ilog2();
+        let block = 1 << bits;
+        block | permute(self.index ^ block, bits, key)
+    }
+}
+
+impl Sampler for Sobol {
+    #[inline]
+    fn u1(&mut self, bounce: u32, slot: Slot) -> f32 {
+        if bounce >= PADDED_BOUNCES {
+            return self.deep.u1(bounce, slot);
+        }
+        let keys = self.sequence.slot_bits(bounce, slot);
+        let index = self.shuffled(keys);
+        unit_f32(scramble_reversed(index, mix64(keys) as u32).reverse_bits())
+    }
+
+    #[inline]
+    fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2] {
+        if bounce >= PADDED_BOUNCES {
+            return self.deep.u2(bounce, slot);
+        }
+        let keys = self.sequence.slot_bits(bounce, slot);
+        let index = self.shuffled(keys);
+        let scrambling = mix64(keys);
+        let (kx, ky) = ((scrambling >> 32) as u32, scrambling as u32);
+        let x = scramble_reversed(index, kx).reverse_bits();
+        let y = scramble_reversed(second_dimension_reversed(index), ky).reverse_bits();
+        [unit_f32(x), unit_f32(y)]
+    }
+}
+
+/// A permutation of the numbers of `bits` > 0 bits: multiplication by odd numbers, addition and xor-shifts are bijections.
+#[inline]
+fn permute(mut i: u32, bits: u32, key: u64) -> u32 {
+    let mask = (1u32 << bits) - 1;
+    let shift = bits.div_ceil(2);
+    for round in 0..3 {
+        let k = (key >> (21 * round)) as u32;
+        i = i.wrapping_mul((k << 1) | 1).wrapping_add(k >> 8) & mask;
+        i ^= i >> shift;
+    }
+    i
+}
+
+/// A nested uniform (Owen) scrambling of the bit-reversed number `x`: each bit is flipped by a hash of the bits below it,
+/// which multiplication by even numbers and addition do [Burley20 §3]; constants as improved by N. Vegdahl.
+#[inline]
+fn scramble_reversed(mut x: u32, key: u32) -> u32 {
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(key);
+    x = x.wrapping_mul((key >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^ x.wrapping_mul(0x53a2_2864)
+}
+
+/// The second Sobol' coordinate of `index`, bit-reversed. Its generator matrix is Pascal's triangle modulo 2, a product of
+/// five sparse factors.
+#[inline]
+fn second_dimension_reversed(index: u32) -> u32 {
+    let mut x = index;
+    x ^= x >> 16;
+    x ^= (x & 0xff00_ff00) >> 8;
+    x ^= (x & 0xf0f0_f0f0) >> 4;
+    x ^= (x & 0xcccc_cccc) >> 2;
+    x ^ ((x & 0xaaaa_aaaa) >> 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The second dimension by its direction numbers: v₁ = 2³¹, vᵢ₊₁ = vᵢ ⊕ (vᵢ ≫ 1).
+    fn second_dimension(mut index: u32) -> u32 {
+        let (mut x, mut v) = (0, 1u32 << 31);
+        while index != 0 {
+            if index & 1 == 1 {
+                x ^= v;
+            }
+            v ^= v >> 1;
+            index >>= 1;
+        }
+        x
+    }
+
+    #[test]
+    fn the_fast_second_dimension_is_the_one_of_the_direction_numbers() {
+        for i in (0..4096).chain((0..4096).map(|i| Address::new(1).bits(i) as u32)) {
+            assert_eq!(second_dimension_reversed(i).reverse_bits(), second_dimension(i), "index {i}");
+        }
+    }
+
+    /// Every elementary interval of area 2⁻ᵐ holds exactly one of the first 2ᵐ points, and of every later block of 2ᵐ.
+    #[test]
+    fn every_power_of_two_block_is_a_net() {
+        let m = 8;
+        for (sequence, block) in [(3, 0), (4, 1), (5, 6)] {
+            let points: Vec<[f32; 2]> = (0..1u32 << m)
+                .map(|i| Sobol::new(Address::new(sequence), (block << m) + i).u2(2, Slot::Direction))
+                .collect();
+            for k in 0..=m {
+                let mut seen = vec![false; 1 << m];
+                for [x, y] in &points {
+                    let (cols, rows) = (1 << k, 1 << (m - k));
+                    let cell = (x * cols as f32) as usize * rows + (y * rows as f32) as usize;
+                    assert!(!std::mem::replace(&mut seen[cell], true), "two points in one interval (k = {k})");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slots_and_replicates_are_not_correlated() {
+        let n = 1 << 12;
+        let covariance = |f: &dyn Fn(u32) -> [f32; 2]| {
+            (0..n).map(|i| f(i).map(|u| f64::from(u) - 0.5)).map(|[a, b]| a * b).sum::<f64>() / f64::from(n) * 12.0
+        };
+        let at = |s: u64, i: u32, slot| Sobol::new(Address::new(s), i).u2(0, slot)[0];
+        // Under independence the correlation has a standard deviation of n^-1/2 = 0.0156; five of them at level 6e-7.
+        let bound = 5.0 / f64::from(n).sqrt();
+        assert!(covariance(&|i| [at(1, i, Slot::Direction), at(1, i, Slot::LightPoint)]).abs() < bound);
+        assert!(covariance(&|i| [at(1, i, Slot::Direction), at(2, i, Slot::Direction)]).abs() < bound);
+    }
+}

@@ -1,0 +1,142 @@
+//! Area-preserving maps from the unit square to disks, spheres and triangles, each with its density and its inverse.
+//! All are continuous and measure-preserving, so that stratified and Metropolis samples keep their structure: a disk is
+//! filled concentrically [Shirley97], a triangle by folding the square [Heitz19].
+
+use super::{Pdf, SolidAngle};
+use glam::{Vec2, Vec3};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
+
+/// The largest number below one that samplers return.
+pub use crate::numeric::BELOW_ONE;
+
+/// The point of the unit disk that the square's point `u` is mapped to, concentrically. Density per area: 1 / π.
+#[inline]
+pub fn concentric_disk(u: [f32; 2]) -> Vec2 {
+    let (radius, phi) = concentric_polar(u);
+    Vec2::from_angle(phi) * radius
+}
+
+/// The square's point that [`concentric_disk`] maps to `p`.
+#[inline]
+pub fn concentric_disk_inverse(p: Vec2) -> [f32; 2] {
+    let radius = p.length();
+    let (a, b) = if p.x.abs() > p.y.abs() {
+        let a = radius.copysign(p.x);
+        (a, (p.y / p.x).atan() / FRAC_PI_4 * a)
+    } else if radius > 0.0 {
+        let b = radius.copysign(p.y);
+        ((p.x / p.y).atan() / FRAC_PI_4 * b, b)
+    } else {
+        (0.0, 0.0)
+    };
+    [a, b].map(|x| into_unit(0.5 * (x + 1.0)))
+}
+
+/// A direction around +z with density proportional to its cosine.
+#[inline]
+pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
+    let (radius, phi) = concentric_polar(u);
+    let disk = Vec2::from_angle(phi) * radius;
+    disk.extend(((1.0 - radius) * (1.0 + radius)).max(0.0).sqrt())
+}
+
+/// Density of [`cosine_hemisphere`] at a direction of cosine `cos`.
+#[inline]
+pub fn cosine_hemisphere_pdf(cos: f32) -> Pdf<SolidAngle> {
+    Pdf::new(cos.max(0.0) * FRAC_1_PI)
+}
+
+/// The square's point that [`cosine_hemisphere`] maps to `w`.
+#[inline]
+pub fn cosine_hemisphere_inverse(w: Vec3) -> [f32; 2] {
+    concentric_disk_inverse(w.truncate())
+}
+
+/// A direction of the upper hemisphere, uniformly.
+#[inline]
+pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
+    let (radius, phi) = concentric_polar(u);
+    cap(radius * radius, phi)
+}
+
+/// Density of [`uniform_hemisphere`].
+#[inline]
+pub fn uniform_hemisphere_pdf() -> Pdf<SolidAngle> {
+    Pdf::new(1.0 / TAU)
+}
+
+/// The square's point that [`uniform_hemisphere`] maps to `w`.
+#[inline]
+pub fn uniform_hemisphere_inverse(w: Vec3) -> [f32; 2] {
+    concentric_disk_inverse(w.truncate() / (1.0 + w.z).sqrt())
+}
+
+/// A direction of the whole sphere, uniformly: the cosine to z from `u[0]`, the azimuth from `u[1]`.
+#[inline]
+pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
+    cap(2.0 * u[0], TAU * u[1])
+}
+
+/// Density of [`uniform_sphere`].
+#[inline]
+pub fn uniform_sphere_pdf() -> Pdf<SolidAngle> {
+    Pdf::new(0.5 / TAU)
+}
+
+/// The square's point that [`uniform_sphere`] maps to `w`.
+#[inline]
+pub fn uniform_sphere_inverse(w: Vec3) -> [f32; 2] {
+    let height = if w.z > 0.0 { w.truncate().length_squared() / (1.0 + w.z) } else { 1.0 - w.z };
+    [into_unit(0.5 * height), turn(w.y, w.x)]
+}
+
+/// Weights of a triangle's second and third vertex, uniform over its area: density 1 / area [Heitz19].
+#[inline]
+pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
+    if u[0] < u[1] {
+        let b = 0.5 * u[0];
+        [b, u[1] - b]
+    } else {
+        let b = 0.5 * u[1];
+        [u[0] - b, b]
+    }
+}
+
+/// The square's point that [`uniform_triangle`] maps to the weights `b`.
+#[inline]
+pub fn uniform_triangle_inverse(b: [f32; 2]) -> [f32; 2] {
+    let sum = b[0] + b[1];
+    (if b[0] < b[1] { [2.0 * b[0], sum] } else { [sum, 2.0 * b[1]] }).map(into_unit)
+}
+
+/// The angle of (x, y) in turns, 0 to 1 without 1.
+#[inline]
+pub fn turn(y: f32, x: f32) -> f32 {
+    let t = y.atan2(x) / TAU;
+    into_unit(if t < 0.0 { t + 1.0 } else { t })
+}
+
+/// `u`, which rounding may have moved out of [0, 1), back in it.
+#[inline]
+pub fn into_unit(u: f32) -> f32 {
+    u.clamp(0.0, BELOW_ONE)
+}
+
+/// Signed radius and angle of the concentric map: the square's centred squares become circles [Shirley97].
+#[inline]
+fn concentric_polar(u: [f32; 2]) -> (f32, f32) {
+    let [a, b] = u.map(|x| 2.0 * x - 1.0);
+    if a.abs() > b.abs() {
+        (a, FRAC_PI_4 * (b / a))
+    } else if b.abs() > 0.0 {
+        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
+    } else {
+        (0.0, 0.0)
+    }
+}
+
+/// The direction at azimuth `phi` whose cosine to z is 1 − `height`, its sine taken without cancellation.
+#[inline]
+fn cap(height: f32, phi: f32) -> Vec3 {
+    (Vec2::from_angle(phi) * (height * (2.0 - height)).max(0.0).sqrt()).extend(1.0 - height)
+}

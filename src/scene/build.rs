@@ -1,0 +1,189 @@
+//! From a description to a scene: rebasing, baking, compiling, building.
+
+use super::description::{self, Description, PunctualKind};
+use super::material::Material;
+use super::rebase::Rebase;
+use super::view::Views;
+use super::{Absorption, Features, ObjectInfo, Scene, SceneInfo};
+use super::assemble::assemble;
+use crate::accel::{Accel, Build};
+use crate::bsdf::{Bsdf, Lobes};
+use crate::error::{Error, Result};
+use crate::geometry::{Geometry, Hit, MediumId};
+use crate::light::{AreaLight, DirectionalLight, Light, Lights, PointLight, Sky, SpotLight};
+use crate::spectrum::Spectrum;
+use glam::DVec3;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// How to build a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct BuildOptions {
+    /// Effort and robustness of the acceleration structure.
+    pub build: Build,
+    /// Threads for its construction.
+    pub threads: usize,
+}
+
+impl Scene {
+    /// Builds `description`. Call it from outside the rayon pool.
+    ///
+    /// # Errors
+    /// A scene error that names what is wrong: nothing to see, a mesh with bad indices or positions; or the backend's error.
+    pub fn build(description: Description, options: &BuildOptions) -> Result<Scene> {
+        let start = Instant::now();
+        let hash = description::hash::of(&description);
+        let (min, max) = world_box(&description)?;
+        let rebase = Rebase::of_box(min, max);
+        let mut warnings = Vec::new();
+        if description.cameras.is_empty() {
+            warnings.push("the file has no camera: everything is framed automatically".to_owned());
+        }
+        let mut media = Vec::new();
+        let materials: Vec<Material> =
+            description.materials.iter().map(|m| Material::new(m.clone(), interior(m, &rebase, &mut media))).collect();
+        let (geometry, mut objects) = assemble(&description, &rebase, &materials)?;
+        let mut lights = area_lights(&geometry, &mut objects, &materials);
+        lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
+        let sky = description.environment.or_else(|| {
+            let dark = lights.iter().all(|l| l.power(1.0) <= 0.0);
+            if dark {
+                warnings.push("the file has no light: a uniform white environment of radiance 1 is added".to_owned());
+            }
+            dark.then_some(Spectrum::ONE)
+        });
+        lights.extend(sky.filter(|s| !s.is_black()).map(|radiance| Light::Sky(Sky { radiance })));
+        let prepare_seconds = start.elapsed().as_secs_f64();
+        let accel = Accel::build(&geometry, options.build, options.threads)?;
+        let radius = ((max - min).length() * 0.5 * rebase.scale) as f32;
+        let features = features(&geometry, &objects, &materials, &lights, &media);
+        let mut info = census(&geometry, &materials, lights.len(), features);
+        info.instances = description.instances.len();
+        info.ignored = description.ignored;
+        info.warnings = warnings;
+        (info.centre, info.scale) = (rebase.centre, rebase.scale);
+        info.prepare_seconds = prepare_seconds;
+        info.accel_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
+        info.accel_bytes = accel.bytes();
+        let views = Views::new(description.cameras, min, max);
+        let lights = Lights::new(lights, radius);
+        Ok(Scene { geometry, objects, materials, media, lights, accel, rebase, radius, features, views, info, hash })
+    }
+}
+
+/// The box around all placed positions, in the file's world.
+fn world_box(description: &Description) -> Result<(DVec3, DVec3)> {
+    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for instance in &description.instances {
+        let positions = description.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions);
+        for p in positions.map(|p| instance.transform.transform_point3(p.as_dvec3())) {
+            min = min.min(p);
+            max = max.max(p);
+        }
+    }
+    if min.cmple(max).all() && min.is_finite() && max.is_finite() {
+        Ok((min, max))
+    } else if min.x > max.x {
+        Err(Error::scene("the scene has no triangles"))
+    } else {
+        Err(Error::scene("the scene has positions that are not finite"))
+    }
+}
+
+/// The medium inside a material; equal media are shared.
+fn interior(material: &description::Material, rebase: &Rebase, media: &mut Vec<Absorption>) -> MediumId {
+    let Some(volume) = &material.volume else { return MediumId::VACUUM };
+    if material.transmission <= 0.0 || !volume.attenuation_distance.is_finite() {
+        return MediumId::VACUUM;
+    }
+    // White light has the attenuation colour after the attenuation distance.
+    let distance = (volume.attenuation_distance * rebase.scale) as f32;
+    let sigma = volume.attenuation_color.map(|c: f32| -c.max(f32::MIN_POSITIVE).min(1.0).ln() / distance);
+    let id = media.iter().position(|m| m.0 == sigma).unwrap_or_else(|| {
+        media.push(Absorption(sigma));
+        media.len() - 1
+    });
+    MediumId(id as u16)
+}
+
+/// Makes each emitting triangle a light, and notes in `objects` where those of each object begin.
+fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Material]) -> Vec<Light> {
+    let mut lights = Vec::new();
+    for (index, info) in objects.iter_mut().enumerate() {
+        let material = &materials[info.material as usize];
+        if material.emission().is_black() {
+            continue;
+        }
+        info.first_light = Some(lights.len() as u32);
+        let object = index as u32;
+        let (winding, mean) = (geometry.winding(object), material.mean_emission_texture());
+        lights.extend((0..geometry.mesh_of(object).triangles().len() as u32).map(|primitive| {
+            let hit = Hit { object, primitive };
+            let emission = material.emission_of(|set| geometry.corner_uvs(hit, set));
+            Light::Area(AreaLight::new(geometry.triangle(hit), winding, emission, mean))
+        }));
+    }
+    lights
+}
+
+/// A light without extent in scene space; distances shrink with the scale, so intensities do with its square.
+fn punctual(light: &description::PunctualLight, rebase: &Rebase) -> Light {
+    let position = rebase.point(light.transform.translation).as_vec3();
+    let backward = light.transform.matrix3.z_axis.normalize_or_zero().as_vec3();
+    let point = PointLight { position, intensity: light.intensity * (rebase.scale * rebase.scale) as f32 };
+    match light.kind {
+        PunctualKind::Point => Light::Point(point),
+        PunctualKind::Spot { inner, outer } => Light::Spot(SpotLight::new(point, -backward, inner, outer)),
+        PunctualKind::Directional => {
+            Light::Directional(DirectionalLight { toward: backward, irradiance: light.intensity })
+        }
+    }
+}
+
+/// Scans for what kernels must know.
+fn features(
+    geometry: &Geometry,
+    objects: &[ObjectInfo],
+    materials: &[Material],
+    lights: &[Light],
+    media: &[Absorption],
+) -> Features {
+    let used = |test: &dyn Fn(&Material) -> bool| objects.iter().any(|o| test(&materials[o.material as usize]));
+    let holes = |mode: fn(description::AlphaMode) -> bool| {
+        objects.iter().any(|o| {
+            let material = &materials[o.material as usize];
+            mode(material.source.alpha_mode) && material.has_holes(o.colors)
+        })
+    };
+    Features {
+        masks: holes(|m| matches!(m, description::AlphaMode::Mask { .. })),
+        blends: holes(|m| matches!(m, description::AlphaMode::Blend)),
+        media: !media.is_empty(),
+        textures: used(&Material::has_surface_textures),
+        normal_maps: used(&|m| m.source.normal_texture.is_some()),
+        shading_normals: geometry.meshes.iter().any(|m| m.attributes().normals.is_some()),
+        dirac: used(&|m| m.constant().is_some_and(|s| s.lobes().intersects(Lobes::DIRAC))),
+        refraction: used(&|m| m.source.transmission > 0.0 && m.source.volume.is_some()),
+        instances: geometry.objects.iter().any(|o| o.placement.is_some()),
+        dirac_lights: lights.iter().any(Light::is_dirac),
+    }
+}
+
+/// Counts and sizes.
+fn census(geometry: &Geometry, materials: &[Material], lights: usize, features: Features) -> SceneInfo {
+    let mut images: Vec<_> = materials.iter().flat_map(Material::images).map(|t| &t.image).collect();
+    images.sort_by_key(|image| Arc::as_ptr(image));
+    images.dedup_by_key(|image| Arc::as_ptr(image));
+    SceneInfo {
+        triangles: geometry.meshes.iter().map(|m| m.triangles().len()).sum(),
+        placed_triangles: (0..geometry.objects.len()).map(|o| geometry.mesh_of(o as u32).triangles().len()).sum(),
+        meshes: geometry.meshes.len(),
+        materials: materials.len(),
+        lights,
+        images: images.len(),
+        texture_bytes: images.iter().map(|image| image.bytes()).sum(),
+        geometry_bytes: geometry.meshes.iter().map(|m| m.bytes()).sum(),
+        features: features.names().into_iter().map(str::to_owned).collect(),
+        ..SceneInfo::default()
+    }
+}

@@ -1,0 +1,114 @@
+//! What must not crash, hang or pass unnoticed.
+
+use crate::scenes::{BUILDS, Random, embree, icosphere, placed_cube, scene_of, triangle};
+use etendue::accel::embree::Scene;
+use etendue::accel::{Build, Intersector};
+use etendue::error::Kind;
+use etendue::geometry::{AnyHit, Bounds, Geometry, Hit, Opaque, Ray};
+use glam::{Affine3A, Mat3, Vec3};
+use std::hint::black_box;
+
+const ODD: [f32; 9] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.0, 1e-45, f32::MAX, f32::MIN, 1.0];
+
+struct RejectAll;
+
+impl AnyHit for RejectAll {
+    fn accepts(&self, _: &Ray, _: Hit) -> bool {
+        false
+    }
+}
+
+#[test]
+fn rays_that_are_none_return() {
+    let geometry = placed_cube();
+    for build in BUILDS {
+        let scene = embree(&geometry, build);
+        let mut random = Random(6);
+        let mut odd = |regular: Vec3| {
+            let replaced = regular.to_array().map(|x| if random.below(2) == 0 { x } else { ODD[random.below(ODD.len())] });
+            (Vec3::from(replaced), ODD[random.below(ODD.len())])
+        };
+        for _ in 0..50_000 {
+            let ((origin, t_max), (direction, t_min)) = (odd(Vec3::new(0.1, 0.2, 0.3)), odd(Vec3::new(0.6, -0.7, 0.8)));
+            let ray = Ray { t_min: if t_min < 0.0 { 0.0 } else { t_min }, t_max, ..Ray::new(origin, direction) };
+            for hit in [scene.closest(&ray, &Opaque), scene.closest(&ray, &RejectAll)].into_iter().flatten() {
+                assert!((hit.object as usize) < geometry.objects.len());
+                assert!((hit.primitive as usize) < geometry.mesh_of(hit.object).triangles().len());
+            }
+            black_box((scene.occluded(&ray, &Opaque), scene.occluded(&ray, &RejectAll)));
+        }
+    }
+}
+
+#[test]
+fn a_ray_without_points_or_direction_hits_nothing() {
+    let scene = embree(&placed_cube(), Build::Robust);
+    let inward = Ray::new(Vec3::new(0.1, 0.2, 0.0), Vec3::X);
+    assert!(scene.occluded(&inward, &Opaque));
+    let (nowhere, nan) = (Vec3::ZERO, Vec3::NAN);
+    let empty = Ray { t_min: 2.0, t_max: 1.0, ..inward };
+    for ray in [empty, Ray { direction: nowhere, ..inward }, Ray { direction: nan, ..inward }, Ray { origin: nan, ..inward }] {
+        assert_eq!((scene.closest(&ray, &Opaque), scene.occluded(&ray, &Opaque)), (None, false), "{ray:?}");
+    }
+}
+
+#[test]
+fn an_empty_scene_is_hit_by_nothing() {
+    let scene = embree(&Geometry::default(), Build::Robust);
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    assert_eq!((scene.closest(&ray, &Opaque), scene.occluded(&ray, &Opaque)), (None, false));
+    assert_eq!(scene.bounds(), Bounds::EMPTY);
+}
+
+#[test]
+fn what_embree_would_leave_out_in_silence_is_an_error() {
+    let build = |geometry: &Geometry| Scene::build(geometry, Build::Robust, 1).map(|_| ()).expect_err("invalid");
+    let placed = |linear: Mat3| {
+        let placement = Affine3A::from_mat3_translation(linear, Vec3::ZERO);
+        scene_of(vec![triangle()], vec![(0, None, false), (0, Some(placement), false)])
+    };
+    let flat = build(&placed(Mat3::from_diagonal(Vec3::new(1.0, 1.0, 0.0))));
+    assert_eq!(flat.kind, Kind::Scene);
+    assert_eq!(flat.to_string(), "object 1 (mesh 'test') has a placement that cannot be inverted");
+    let huge = build(&placed(Mat3::from_diagonal(Vec3::splat(2e18))));
+    assert_eq!((huge.kind, huge.to_string().as_str()), (Kind::Scene, "object 1 (mesh 'test') reaches beyond ±1.8e18"));
+    assert_eq!(build(&placed(Mat3::from_diagonal(Vec3::splat(f32::NAN)))).kind, Kind::Scene);
+    assert_eq!(build(&scene_of(vec![triangle()], vec![(1, None, false)])).kind, Kind::Internal);
+}
+
+#[test]
+fn building_leaves_the_floating_point_environment_alone() {
+    let scene = embree(&placed_cube(), Build::High);
+    scene.occluded(&Ray::new(Vec3::ZERO, Vec3::X), &Opaque);
+    assert!(black_box(f32::MIN_POSITIVE) * 0.5 > 0.0, "subnormal results are kept");
+    assert!(black_box(f32::from_bits(1)) * 16_777_216.0 > 0.0, "subnormal operands are kept");
+}
+
+#[test]
+fn the_size_of_the_structure_is_counted() {
+    let of = |levels| {
+        let geometry = scene_of(vec![icosphere(levels, 1.0, Vec3::ZERO)], vec![(0, None, false)]);
+        let robust = embree(&geometry, Build::Robust).bytes();
+        (robust, embree(&geometry, Build::Compact).bytes())
+    };
+    let ((small, _), (large, compact)) = (of(1), of(6));
+    assert!(large > 81_920 * 16 && large > small, "a leaf of 81920 triangles names each by two ids and more: {large}");
+    assert!(compact < large, "{compact} {large}");
+}
+
+#[test]
+fn scenes_are_built_and_queried_on_threads_of_their_own() {
+    let geometry = placed_cube();
+    let shared = embree(&geometry, Build::Robust);
+    let answers = |scene: &Scene| {
+        let mut random = Random(8);
+        (0..20_000).map(|_| scene.closest(&random.ray(4.0), &Opaque)).collect::<Vec<_>>()
+    };
+    let expected = answers(&shared);
+    std::thread::scope(|threads| {
+        let own = threads.spawn(|| answers(&Scene::build(&geometry, Build::Robust, 2).expect("builds")));
+        let other = threads.spawn(|| answers(&shared));
+        assert_eq!(own.join().expect("no panic"), expected);
+        assert_eq!(other.join().expect("no panic"), expected);
+    });
+}

@@ -1,0 +1,131 @@
+//! Nodes, cameras and lights.
+
+use crate::support::{File, merge};
+use etendue::scene::description::{Projection, PunctualKind};
+use glam::{DMat3, DVec3, DVec4};
+use serde_json::{Value, json};
+
+fn nodes(nodes: Value) -> File {
+    File::triangle(json!({ "nodes": nodes }))
+}
+
+#[test]
+fn transforms_far_from_the_origin_keep_their_digits() {
+    let far = [1_000_000.123_456_789, -2_000_000.000_000_1, 0.1];
+    let file = nodes(json!([
+        { "translation": far, "children": [1] },
+        { "translation": [0.000_000_001, 0, 0], "children": [2] },
+        { "mesh": 0, "matrix": [2, 0, 0, 0, 0, 3, 0, 0, 0, 0, 4, 0, 0.25, 0, 0, 1] }
+    ]));
+    let description = file.load().expect("a valid file");
+    let transform = description.instances[0].transform;
+    assert_eq!(transform.matrix3, DMat3::from_diagonal(DVec3::new(2.0, 3.0, 4.0)));
+    // Two roundings of the sum in f64; in f32 the first digit lost would be 0.06.
+    let want = DVec3::from(far) + DVec3::new(0.250_000_001, 0.0, 0.0);
+    assert!((transform.translation - want).abs().cmple(want.abs() * 2.0 * f64::EPSILON).all());
+}
+
+#[test]
+fn rotations_rounded_to_f32_do_not_scale() {
+    let half = f64::from(std::f32::consts::FRAC_1_SQRT_2);
+    let description = nodes(json!([{ "mesh": 0, "rotation": [0, 0, half, half] }])).load().expect("a valid file");
+    let x = description.instances[0].transform.matrix3.x_axis;
+    // An f32 quaternion left as it is would be off by about 3e-8.
+    assert!((x - DVec3::Y).length() <= 8.0 * f64::EPSILON, "{x}");
+}
+
+#[test]
+fn the_default_scene_is_loaded_else_the_first_else_all_roots() {
+    let names = |more: Value| {
+        let mut file = nodes(json!([{ "name": "a", "mesh": 0 }, { "name": "b", "mesh": 0, "children": [2] }, { "mesh": 0 }]));
+        merge(&mut file.json, more);
+        file.load().expect("a valid file").instances.into_iter().map(|i| i.name).collect::<Vec<_>>()
+    };
+    assert_eq!(names(json!({ "scenes": [{ "nodes": [0] }, { "nodes": [1] }], "scene": 1 })), ["b", "node 2"]);
+    assert_eq!(names(json!({ "scenes": [{ "nodes": [0] }, { "nodes": [1] }] })), ["a"]);
+    assert_eq!(names(json!({})), ["a", "b", "node 2"]);
+    assert!(names(json!({ "scenes": [{}] })).is_empty());
+}
+
+#[test]
+fn cycles_and_second_parents_are_errors() {
+    let own = nodes(json!([{ "name": "loop", "children": [1] }, { "children": [0] }]));
+    assert!(own.error().contains("every node is below another one"), "{}", own.error());
+    let mut listed = own;
+    listed.json["scenes"] = json!([{ "nodes": [0] }]);
+    assert!(listed.error().contains("node 'loop' is its own ancestor"), "{}", listed.error());
+    let itself = File::triangle(json!({ "scenes": [{ "nodes": [0] }], "nodes": [{ "name": "self", "children": [0] }] }));
+    assert!(itself.error().contains("node 'self' is its own ancestor"), "{}", itself.error());
+    let shared = nodes(json!([{ "name": "p", "children": [2] }, { "name": "q", "children": [2] }, { "name": "c" }]));
+    assert_eq!(shared.error(), "node 'c' has two parents, 'p' and 'q'");
+}
+
+#[test]
+fn a_chain_of_many_thousand_nodes_is_followed_to_its_end() {
+    let depth = 100_000;
+    let mut chain: Vec<Value> = (1..depth).map(|i| json!({ "translation": [1, 0, 0], "children": [i] })).collect();
+    chain.push(json!({ "mesh": 0 }));
+    let description = nodes(Value::Array(chain)).load().expect("a valid file");
+    assert_eq!(description.instances[0].transform.translation, DVec3::X * f64::from(depth - 1));
+}
+
+#[test]
+fn parts_scaled_to_zero_are_left_out_and_said() {
+    let file = nodes(json!([{ "name": "flat", "scale": [1, 0, 1], "children": [1] }, { "mesh": 0 }, { "mesh": 0 }]));
+    let description = file.load().expect("a valid file");
+    assert_eq!(description.instances.len(), 1);
+    assert_eq!(description.ignored, ["node 'flat' is scaled to zero and is left out, with all below it"]);
+}
+
+#[test]
+fn transforms_that_overflow_or_are_not_affine_are_errors() {
+    let huge = nodes(json!([{ "scale": [1e300, 1, 1], "children": [1] }, { "name": "big", "scale": [1e300, 1, 1] }]));
+    assert_eq!(huge.error(), "node 'big' has a transform that is not finite");
+    let projective = nodes(json!([{ "name": "p", "matrix": [1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] }]));
+    assert!(projective.error().starts_with("node 'p': the matrix is not affine"));
+    assert!(nodes(json!([{ "name": "r", "rotation": [0, 0, 0, 0] }])).error().starts_with("node 'r': the rotation"));
+}
+
+#[test]
+fn cameras_keep_f64() {
+    let yfov = 0.700_000_000_000_000_1;
+    let file = File::triangle(json!({
+        "nodes": [{ "camera": 0, "translation": [0.1, 0, 0] }, { "camera": 1 }],
+        "cameras": [
+            { "type": "perspective", "perspective": { "yfov": yfov, "znear": 0.1 } },
+            { "type": "orthographic", "name": "o", "orthographic": { "xmag": 0.1, "ymag": 0.2, "znear": 0, "zfar": 1 } }
+        ]
+    }));
+    let cameras = file.load().expect("a valid file").cameras;
+    assert_eq!(cameras[0].projection, Projection::Perspective { yfov, aspect: None });
+    assert_eq!((cameras[0].name.as_str(), cameras[0].transform.translation), ("camera 0", DVec3::X * 0.1));
+    assert_eq!(cameras[1].projection, Projection::Orthographic { xmag: 0.1, ymag: 0.2 });
+    for (key, bad) in [("yfov", json!(0)), ("yfov", json!(4)), ("aspectRatio", json!(-1))] {
+        let mut file = File::triangle(file.json.clone());
+        file.json["cameras"][0]["perspective"][key] = bad;
+        assert_eq!(file.error(), "camera 'camera 0' has no valid projection");
+    }
+}
+
+#[test]
+fn punctual_lights_keep_their_numbers() {
+    let at = |light: u32| json!({ "translation": [0, 1, 0], "extensions": { "KHR_lights_punctual": { "light": light } } });
+    let nodes = [0, 1, 2].map(at);
+    let file = File::triangle(json!({
+        "nodes": nodes,
+        "extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": { "KHR_lights_punctual": { "lights": [
+            { "type": "point", "intensity": 8, "color": [1, 0.5, 0], "range": 3 },
+            { "type": "spot", "name": "s", "spot": { "innerConeAngle": 0.25, "outerConeAngle": 0.5 } },
+            { "type": "directional", "intensity": 2 }
+        ] } }
+    }));
+    let description = file.load().expect("a valid file");
+    let [point, spot, sun] = &description.lights[..] else { panic!("three lights") };
+    assert_eq!((point.kind, point.intensity.to_rgb()), (PunctualKind::Point, [8.0, 4.0, 0.0]));
+    assert_eq!((spot.kind, spot.name.as_str()), (PunctualKind::Spot { inner: 0.25, outer: 0.5 }, "s"));
+    assert_eq!((sun.kind, sun.intensity.to_rgb()), (PunctualKind::Directional, [2.0; 3]));
+    assert_eq!(point.transform.translation.extend(1.0), DVec4::new(0.0, 1.0, 0.0, 1.0));
+    assert_eq!(description.ignored.len(), 1);
+    assert!(description.ignored[0].contains("range"));
+}

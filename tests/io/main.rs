@@ -1,0 +1,8 @@
+//! Reading scene files: real ones, small ones made here, and broken ones.
+
+mod defects;
+mod geometry;
+mod hierarchy;
+mod materials;
+mod samples;
+mod support;

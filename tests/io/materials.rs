@@ -1,0 +1,224 @@
+//! Materials, textures and images.
+
+use crate::support::{File, merge};
+use etendue::scene::description::{AlphaMode, Material, MetalFresnel};
+use etendue::spectrum::Spectrum;
+use etendue::texture::{Encoding, Filter, Wrap};
+use glam::{Vec3, Vec4};
+use image::{DynamicImage, ImageFormat};
+use serde_json::{Value, json};
+use std::io::Cursor;
+
+fn png(image: DynamicImage) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    image.write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png).expect("an encoded image");
+    bytes
+}
+
+/// A triangle with one material; texture 0 is a grey image of 2 × 1 texels with 8 bits, texture 1 one with 16 bits.
+fn file(material: Value) -> File {
+    let mut file = File::triangle(json!({ "materials": [material] }));
+    file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let grey = image::GrayImage::from_raw(2, 1, vec![0, 128]).expect("two texels");
+    let deep = image::ImageBuffer::from_raw(1, 1, vec![1u16, 2, 65535]).expect("one texel");
+    let views = [png(grey.into()), png(DynamicImage::ImageRgb16(deep))].map(|bytes| file.view(&bytes));
+    let images = views.map(|view| json!({ "bufferView": view, "mimeType": "image/png" }));
+    merge(
+        &mut file.json,
+        json!({
+            "images": images,
+            "samplers": [{ "wrapS": 33071, "wrapT": 33648, "minFilter": 9984 }],
+            "textures": [{ "source": 0 }, { "source": 1, "sampler": 0 }]
+        }),
+    );
+    file
+}
+
+fn material(json: Value) -> Material {
+    file(json).load().expect("a valid file").materials.remove(0)
+}
+
+#[test]
+fn a_primitive_without_material_has_the_default_one() {
+    let description = File::triangle(json!({})).load().expect("a valid file");
+    let default = &description.materials[description.meshes[0].primitives[0].material];
+    assert_eq!((default.metallic, default.roughness, default.ior, default.specular), (1.0, 1.0, 1.5, 1.0));
+}
+
+#[test]
+fn factors_and_extensions_are_read() {
+    let m = material(json!({
+        "name": "all", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25,
+        "pbrMetallicRoughness": { "baseColorFactor": [0.125, 0.25, 0.5, 0.75], "metallicFactor": 0.5, "roughnessFactor": 0.375 },
+        "emissiveFactor": [1, 0.5, 0],
+        "extensions": {
+            "KHR_materials_emissive_strength": { "emissiveStrength": 8 },
+            "KHR_materials_ior": { "ior": 1.25 },
+            "KHR_materials_specular": { "specularFactor": 0.5, "specularColorFactor": [2, 1, 0] },
+            "KHR_materials_transmission": { "transmissionFactor": 0.625 },
+            "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 1, 1] }
+        }
+    }));
+    assert_eq!((m.name.as_str(), m.double_sided, m.alpha_mode), ("all", true, AlphaMode::Mask { cutoff: 0.25 }));
+    assert_eq!((m.base_color.to_rgb(), m.alpha, m.metallic, m.roughness), ([0.125, 0.25, 0.5], 0.75, 0.5, 0.375));
+    assert_eq!((m.emission.to_rgb(), m.ior), ([8.0, 4.0, 0.0], 1.25));
+    assert_eq!((m.specular, m.specular_color.to_rgb(), m.transmission), (0.5, [2.0, 1.0, 0.0], 0.625));
+    let volume = m.volume.expect("a volume");
+    assert_eq!((volume.attenuation_distance, volume.attenuation_color.to_rgb()), (2.0, [0.5, 1.0, 1.0]));
+    assert_eq!((m.metal_fresnel, m.unlit), (MetalFresnel::Schlick, false));
+}
+
+#[test]
+fn thin_walls_have_no_volume_and_index_zero_is_kept() {
+    let volume = json!({ "attenuationDistance": 2 });
+    let m = material(json!({
+        "alphaMode": "BLEND",
+        "extensions": { "KHR_materials_volume": volume, "KHR_materials_ior": { "ior": 0 }, "KHR_materials_unlit": {} }
+    }));
+    assert_eq!((m.volume, m.ior, m.unlit, m.alpha_mode), (None, 0.0, true, AlphaMode::Blend));
+    assert_eq!(m.name, "material 0");
+}
+
+#[test]
+fn each_texture_has_the_encoding_of_its_role() {
+    let texture = json!({ "index": 0 });
+    let m = material(json!({
+        "pbrMetallicRoughness": { "baseColorTexture": texture, "metallicRoughnessTexture": texture },
+        "normalTexture": { "index": 0, "scale": 0.5 }, "emissiveTexture": texture, "occlusionTexture": texture,
+        "extensions": {
+            "KHR_materials_specular": { "specularTexture": texture, "specularColorTexture": texture },
+            "KHR_materials_transmission": { "transmissionTexture": texture }
+        }
+    }));
+    let encoding = |t: &Option<etendue::texture::Texture>| t.as_ref().map(|t| t.encoding);
+    for colour in [&m.base_color_texture, &m.emission_texture, &m.specular_color_texture] {
+        assert_eq!(encoding(colour), Some(Encoding::Srgb));
+    }
+    for data in [&m.metallic_roughness_texture, &m.specular_texture, &m.transmission_texture] {
+        assert_eq!(encoding(data), Some(Encoding::Linear));
+    }
+    let (normal, scale) = m.normal_texture.expect("a normal map");
+    assert_eq!((normal.encoding, scale), (Encoding::Linear, 0.5));
+}
+
+#[test]
+fn samplers_and_transforms_are_read_and_only_used_images_are_decoded() {
+    let transform = json!({ "KHR_texture_transform": { "offset": [0.25, 0.5], "scale": [2, 4], "texCoord": 1 } });
+    let mut file = file(json!({ "normalTexture": { "index": 1, "texCoord": 7, "extensions": transform } }));
+    // Were image 0 decoded, this would be an error.
+    file.json["images"][0] = json!({ "uri": "nowhere.png" });
+    let description = file.load().expect("a valid file");
+    assert_eq!(description.images.len(), 1);
+    let (texture, _) = description.materials[0].normal_texture.as_ref().expect("a normal map");
+    assert_eq!((texture.wrap, texture.filter, texture.uv_set), ([Wrap::Clamp, Wrap::Mirror], Filter::Nearest, 1));
+    assert_eq!(texture.transform.transform_point2(glam::Vec2::ONE), glam::Vec2::new(2.25, 4.5));
+}
+
+#[test]
+fn images_keep_their_depth() {
+    let image = |index: usize| {
+        let material = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": index } } });
+        file(material).load().expect("a valid file").images.remove(0)
+    };
+    assert_eq!((image(0).size(), image(0).bytes()), ([2, 1], 8));
+    let texel = |index: usize, x: u32| Vec4::from(image(index).texel(x, 0, Encoding::Linear));
+    assert_eq!(texel(0, 1), Vec3::splat(128.0 / 255.0).extend(1.0));
+    assert_eq!((image(1).size(), image(1).bytes()), ([1, 1], 8));
+    assert_eq!(texel(1, 0), Vec4::new(1.0 / 65535.0, 2.0 / 65535.0, 1.0, 1.0));
+}
+
+#[test]
+fn two_textures_of_one_image_share_it() {
+    let material = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } }, "emissiveTexture": { "index": 0 } });
+    let description = file(material).load().expect("a valid file");
+    assert_eq!(description.images.len(), 1);
+    // One here, one in each of two textures.
+    assert_eq!(std::sync::Arc::strong_count(&description.images[0]), 3);
+}
+
+#[test]
+fn broken_images_are_errors_that_name_them() {
+    let material = json!({ "emissiveTexture": { "index": 0 } });
+    let mut missing = file(material.clone());
+    missing.json["images"][0] = json!({ "uri": "no%20such.png", "name": "lost" });
+    let error = missing.error();
+    assert!(error.starts_with("image 'lost': cannot read") && error.contains("no such.png"), "{error}");
+    let mut other = file(material.clone());
+    other.json["images"][0] = json!({ "uri": "data:image/webp;base64,UklGRgAAAABXRUJQVlA4" });
+    assert_eq!(other.error(), "image 'image 0': it is neither PNG nor JPEG");
+    let mut cut = file(material);
+    let view = cut.json["images"][0]["bufferView"].as_u64().expect("a view") as usize;
+    let length = cut.json["bufferViews"][view]["byteLength"].as_u64().expect("a length");
+    cut.json["bufferViews"][view]["byteLength"] = json!(length - 30);
+    assert!(cut.error().starts_with("image 'image 0': it cannot be decoded"), "{}", cut.error());
+}
+
+#[test]
+fn a_png_that_claims_to_be_huge_is_refused_by_its_header() {
+    let mut bytes = png(image::GrayImage::new(1, 1).into());
+    // Width and height in IHDR, and its checksum, which the decoder would otherwise complain about.
+    bytes[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
+    let crc = crc32(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+    let mut file = file(json!({ "emissiveTexture": { "index": 0 } }));
+    let view = file.view(&bytes);
+    file.json["images"][0]["bufferView"] = json!(view);
+    assert!(file.error().starts_with("image 'image 0': it cannot be decoded"), "{}", file.error());
+    assert!(file.error().contains("limit"), "{}", file.error());
+}
+
+/// The checksum of PNG chunks.
+fn crc32(bytes: &[u8]) -> u32 {
+    let bit = |crc: u32, _| if crc & 1 == 1 { 0xEDB8_8320 ^ (crc >> 1) } else { crc >> 1 };
+    !bytes.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), bit))
+}
+
+#[test]
+fn what_cannot_be_shown_is_said() {
+    let description = |json| file(json).load().expect("a valid file");
+    let third = description(json!({ "name": "a", "emissiveTexture": { "index": 0, "texCoord": 2 } }));
+    assert!(third.materials[0].emission_texture.is_none() && third.images.is_empty());
+    assert_eq!(third.ignored, ["the emissive texture of material 'a' is left out: it uses texture coordinate set 2"]);
+    let bright = description(json!({ "name": "a", "pbrMetallicRoughness": { "baseColorFactor": [2, 1e300, 0, 1] } }));
+    assert_eq!(bright.materials[0].base_color, Spectrum::from_rgb([1.0, 1.0, 0.0]));
+    assert_eq!(bright.ignored, ["material 'a' has a base colour outside 0 to 1, which is clamped"]);
+    let mut webp = file(json!({ "name": "a", "emissiveTexture": { "index": 0 } }));
+    webp.json["textures"][0] = json!({ "extensions": { "EXT_texture_webp": { "source": 0 } } });
+    webp.json["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    let ignored = webp.load().expect("a valid file").ignored;
+    assert_eq!(
+        ignored,
+        [
+            "the extension EXT_texture_webp is not read",
+            "the emissive texture of material 'a' is left out: it has no PNG or JPEG image"
+        ]
+    );
+}
+
+#[test]
+fn numbers_that_mean_nothing_are_errors() {
+    let error = |json: Value| file(json).error();
+    let extension = |name: &str, value: Value| json!({ "name": "a", "extensions": { name: value } });
+    assert_eq!(
+        error(extension("KHR_materials_ior", json!({ "ior": 0.5 }))),
+        "material 'a': the refractive index is out of range"
+    );
+    let volume = json!({ "attenuationDistance": 0 });
+    assert_eq!(error(extension("KHR_materials_volume", volume)), "material 'a': the attenuation distance is out of range");
+    let glow = json!({ "name": "a", "emissiveFactor": [1e300, 0, 0] });
+    assert_eq!(error(glow), "material 'a': the emission is out of range");
+}
+
+#[test]
+fn our_own_extras_are_read_strictly() {
+    let with = |etendue: Value| file(json!({ "name": "gold", "extras": { "etendue": etendue, "other": 1 } }));
+    let fresnel = |etendue: Value| with(etendue).load().expect("a valid file").materials[0].metal_fresnel;
+    assert_eq!(fresnel(json!({ "fresnel": "constant" })), MetalFresnel::Constant);
+    assert_eq!(fresnel(json!({ "fresnel": "schlick" })), MetalFresnel::Schlick);
+    assert_eq!(fresnel(json!({})), MetalFresnel::Schlick);
+    assert_eq!(with(json!({ "fresnell": "constant" })).error(), "material 'gold': extras.etendue has the unknown key 'fresnell'");
+    let neither = "material 'gold': extras.etendue.fresnel is neither \"schlick\" nor \"constant\"";
+    assert_eq!(with(json!({ "fresnel": "Constant" })).error(), neither);
+    assert_eq!(with(json!({ "fresnel": 1 })).error(), neither);
+    assert_eq!(with(json!(1)).error(), "material 'gold': extras.etendue is not an object");
+}
