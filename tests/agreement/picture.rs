@@ -1,0 +1,134 @@
+//! Rendered pictures with their errors, and the tests they are put to.
+
+use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
+use etendue::integrator::{self, Method, Options};
+use etendue::parallel::Cancel;
+use etendue::sampling::SamplerKind;
+use etendue::scene::description::Description;
+use etendue::scene::{BuildOptions, Scene};
+use etendue::stats::sidak_level;
+use statrs::distribution::{ContinuousCDF, Normal};
+
+/// Family-wise level of every test in this binary: with fixed seeds it is the chance that a right renderer is convicted by
+/// the seeds that happen to be written here.
+pub const LEVEL: f64 = 1e-4;
+
+/// Replicates: enough for a standard error of blocks whose pixels are pooled.
+const REPLICATES: u32 = 4;
+
+/// A square picture: mean and squared standard error of each lane of each pixel.
+pub struct Picture {
+    pub side: usize,
+    pub mean: Vec<f64>,
+    pub variance: Vec<f64>,
+}
+
+/// What of [`Options`] the tests vary.
+#[derive(Clone, Copy)]
+pub struct Shot {
+    pub method: Method,
+    pub side: u32,
+    pub spp: u64,
+    pub seed: u64,
+    pub depth: Option<u32>,
+    pub sampler: SamplerKind,
+}
+
+impl Shot {
+    pub fn new(method: Method, side: u32, spp: u64) -> Self {
+        Shot { method, side, spp, seed: 1, depth: None, sampler: SamplerKind::Sobol }
+    }
+}
+
+/// Builds a scene for tests.
+pub fn scene(description: Description) -> Scene {
+    Scene::build(description, &BuildOptions { build: Default::default(), threads: 1 }).expect("a valid scene")
+}
+
+/// Renders the first camera's view with a box filter.
+pub fn render(scene: &Scene, shot: Shot) -> Picture {
+    let options = Options {
+        seed: shot.seed,
+        sampler: shot.sampler,
+        filter: Filter::Box,
+        max_depth: shot.depth,
+        clamp: None,
+        replicates: REPLICATES,
+        transparent: false,
+    };
+    let layout = Layout::new(shot.side, shot.side, None, &[]);
+    let camera = scene.camera(None, shot.side, shot.side).expect("a camera");
+    let prelude = integrator::prelude(scene, &camera, &options, &layout);
+    let mut film = Film::new(layout.clone(), REPLICATES, shot.seed, prelude.units);
+    let integrator = integrator::build(shot.method, scene, camera, &options);
+    let mut pass_film = PassFilm::new(&layout);
+    for pass in 0..shot.spp {
+        pass_film.clear();
+        let report = integrator.run_pass(pass, &Cancel::new(), &mut pass_film).expect("not cancelled");
+        assert_eq!(report.guards, Default::default(), "a guard fired in pass {pass}");
+        film.commit(pass, &pass_film);
+    }
+    let mean = film.mean(Plane::Color).into_iter().map(f64::from).collect();
+    let error = film.standard_error().expect("replicates");
+    Picture { side: shot.side as usize, mean, variance: error.into_iter().map(|e| f64::from(e).powi(2)).collect() }
+}
+
+/// Mean over some pixels and the variance of that mean.
+#[derive(Clone, Copy)]
+pub struct Block {
+    pub mean: f64,
+    pub variance: f64,
+}
+
+impl Picture {
+    /// Means of `n` × `n` square blocks, each lane on its own.
+    pub fn blocks(&self, n: usize) -> Vec<Block> {
+        let size = self.side / n;
+        let count = (size * size) as f64;
+        let mut blocks = vec![Block { mean: 0.0, variance: 0.0 }; n * n * 3];
+        for (i, (&mean, &variance)) in self.mean.iter().zip(&self.variance).enumerate() {
+            let (pixel, lane) = (i / 3, i % 3);
+            let (x, y) = (pixel % self.side / size, pixel / self.side / size);
+            let block = &mut blocks[(y * n + x) * 3 + lane];
+            block.mean += mean / count;
+            block.variance += variance / (count * count);
+        }
+        blocks
+    }
+
+    /// The image mean over all pixels and lanes.
+    pub fn overall(&self) -> Block {
+        let n = self.mean.len() as f64;
+        Block { mean: self.mean.iter().sum::<f64>() / n, variance: self.variance.iter().sum::<f64>() / (n * n) }
+    }
+
+    /// Multiplied by `k`: a planted error.
+    pub fn times(mut self, k: f64) -> Self {
+        self.mean.iter_mut().for_each(|m| *m *= k);
+        self
+    }
+}
+
+/// The two-sided z limit for `tests` tests at the family-wise [`LEVEL`] (Šidák).
+pub fn limit(tests: usize) -> f64 {
+    let each = sidak_level(LEVEL, tests as u64);
+    Normal::new(0.0, 1.0).expect("standard").inverse_cdf(1.0 - each / 2.0)
+}
+
+/// z scores of equal means over image and blocks, and whether all are within [`limit`].
+///
+/// Blocks pool at least 64 pixels of at least 3 degrees of freedom each, so z stands for t with at least 192.
+pub fn agree(a: &Picture, b: &Picture, n: usize) -> Result<(), String> {
+    let mut pairs: Vec<_> = a.blocks(n).into_iter().zip(b.blocks(n)).collect();
+    pairs.push((a.overall(), b.overall()));
+    let limit = limit(pairs.len());
+    let z = |(a, b): &(Block, Block)| (a.mean - b.mean) / (a.variance + b.variance).sqrt().max(f64::MIN_POSITIVE);
+    let worst = pairs.iter().map(|p| z(p).abs()).fold(0.0, f64::max);
+    let overall = z(&pairs[pairs.len() - 1]);
+    if worst <= limit { Ok(()) } else { Err(format!("largest |z| {worst:.2} > {limit:.2}; image mean: z {overall:.2}")) }
+}
+
+/// Whether the long versions run.
+pub fn deep() -> bool {
+    std::env::var_os("ETENDUE_TEST_DEEP").is_some_and(|v| v != "0")
+}
