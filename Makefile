@@ -22,7 +22,7 @@ demo: build ## render scenes/cornell-box to out/cornell-box.exr and .png
 # --workspace everywhere, since without it the features of shared dependencies change and all of them are built anew.
 test: setup ## format, lints, architecture, all tests with and without Embree, documentation
 	$(CARGO) fmt --all --check
-	$(CARGO) test --locked --test architecture
+	$(CARGO) test --locked --workspace --test architecture
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked --workspace --all-targets --no-default-features -- -D warnings
 	$(CARGO) test --locked --workspace

@@ -163,7 +163,9 @@ impl<T: Scalar> MulAssign<T> for Spectrum<T> {
 
 impl<T: Scalar> Div<T> for Spectrum<T> {
     type Output = Self;
+    /// One division and a product per lane: half an ulp more error than a division per lane, at a third of the cost.
     #[inline]
+    #[allow(clippy::suspicious_arithmetic_impl)]
     fn div(self, k: T) -> Self {
         self * k.recip()
     }

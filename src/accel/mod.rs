@@ -71,6 +71,8 @@ impl Accel {
     }
 }
 
+// Without a backend the enum is empty and no argument is looked at.
+#[cfg_attr(not(feature = "embree"), allow(unused_variables))]
 impl Intersector for Accel {
     #[inline]
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {

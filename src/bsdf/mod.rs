@@ -24,7 +24,7 @@ pub use ggx::Ggx;
 pub use gltf::Gltf;
 pub use lambert::Lambert;
 pub use metallic_roughness::{MetallicRoughness, Wall};
-pub use shading::{Shading, ShadingSample};
+pub use shading::{Scattering, Shading, ShadingSample};
 pub use surface::Surface;
 pub use thin::Thin;
 

@@ -12,13 +12,26 @@ use crate::spectrum::Spectrum;
 use crate::transport::Transport;
 use glam::Vec3;
 
-/// A surface point with its scattering model. All directions have unit length and point away from the surface.
+/// A walk's arrival at a surface: the point, its scattering model and the direction that is known. All directions have unit
+/// length and point away from the surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Shading<'a> {
     /// Where.
     pub point: &'a SurfacePoint,
     /// What scatters there.
     pub surface: &'a Surface,
+    known: Vec3,
+    local: Local,
+    toward: Transport,
+}
+
+/// What scatters into a direction that the walk did not choose.
+#[derive(Debug, Clone, Copy)]
+pub struct Scattering {
+    /// F |cos| in that direction, all smooth lobes: cos = wi·ng toward the light, wo·ng toward the camera.
+    pub f_cos: Spectrum,
+    /// Density of the direction under [`Shading::sample`], all smooth lobes together.
+    pub pdf: Pdf<SolidAngle>,
 }
 
 /// A sampled direction of a walk.
@@ -37,45 +50,40 @@ pub struct ShadingSample {
 }
 
 impl<'a> Shading<'a> {
-    /// `surface` at `point`.
+    /// `surface` at `point`, met along the reverse of `known` by a walk that goes `toward` an end of the path. `None` if the
+    /// two normals have `known` on different sides, where nothing scatters.
     #[inline]
-    pub fn new(point: &'a SurfacePoint, surface: &'a Surface) -> Self {
-        Shading { point, surface }
+    pub fn new(point: &'a SurfacePoint, surface: &'a Surface, known: Vec3, toward: Transport) -> Option<Self> {
+        let local = local(point, known)?;
+        Some(Shading { point, surface, known, local, toward })
     }
 
-    /// F(wi, wo) |wi·ng| of the smooth lobes: what a camera walk at `wo` gets from light along `wi`.
+    /// What scatters between the known direction and `other`; `None` where F is zero.
     #[inline]
-    pub fn f_cos_light(&self, wi: Vec3, wo: Vec3) -> Spectrum {
-        match (self.local(wi), self.local(wo)) {
-            (Some(i), Some(o)) => self.surface.eval(i, o, Lobes::SMOOTH) * i.z.abs(),
-            _ => Spectrum::ZERO,
+    pub fn scattering(&self, other: Vec3) -> Option<Scattering> {
+        let o = local(self.point, other)?;
+        let (wi, wo) = self.toward.flow(self.local, o);
+        let f = self.surface.eval(wi, wo, Lobes::SMOOTH);
+        if f.is_black() {
+            return None;
         }
-    }
-
-    /// F(wi, wo) |wo·ng| of the smooth lobes: what a light walk at `wi` sends along `wo`.
-    #[inline]
-    pub fn f_cos_camera(&self, wi: Vec3, wo: Vec3) -> Spectrum {
-        match (self.local(wi), self.local(wo)) {
-            (Some(i), Some(o)) => self.surface.eval(i, o, Lobes::SMOOTH) * (i.z.abs() * self.cos(wo) / self.cos(wi)),
-            _ => Spectrum::ZERO,
-        }
+        let f_cos = f * (o.z.abs() * self.adjoint(other, o));
+        Some(Scattering { f_cos, pdf: Pdf::new(self.surface.pdf(self.local, o, self.toward, Lobes::SMOOTH)) })
     }
 
     /// F(wi, wo) of the smooth lobes, for connections and merges.
     #[inline]
-    pub fn f(&self, wi: Vec3, wo: Vec3) -> Spectrum {
-        match (self.local(wi), self.local(wo)) {
-            (Some(i), Some(o)) => self.surface.eval(i, o, Lobes::SMOOTH) * (i.z.abs() / self.cos(wi)),
-            _ => Spectrum::ZERO,
-        }
+    pub fn f(&self, other: Vec3) -> Spectrum {
+        let Some(o) = local(self.point, other) else { return Spectrum::ZERO };
+        let (wi, wo) = self.toward.flow((self.known, self.local), (other, o));
+        self.surface.eval(wi.1, wo.1, Lobes::SMOOTH) * (wi.1.z.abs() / self.cos(wi.0))
     }
 
-    /// Continues a walk that knows one direction; u = [lobe, direction, direction]. `None` if nothing scatters, or if the
-    /// direction is on different sides of the two normals, where F is zero.
+    /// Continues the walk; u = [lobe, direction, direction]. `None` if nothing scatters, or if the direction is on different
+    /// sides of the two normals, where F is zero.
     #[inline]
-    pub fn sample(&self, known: Vec3, toward: Transport, u: [f32; 3]) -> Option<ShadingSample> {
-        let k = self.local(known)?;
-        let sample = self.surface.sample(k, toward, u)?;
+    pub fn sample(&self, u: [f32; 3]) -> Option<ShadingSample> {
+        let sample = self.surface.sample(self.local, self.toward, u)?;
         let direction = self.point.frame.to_world(sample.direction);
         if !agree(direction.dot(self.point.ng), sample.direction.z) {
             return None;
@@ -84,29 +92,26 @@ impl<'a> Shading<'a> {
             Density::Smooth(pdf) => sample.direction.z.abs() / pdf.value(),
             Density::Delta(probability) => probability.recip(),
         };
-        let weight = sample.value * (cos * self.adjoint(known, k, direction, sample.direction, toward));
+        let weight = sample.value * (cos * self.adjoint(direction, sample.direction));
         Some(ShadingSample { direction, weight, density: sample.density, lobe: sample.lobe, eta: sample.eta })
     }
 
-    /// Continues a camera walk at `wo` along `wi`, which was made with density `pdf` by other means than [`Shading::sample`].
+    /// Continues the walk along `other`, which was made with density `pdf` by other means than [`Shading::sample`].
     #[inline]
-    pub fn along(&self, wi: Vec3, wo: Vec3, pdf: Pdf<SolidAngle>) -> ShadingSample {
-        let weight = self.f_cos_light(wi, wo) / pdf.value();
-        ShadingSample { direction: wi, weight, density: Density::Smooth(pdf), lobe: Lobes::SMOOTH, eta: 1.0 }
-    }
-
-    /// Density of `other` under [`Shading::sample`], all smooth lobes together; zero where F is.
-    #[inline]
-    pub fn pdf(&self, known: Vec3, other: Vec3, toward: Transport) -> Pdf<SolidAngle> {
-        match (self.local(known), self.local(other)) {
-            (Some(k), Some(o)) => Pdf::new(self.surface.pdf(k, o, toward, Lobes::SMOOTH)),
-            _ => Pdf::new(0.0),
-        }
+    pub fn along(&self, other: Vec3, pdf: Pdf<SolidAngle>) -> ShadingSample {
+        let weight = self.scattering(other).map_or(Spectrum::ZERO, |s| s.f_cos / pdf.value());
+        ShadingSample { direction: other, weight, density: Density::Smooth(pdf), lobe: Lobes::SMOOTH, eta: 1.0 }
     }
 
     /// Numbers that [`Shading::sample`] maps to `other`: see [`Bsdf::invert`].
-    pub fn invert(&self, known: Vec3, other: Vec3, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
-        self.surface.invert(self.local(known)?, self.local(other)?, toward, aux)
+    pub fn invert(&self, other: Vec3, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+        self.surface.invert(self.local, local(self.point, other)?, self.toward, aux)
+    }
+
+    /// The direction that is known.
+    #[inline]
+    pub fn known(&self) -> Vec3 {
+        self.known
     }
 
     /// The components of the surface.
@@ -121,22 +126,22 @@ impl<'a> Shading<'a> {
         w.dot(self.point.ng).abs()
     }
 
-    /// `w` in the shading frame, if both normals have it on the same side.
-    #[inline]
-    fn local(&self, w: Vec3) -> Option<Local> {
-        let local = self.point.frame.to_local(w);
-        agree(w.dot(self.point.ng), local.z).then_some(local)
-    }
-
-    /// The weight of a walk over f |cos| / density, the cosine to ns in the sampled direction: 1 toward the light,
+    /// The weight of a walk over f |cos| / density, the cosine to ns in the other direction: 1 toward the light,
     /// |wi·ns| |wo·ng| / (|wi·ng| |wo·ns|) toward the camera [Veach97 (5.19)].
     #[inline]
-    fn adjoint(&self, known: Vec3, k: Local, sampled: Vec3, s: Local, toward: Transport) -> f32 {
-        match toward {
+    fn adjoint(&self, other: Vec3, o: Local) -> f32 {
+        match self.toward {
             Transport::Light => 1.0,
-            Transport::Camera => (k.z / self.cos(known)).abs() * (self.cos(sampled) / s.z).abs(),
+            Transport::Camera => (self.local.z / self.cos(self.known)).abs() * (self.cos(other) / o.z).abs(),
         }
     }
+}
+
+/// `w` in the shading frame, if both normals have it on the same side.
+#[inline]
+fn local(point: &SurfacePoint, w: Vec3) -> Option<Local> {
+    let local = point.frame.to_local(w);
+    agree(w.dot(point.ng), local.z).then_some(local)
 }
 
 /// Whether a direction of cosines `geometric` and `shading` is on one side of both normals.

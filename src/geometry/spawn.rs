@@ -1,26 +1,16 @@
 //! The only place where a ray's origin is moved off the surface it leaves.
 
 use crate::geometry::Ray;
-use crate::numeric::{BELOW_ONE, next_down, next_up};
+use crate::numeric::BELOW_ONE;
 use glam::Vec3;
 
-/// `p` moved along the normal `ng` to the side of `toward` by `error`, then rounded away from the surface.
+/// `p` moved along the normal `ng` to the side of `toward` by `error`, which covers the rounding of the sum too.
 #[inline]
 fn offset(p: Vec3, error: f32, ng: Vec3, toward: Vec3) -> Vec3 {
     // |ng|₁ ≥ 1 scales the bound from coordinates to the normal's direction [PBRT4 §6.8.6].
     let distance = error * ng.abs().element_sum();
     let shift = if toward.dot(ng) < 0.0 { ng * -distance } else { ng * distance };
-    let moved = p + shift;
-    let away = |x: f32, s: f32| {
-        if s > 0.0 {
-            next_up(x)
-        } else if s < 0.0 {
-            next_down(x)
-        } else {
-            x
-        }
-    };
-    Vec3::new(away(moved.x, shift.x), away(moved.y, shift.y), away(moved.z, shift.z))
+    p + shift
 }
 
 /// A ray from the surface point `p` (known within `error`, geometric normal `ng`) in `direction`.

@@ -26,15 +26,15 @@ pub struct SurfacePoint {
 
 impl SurfacePoint {
     /// The point where `ray` meets the primitive `hit`; `None` for a triangle without area or a ray in its plane.
-    #[inline]
+    #[inline(always)] // callers keep the point in registers
     pub fn new(geometry: &Geometry, hit: Hit, ray: &Ray) -> Option<Self> {
         let triangle = geometry.triangle(hit);
         let meet = triangle.meet(ray)?;
         let (p, error) = triangle.point(meet.barycentric);
         let winding = geometry.winding(hit.object);
-        let ng = (triangle.scaled_normal().normalize() * winding).as_vec3();
+        let ng = (meet.normal * (winding / meet.normal.length())).as_vec3();
         let ns = geometry.shading_normal(hit, meet.barycentric).map_or(ng, |n| facing(n, ng));
-        let TriangleHit { barycentric, t, consistent } = meet;
+        let TriangleHit { barycentric, t, consistent, .. } = meet;
         Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, consistent })
     }
 

@@ -22,6 +22,8 @@ pub struct TriangleHit {
     pub barycentric: [f32; 2],
     /// Ray parameter.
     pub t: f32,
+    /// The geometric normal of the winding, times twice the area.
+    pub normal: DVec3,
     /// Whether the hit lies in the triangle within the error of a backend's f32 arithmetic.
     pub consistent: bool,
 }
@@ -62,38 +64,48 @@ impl Triangle {
         let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
         let d = ray.direction.as_dvec3();
         let (e1, e2, s) = (b - a, c - a, ray.origin.as_dvec3() - a);
-        let p = d.cross(e2);
-        let det = e1.dot(p);
+        let normal = e1.cross(e2);
+        let det = -d.dot(normal);
         let inverse = det.recip();
         if !inverse.is_finite() {
             return None;
         }
-        let q = s.cross(e1);
-        let (u, v) = (s.dot(p) * inverse, d.dot(q) * inverse);
-        let t = e2.dot(q) * inverse;
-        // A backend's edge function is wrong by at most about 8 roundings of products of vertex offsets and direction.
-        let reach2 = s.length_squared().max((s - e1).length_squared()).max((s - e2).length_squared());
-        let slack = 8.0 * f64::from(HALF_ULP) * reach2 * d.length() * inverse.abs();
-        let consistent = u >= -slack && v >= -slack && u + v <= 1.0 + slack;
+        let r = s.cross(d);
+        let (u, v, t) = (e2.dot(r) * inverse, -e1.dot(r) * inverse, s.dot(normal) * inverse);
+        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
+        let consistent = inside || outside_by(u, v) <= backend_slack(s, e1, e2) * d.length() * inverse.abs();
         let u = u.clamp(0.0, 1.0);
         let v = v.clamp(0.0, 1.0 - u);
-        Some(TriangleHit { barycentric: [u as f32, v as f32], t: t as f32, consistent })
+        Some(TriangleHit { barycentric: [u as f32, v as f32], t: t as f32, normal, consistent })
     }
 
     /// The point with the given barycentrics, and the distance by which a ray that leaves it must be moved along the normal
     /// so that no backend's f32 arithmetic can find the same triangle again.
     ///
-    /// The point itself is rounded once; a backend subtracts it from the vertices (half an ulp of the coordinate) and forms
-    /// products of the differences (about 8 half ulps of the distance to the farthest vertex).
+    /// In half ulps: the point is rounded, a backend subtracts it from the vertices, and moving it rounds again (3 of the
+    /// largest coordinate); the sum below rounds 3 times and a backend forms products of differences (8), each relative to
+    /// the distance to the farthest vertex, which is at most the sum of the edges.
     #[inline]
     pub fn point(&self, barycentric: [f32; 2]) -> (Vec3, f32) {
-        let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
-        let [u, v] = barycentric.map(f64::from);
-        let p = (a + (b - a) * u + (c - a) * v).as_vec3();
-        let reach = self.vertices.iter().map(|&x| (x - p).abs().max_element()).fold(0.0, f32::max);
-        let error = HALF_ULP * (4.0 * p.abs().max_element() + 16.0 * reach) + self.placement_error;
+        let [a, b, c] = self.vertices;
+        let [u, v] = barycentric;
+        let (e1, e2) = (b - a, c - a);
+        let p = a + (e1 * u + e2 * v);
+        let reach = (e1.abs() + e2.abs()).max_element();
+        let error = HALF_ULP * (4.0 * p.abs().max_element() + 12.0 * reach) + self.placement_error;
         (p, error)
     }
+}
+
+/// How far barycentrics lie outside the triangle.
+fn outside_by(u: f64, v: f64) -> f64 {
+    (-u).max(-v).max(u + v - 1.0)
+}
+
+/// By how much a backend's edge functions may be wrong: 8 roundings of products of vertex offsets, |d| and 1 / det left out.
+fn backend_slack(s: DVec3, e1: DVec3, e2: DVec3) -> f64 {
+    let reach2 = s.length_squared().max((s - e1).length_squared()).max((s - e2).length_squared());
+    8.0 * f64::from(HALF_ULP) * reach2
 }
 
 #[cfg(test)]

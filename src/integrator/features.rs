@@ -1,10 +1,10 @@
 //! What denoisers and compositors want to know of the first thing a camera ray meets. Numbers are addressed, so walking the
 //! path a second time for it meets the same surfaces; renders without these planes pay nothing.
 
-use crate::bsdf::{Lobes, Shading};
+use crate::bsdf::{Bsdf, Lobes, Shading};
 use crate::film::{Layout, Plane};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::path::{Arrival, Tally, Walk};
+use crate::path::{Tally, Walk};
 use crate::sampling::{Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -24,7 +24,7 @@ pub(super) fn record(scene: &Scene, ray: Ray, sampler: &mut impl Sampler, layout
     };
     let mut tally = Tally::default();
     let mut walk = Walk::new(scene, ray);
-    let Arrival::Surface(first) = walk.arrive(sampler, &mut tally) else { return };
+    let Some(first) = walk.arrive(sampler, &mut tally) else { return };
     put(Plane::Alpha, &[1.0]);
     put(Plane::Depth, &[((first.p - ray.origin).length() as f64 / scene.rebase().scale) as f32]);
     put(Plane::Position, &scene.rebase().point_in_file(first.p.as_dvec3()).as_vec3().to_array());
@@ -42,18 +42,18 @@ fn first_diffuse(scene: &Scene, mut walk: Walk, mut point: SurfacePoint, sampler
     loop {
         let surface = scene.surface(&mut point);
         let wo = -walk.ray.direction;
-        let shading = Shading::new(&point, &surface);
         let normal = if wo.dot(point.frame.n) < 0.0 { -point.frame.n } else { point.frame.n };
         let here = (walk.beta.map(|b: f32| b.min(1.0)) * surface.reflectance(), normal);
-        if shading.lobes().intersects(Lobes::SMOOTH) || walk.depth >= DEEPEST {
+        if surface.lobes().intersects(Lobes::SMOOTH) || walk.depth >= DEEPEST {
             return here;
         }
+        let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return here };
         let [u, v] = sampler.u2(walk.depth, Slot::Direction);
-        let Some(scatter) = shading.sample(wo, Transport::Light, [sampler.u1(walk.depth, Slot::Lobe), u, v]) else { return here };
+        let Some(scatter) = shading.sample([sampler.u1(walk.depth, Slot::Lobe), u, v]) else { return here };
         walk.depart(&point, &scatter, &mut tally);
         match walk.arrive(sampler, &mut tally) {
-            Arrival::Surface(next) => point = next,
-            Arrival::Escaped => return here,
+            Some(next) => point = next,
+            None => return here,
         }
     }
 }

@@ -8,22 +8,21 @@
 //! Caustics from small lights and light through ajar doors are slow in all three.
 
 use super::camera_pass::Radiance;
-use crate::bsdf::{Lobes, Shading, ShadingSample};
+use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::geometry::{Local, Ray, SurfacePoint};
-use crate::light::{End, Light, LightSample};
-use crate::path::{Arrival, Departure, Tally, Walk};
+use crate::light::{End, Light, LightSample, Receiver};
+use crate::path::{Departure, Tally, Walk};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::Transport;
-use glam::Vec3;
 
 /// How a path tracer samples directions and lights, and what share each technique has.
 pub(super) trait Strategy: Send + Sync {
     /// Whether lights are sampled at all.
     const SAMPLES_LIGHTS: bool;
     /// A direction to go on.
-    fn scatter(shading: &Shading, wo: Vec3, u: [f32; 3]) -> Option<ShadingSample>;
+    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample>;
     /// Share of a light sample of density `light` that scattering would have made with density `scattering`.
     fn share_of_light(light: f32, scattering: f32) -> f32;
     /// Share of light found by scattering with density `scattering` that light sampling would have found with `light`.
@@ -40,15 +39,15 @@ pub(super) struct Combined;
 impl Strategy for Naive {
     const SAMPLES_LIGHTS: bool = false;
     /// Uniform over the hemisphere on the side of `wo`, or over the sphere where the surface transmits.
-    fn scatter(shading: &Shading, wo: Vec3, [_, u, v]: [f32; 3]) -> Option<ShadingSample> {
+    fn scatter(shading: &Shading, [_, u, v]: [f32; 3]) -> Option<ShadingSample> {
         let frame = shading.point.frame;
         if shading.lobes().intersects(Lobes::TRANSMIT) {
             let wi = frame.to_world(Local::from(warp::uniform_sphere([u, v])));
-            Some(shading.along(wi, wo, warp::uniform_sphere_pdf()))
+            Some(shading.along(wi, warp::uniform_sphere_pdf()))
         } else {
             let w = warp::uniform_hemisphere([u, v]);
-            let wi = frame.to_world(Local::new(w.x, w.y, w.z.copysign(wo.dot(frame.n))));
-            Some(shading.along(wi, wo, warp::uniform_hemisphere_pdf()))
+            let wi = frame.to_world(Local::new(w.x, w.y, w.z.copysign(shading.known().dot(frame.n))));
+            Some(shading.along(wi, warp::uniform_hemisphere_pdf()))
         }
     }
     fn share_of_light(_: f32, _: f32) -> f32 {
@@ -62,8 +61,8 @@ impl Strategy for Naive {
 impl Strategy for NextEvent {
     const SAMPLES_LIGHTS: bool = true;
     #[inline]
-    fn scatter(shading: &Shading, wo: Vec3, u: [f32; 3]) -> Option<ShadingSample> {
-        shading.sample(wo, Transport::Light, u)
+    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
+        shading.sample(u)
     }
     #[inline]
     fn share_of_light(_: f32, _: f32) -> f32 {
@@ -78,8 +77,8 @@ impl Strategy for NextEvent {
 impl Strategy for Combined {
     const SAMPLES_LIGHTS: bool = true;
     #[inline]
-    fn scatter(shading: &Shading, wo: Vec3, u: [f32; 3]) -> Option<ShadingSample> {
-        shading.sample(wo, Transport::Light, u)
+    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
+        shading.sample(u)
     }
     #[inline]
     fn share_of_light(light: f32, scattering: f32) -> f32 {
@@ -127,7 +126,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         if radiance.is_black() {
             return radiance;
         }
-        let pdf = |from: &SurfacePoint| light.pdf_toward((point.p - from.p).length_squared(), wi).value();
+        let pdf = |from: &Receiver| light.pdf_toward((point.p - from.p).length_squared(), wi).value();
         let share = match &walk.departure {
             Departure::Surface(from, _) => self.share_of_hit(&walk.departure, index, || pdf(from)),
             Departure::Camera => 1.0,
@@ -150,32 +149,28 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     /// Light from one sampled light, scattered at `point`.
     #[inline]
     fn direct(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum {
-        let (point, wo) = (shading.point, -walk.ray.direction);
-        let lights = self.scene.lights();
-        let Some((light, pmf)) = lights.choose(point, sampler.u1(walk.depth, Slot::LightPick)) else {
+        let (lights, receiver) = (self.scene.lights(), Receiver::from(shading.point));
+        let Some((light, pmf)) = lights.choose(&receiver, sampler.u1(walk.depth, Slot::LightPick)) else {
             return Spectrum::ZERO;
         };
-        let Some(sample) = light.sample_toward(point, sampler.u2(walk.depth, Slot::LightPoint)) else {
+        let Some(sample) = light.sample_toward(&receiver, sampler.u2(walk.depth, Slot::LightPoint)) else {
             return Spectrum::ZERO;
         };
-        let value = shading.f_cos_light(sample.wi, wo);
-        if value.is_black() {
-            return Spectrum::ZERO;
-        }
-        let weight = self.light_weight(shading, wo, &sample, pmf);
+        let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
+        let weight = Self::light_weight(&scattering, &sample, pmf);
         tally.shadows += 1;
-        let through = self.scene.transmittance(&self.segment(walk, point, &sample));
-        walk.beta * value * sample.radiance * through * weight
+        let through = self.scene.transmittance(&self.segment(walk, shading.point, &sample));
+        walk.beta * scattering.f_cos * sample.radiance * through * weight
     }
 
     /// Share of the light sample over its density.
     #[inline]
-    fn light_weight(&self, shading: &Shading, wo: Vec3, sample: &LightSample, pmf: Pdf<Discrete>) -> f32 {
+    fn light_weight(scattering: &Scattering, sample: &LightSample, pmf: Pdf<Discrete>) -> f32 {
         match sample.density {
             Density::Delta(probability) => (pmf.value() * probability).recip(),
             Density::Smooth(pdf) => {
                 let density = pdf.choose(pmf).value();
-                S::share_of_light(density, shading.pdf(wo, sample.wi, Transport::Light).value()) / density
+                S::share_of_light(density, scattering.pdf.value()) / density
             }
         }
     }
@@ -185,7 +180,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     fn scatter(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler) -> Option<ShadingSample> {
         let lobe = if shading.surface.is_single_lobe() { 0.0 } else { sampler.u1(walk.depth, Slot::Lobe) };
         let [u, v] = sampler.u2(walk.depth, Slot::Direction);
-        S::scatter(shading, -walk.ray.direction, [lobe, u, v])
+        S::scatter(shading, [lobe, u, v])
     }
 
     /// The segment that must be free for `sample` to arrive.
@@ -205,16 +200,14 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         let mut walk = Walk::new(self.scene, ray);
         let mut total = Spectrum::ZERO;
         loop {
-            let mut point = match walk.arrive(sampler, tally) {
-                Arrival::Surface(point) => point,
-                Arrival::Escaped => return total + self.background(&walk),
-            };
+            let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
             total += self.emitted(&walk, &point);
             if walk.depth >= self.max_depth {
                 return total;
             }
             let surface = self.scene.surface(&mut point);
-            let shading = Shading::new(&point, &surface);
+            let wo = -walk.ray.direction;
+            let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return total };
             if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
                 total += self.direct(&shading, &walk, sampler, tally);
             }

@@ -1,7 +1,6 @@
 //! Which light to sample: by power.
 
-use super::Light;
-use crate::geometry::SurfacePoint;
+use super::{Light, Receiver};
 use crate::sampling::{Discrete, Distribution, Pdf};
 
 /// All lights of a scene, and the choice among them.
@@ -33,14 +32,14 @@ impl Lights {
 
     /// A light for the point `at`, and the probability of having chosen it; `None` if there is no light.
     #[inline]
-    pub fn choose(&self, _at: &SurfacePoint, u: f32) -> Option<(&Light, Pdf<Discrete>)> {
+    pub fn choose(&self, _at: &Receiver, u: f32) -> Option<(&Light, Pdf<Discrete>)> {
         let (i, pmf) = self.by_power.as_ref()?.sample(u);
         Some((&self.lights[i], pmf))
     }
 
     /// The probability that [`Lights::choose`] takes light `i` for the point `at`.
     #[inline]
-    pub fn pmf(&self, _at: &SurfacePoint, i: usize) -> Pdf<Discrete> {
+    pub fn pmf(&self, _at: &Receiver, i: usize) -> Pdf<Discrete> {
         self.by_power.as_ref().map_or(Pdf::new(0.0), |d| d.pmf(i))
     }
 }

@@ -18,6 +18,22 @@ use crate::sampling::Density;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
+/// A point that light may fall on, as far as the choice of a light may look at it.
+#[derive(Debug, Clone, Copy)]
+pub struct Receiver {
+    /// Position.
+    pub p: Vec3,
+    /// Geometric normal.
+    pub ng: Vec3,
+}
+
+impl From<&SurfacePoint> for Receiver {
+    #[inline]
+    fn from(point: &SurfacePoint) -> Self {
+        Receiver { p: point.p, ng: point.ng }
+    }
+}
+
 /// Where the segment to a light ends.
 #[derive(Debug, Clone, Copy)]
 pub enum End {
@@ -67,7 +83,7 @@ pub enum Light {
 impl Light {
     /// A direction from `at` toward this light; `None` if it cannot illuminate `at` that way.
     #[inline]
-    pub fn sample_toward(&self, at: &SurfacePoint, u: [f32; 2]) -> Option<LightSample> {
+    pub fn sample_toward(&self, at: &Receiver, u: [f32; 2]) -> Option<LightSample> {
         match self {
             Light::Point(light) => light.sample_toward(at.p),
             Light::Spot(light) => light.sample_toward(at.p),

@@ -2,4 +2,4 @@
 
 mod walk;
 
-pub use walk::{Arrival, Departure, Tally, Walk};
+pub use walk::{Departure, Tally, Walk};

@@ -9,6 +9,7 @@ use crate::geometry::{AnyHit, Frame, Hit, MediumId, Opaque, Ray, SurfacePoint};
 use crate::light::Light;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// Alpha masks: a hit counts where the alpha of its material reaches the cutoff.
 struct Mask<'a>(&'a Scene);
@@ -37,7 +38,7 @@ impl Scene {
     }
 
     /// The first surface that `ray` meets. Alpha masks are geometry; blended surfaces are met whatever their alpha.
-    #[inline]
+    #[inline(always)] // see Walk::arrive
     pub fn intersect(&self, ray: &Ray) -> Option<SurfacePoint> {
         let hit =
             if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) };
@@ -108,16 +109,16 @@ impl Scene {
 
     /// How the surface at `point` scatters, and its shading frame, bent by a normal map if it has one.
     #[inline]
-    pub fn surface(&self, point: &mut SurfacePoint) -> Surface {
+    pub fn surface(&self, point: &mut SurfacePoint) -> Cow<'_, Surface> {
         let (object, material) = self.material_of(point.hit);
         if let (Some(surface), false, None) = (material.constant(), object.colors, &material.source.normal_texture) {
-            return *surface;
+            return Cow::Borrowed(surface);
         }
         let at = self.coordinates(object, point.hit, point.barycentric);
         if let Some(frame) = self.normal_map_frame(material, point, &at) {
             point.frame = frame;
         }
-        material.resolve(&at)
+        Cow::Owned(material.resolve(&at))
     }
 
     /// The frame around a normal map's normal; `None` without a map or usable tangents.
