@@ -18,6 +18,10 @@ const LONGEST: u32 = 1 << 14;
 /// Scattering events before Russian roulette begins.
 const ROULETTE_FROM: u32 = 2;
 
+/// A path survives roulette with this times its throughput. relMSE × rays on the Cornell box at 1, 2, 3, 4, 6, 10 is .95, .68,
+/// .66, .66, .68, .71: paths that are cut as soon as their throughput falls leave noise that costs more than it saves.
+const ROULETTE_GAIN: f32 = 3.0;
+
 /// Counts of what walks did.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Tally {
@@ -134,7 +138,7 @@ impl<'a> Walk<'a> {
         if self.depth < ROULETTE_FROM {
             return !self.beta.is_black();
         }
-        let q = (self.beta.max_lane() * self.eta2).min(1.0);
+        let q = (ROULETTE_GAIN * self.beta.max_lane() * self.eta2).min(1.0);
         if q < 1.0 {
             if sampler.u1(self.depth, Slot::Roulette) >= q {
                 return false;

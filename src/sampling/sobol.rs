@@ -8,8 +8,8 @@
 use super::hash::mix64;
 use super::{Address, Independent, Sampler, Slot, unit_f32};
 
-/// Bounces from here on take independent numbers.
-const PADDED_BOUNCES: u32 = 8;
+/// Bounces from here on take independent numbers: relMSE on the Cornell box is the same for 3, 4 and 8, and 8 % more for 2.
+const PADDED_BOUNCES: u32 = 4;
 
 /// Point `index` of one pixel's sequence in one replicate.
 #[derive(Debug, Clone, Copy)]
