@@ -160,6 +160,7 @@ fn into_io(error: openexr::Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
 
     fn layers(pixels: usize) -> Vec<Layer> {
         let names = ["R", "G", "B", "stderr.R", "depth.Z"];

@@ -68,7 +68,7 @@ fn films_of_other_pictures_do_not_mix() {
         place.report(&format!("render {} --spp 8 --shard 1/2 -o b.film {option}", cornell()));
         place.run("merge a.film b.film -o x.exr").fails(2, what);
     }
-    place.run("merge a.film a.film -o x.exr").fails(2, "both hold passes 0,2,4,6");
+    place.run("merge a.film a.film -o x.exr").fails(2, "both hold pass 0");
 }
 
 #[test]

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
 /// A folder that goes away, and the binary in it.
-pub struct Place(tempfile::TempDir);
+pub(crate) struct Place(tempfile::TempDir);
 
 impl Place {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Place(tempfile::tempdir().unwrap())
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
@@ -22,45 +22,45 @@ impl Place {
         command
     }
 
-    pub fn run(&self, line: &str) -> Ran {
+    pub(crate) fn run(&self, line: &str) -> Ran {
         Ran(self.command(line).output().unwrap())
     }
 
-    pub fn start(&self, line: &str) -> Child {
+    pub(crate) fn start(&self, line: &str) -> Child {
         self.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
     /// Runs, demands success, and returns the report.
-    pub fn report(&self, line: &str) -> serde_json::Value {
+    pub(crate) fn report(&self, line: &str) -> serde_json::Value {
         let ran = self.run(&format!("{line} --json"));
         assert_eq!(ran.code(), 0, "{}", ran.stderr());
         serde_json::from_str(&ran.stdout()).unwrap()
     }
 
     /// The hash of the pixels that a command line gives.
-    pub fn pixels(&self, line: &str) -> String {
+    pub(crate) fn pixels(&self, line: &str) -> String {
         self.report(line)["pixel_hash"].as_str().unwrap().to_owned()
     }
 }
 
 /// What came of a run.
-pub struct Ran(pub Output);
+pub(crate) struct Ran(pub(crate) Output);
 
 impl Ran {
-    pub fn code(&self) -> i32 {
+    pub(crate) fn code(&self) -> i32 {
         self.0.status.code().unwrap()
     }
 
-    pub fn stdout(&self) -> String {
+    pub(crate) fn stdout(&self) -> String {
         String::from_utf8(self.0.stdout.clone()).unwrap()
     }
 
-    pub fn stderr(&self) -> String {
+    pub(crate) fn stderr(&self) -> String {
         String::from_utf8(self.0.stderr.clone()).unwrap()
     }
 
     /// Demands this exit code and an error that says `what` in one line.
-    pub fn fails(&self, code: i32, what: &str) {
+    pub(crate) fn fails(&self, code: i32, what: &str) {
         assert_eq!(self.code(), code, "{}", self.stderr());
         let stderr = self.stderr();
         let error = stderr.lines().find(|l| l.starts_with("etendue: error: ")).expect("an error line");
@@ -69,7 +69,7 @@ impl Ran {
 }
 
 /// The Cornell box, small enough for a test.
-pub fn cornell() -> String {
+pub(crate) fn cornell() -> String {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.gltf");
     format!("{} --size 32x32", scene.display())
 }
