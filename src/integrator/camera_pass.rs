@@ -42,7 +42,14 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
     }
 
     /// Renders consecutive pixels from `first` on.
-    fn chunk<P: Sampler>(&self, pass: u64, layout: &Layout, first: usize, out: &mut [f32], sampler: impl Fn(u64) -> P) -> PassReport {
+    fn chunk<P: Sampler>(
+        &self,
+        pass: u64,
+        layout: &Layout,
+        first: usize,
+        out: &mut [f32],
+        sampler: impl Fn(u64) -> P,
+    ) -> PassReport {
         let channels = layout.channels();
         let mut report = PassReport::default();
         let mut tally = Tally::default();
@@ -71,12 +78,16 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         report
     }
 
-    fn passes<P: Sampler>(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm, sampler: impl Fn(u64) -> P + Sync) -> Option<PassReport> {
+    fn passes<P: Sampler>(
+        &self,
+        pass: u64,
+        cancel: &Cancel,
+        out: &mut PassFilm,
+        sampler: impl Fn(u64) -> P + Sync,
+    ) -> Option<PassReport> {
         let layout = out.layout().clone();
         out.par_chunks(CHUNK)
-            .map(|(first, values)| {
-                (!cancel.requested()).then(|| self.chunk(pass, &layout, first, values, &sampler))
-            })
+            .map(|(first, values)| (!cancel.requested()).then(|| self.chunk(pass, &layout, first, values, &sampler)))
             .try_reduce(PassReport::default, |mut a, b| {
                 a.absorb(b);
                 Some(a)

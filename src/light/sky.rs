@@ -1,8 +1,8 @@
 //! Uniform radiance from outside the scene.
 
 use super::{End, LightSample};
-use crate::sampling::{Density, Pdf, SolidAngle};
 use crate::sampling::warp;
+use crate::sampling::{Density, Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 use std::f64::consts::PI;

@@ -3,7 +3,7 @@
 //! great depth the integrand is rough and independent numbers cost less.
 //!
 //! A replicate is one scrambling of the sequence; passes of a replicate take its points in order, so that after any power of
-//! two of passes each pair of dimensions is a scrambled (0, m, 2)-net.
+//! two of passes each pair of dimensions is a scrambled (0, m, 2)-net. In between it is not: spp are rounded to such numbers.
 
 use super::hash::mix64;
 use super::{Address, Independent, Sampler, Slot, unit_f32};
@@ -31,8 +31,7 @@ impl Sobol {
     /// The index, shuffled within its block [2ᵏ, 2ᵏ⁺¹): the first 2ᵐ points stay the first 2ᵐ points, whatever the order.
     ///
     /// [Burley20] shuffles by a nested scrambling instead, which keeps neighbours together in every slot: then the halves of
-    /// the domain that two neighbours fall into are opposite in *every* slot at once, and products over slots have up to twice
-    /// the variance of independent numbers (measured on the Cornell box: relMSE x spp .59 against .29).
+    /// the domain that two neighbours fall into are opposite in *every* slot at once, which products over slots notice.
     #[inline]
     fn shuffled(&self, key: u64) -> u32 {
         if self.index < 2 {
@@ -130,14 +129,13 @@ mod tests {
         }
     }
 
-    /// Every elementary interval of area 2⁻ᵐ holds exactly one of the first 2ᵐ points, and of every later block of 2ᵐ.
+    /// Every elementary interval of area 2⁻ᵐ holds exactly one of the first 2ᵐ points, and one of the next 2ᵐ.
     #[test]
-    fn every_power_of_two_block_is_a_net() {
+    fn the_first_and_the_next_power_of_two_points_are_nets() {
         let m = 8;
-        for (sequence, block) in [(3, 0), (4, 1), (5, 6)] {
-            let points: Vec<[f32; 2]> = (0..1u32 << m)
-                .map(|i| Sobol::new(Address::new(sequence), (block << m) + i).u2(2, Slot::Direction))
-                .collect();
+        for (sequence, block) in [(3, 0), (4, 0), (5, 1)] {
+            let points: Vec<[f32; 2]> =
+                (0..1u32 << m).map(|i| Sobol::new(Address::new(sequence), (block << m) + i).u2(2, Slot::Direction)).collect();
             for k in 0..=m {
                 let mut seen = vec![false; 1 << m];
                 for [x, y] in &points {

@@ -55,8 +55,9 @@ pub fn cosine_hemisphere_inverse(w: Vec3) -> [f32; 2] {
 /// A direction of the upper hemisphere, uniformly.
 #[inline]
 pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
-    let (radius, phi) = concentric_polar(u);
-    cap(radius * radius, phi)
+    let disk = concentric_disk(u);
+    let height = disk.length_squared();
+    (disk * (2.0 - height).max(0.0).sqrt()).extend(1.0 - height)
 }
 
 /// Density of [`uniform_hemisphere`].

@@ -1,11 +1,11 @@
 //! From a description to a scene: rebasing, baking, compiling, building.
 
+use super::assemble::assemble;
 use super::description::{self, Description, PunctualKind};
 use super::material::Material;
 use super::rebase::Rebase;
 use super::view::Views;
 use super::{Absorption, Features, ObjectInfo, Scene, SceneInfo};
-use super::assemble::assemble;
 use crate::accel::{Accel, Build};
 use crate::bsdf::{Bsdf, Lobes};
 use crate::error::{Error, Result};
@@ -134,9 +134,7 @@ fn punctual(light: &description::PunctualLight, rebase: &Rebase) -> Light {
     match light.kind {
         PunctualKind::Point => Light::Point(point),
         PunctualKind::Spot { inner, outer } => Light::Spot(SpotLight::new(point, -backward, inner, outer)),
-        PunctualKind::Directional => {
-            Light::Directional(DirectionalLight { toward: backward, irradiance: light.intensity })
-        }
+        PunctualKind::Directional => Light::Directional(DirectionalLight { toward: backward, irradiance: light.intensity }),
     }
 }
 

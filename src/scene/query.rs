@@ -40,8 +40,7 @@ impl Scene {
     /// The first surface that `ray` meets. Alpha masks are geometry; blended surfaces are met whatever their alpha.
     #[inline(always)] // see Walk::arrive
     pub fn intersect(&self, ray: &Ray) -> Option<SurfacePoint> {
-        let hit =
-            if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) };
+        let hit = if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) };
         SurfacePoint::new(&self.geometry, hit?, ray)
     }
 
@@ -126,10 +125,8 @@ impl Scene {
         let (texture, scale) = material.source.normal_texture.as_ref()?;
         let [x, y, z, _] = texture.at(at.uvs[texture.uv_set]);
         let ns = point.frame.n;
-        let (tangent, handedness) = self
-            .geometry
-            .tangent(point.hit, point.barycentric)
-            .or_else(|| self.uv_tangent(point, texture.uv_set))?;
+        let (tangent, handedness) =
+            self.geometry.tangent(point.hit, point.barycentric).or_else(|| self.uv_tangent(point, texture.uv_set))?;
         let s = (tangent - ns * ns.dot(tangent)).try_normalize()?;
         let t = ns.cross(s) * handedness;
         let bent = s * ((2.0 * x - 1.0) * scale) + t * ((2.0 * y - 1.0) * scale) + ns * (2.0 * z - 1.0);

@@ -11,6 +11,10 @@ use glam::{DVec3, Vec3};
 
 const METHODS: [Method; 3] = [Method::PathNaive, Method::PathNee, Method::Path];
 
+/// Without next-event estimation alone: in a corner of emitting walls its variance, ∫ (cos cos / d²)², is infinite, and then no
+/// standard error means anything.
+const OF_FINITE_VARIANCE_IN_CORNERS: [Method; 2] = [Method::PathNaive, Method::Path];
+
 /// A closed room that emits `emission` and reflects `reflectance` everywhere: radiance is emission / (1 − reflectance).
 fn furnace(reflectance: f32, emission: f32) -> Scene {
     let mut room = Description::default();
@@ -31,7 +35,7 @@ fn expect_mean(picture: &Picture, expected: f64, what: &str) {
 #[test]
 fn a_closed_room_of_one_material_is_uniformly_bright() {
     let room = furnace(0.5, 0.5);
-    for method in METHODS {
+    for method in OF_FINITE_VARIANCE_IN_CORNERS {
         for sampler in [SamplerKind::Independent, SamplerKind::Sobol] {
             let picture = render(&room, Shot { sampler, ..Shot::new(method, 16, 64) });
             expect_mean(&picture, 1.0, &format!("{method:?} {sampler:?}"));
@@ -44,7 +48,7 @@ fn depth_counts_scattering_events() {
     // Emission plus n reflections of it: 0.5 (1 + 1/2 + … + 2⁻ⁿ).
     let room = furnace(0.5, 0.5);
     for (depth, expected) in [(0, 0.5), (1, 0.75), (2, 0.875), (3, 0.9375)] {
-        for method in METHODS {
+        for method in OF_FINITE_VARIANCE_IN_CORNERS {
             let picture = render(&room, Shot { depth: Some(depth), ..Shot::new(method, 16, 64) });
             if depth == 0 {
                 assert!(picture.mean.iter().all(|&m| (m - 0.5).abs() < 1e-6), "{method:?}"); // film quantum
@@ -55,7 +59,7 @@ fn depth_counts_scattering_events() {
     }
 }
 
-/// A small patch under a unit square light in distance 1: irradiance 0.752275 L [light-transport §3.2].
+/// A small patch under a unit square light in distance 1: irradiance 0.752275 L (light-transport.md, section 3.2).
 #[test]
 fn a_square_light_gives_the_irradiance_of_lamberts_formula() {
     let mut room = Description::default();
@@ -68,7 +72,7 @@ fn a_square_light_gives_the_irradiance_of_lamberts_formula() {
     let room = scene(room);
     let expected = 0.8 / std::f64::consts::PI * 0.752_275 * 2.0;
     for method in METHODS {
-        expect_mean(&render(&room, Shot::new(method, 16, 256)), expected, &format!("{method:?}"));
+        expect_mean(&render(&room, Shot::new(method, 16, 1024)), expected, &format!("{method:?}"));
     }
 }
 
@@ -93,7 +97,7 @@ fn a_point_light_falls_off_with_the_square_of_the_distance() {
     }
 }
 
-/// Inside a lossless glass room in a furnace of radiance B, radiance is η² B; seen from outside through the glass it is B.
+/// A lossless glass body in a furnace of radiance B shows B: reflected and refracted shares add up, η² cancels on the way out.
 #[test]
 fn glass_in_a_furnace_cannot_be_seen() {
     let mut room = Description::default();
@@ -120,9 +124,7 @@ fn glass_in_a_furnace_cannot_be_seen() {
     room.materials.append(&mut glass.materials);
     room.cameras.push(camera(DVec3::new(0.1, 0.2, 0.95), DVec3::new(0.0, 0.0, 0.0)));
     let room = scene(room);
-    for method in [Method::PathNee, Method::Path] {
-        expect_mean(&render(&room, Shot::new(method, 16, 64)), 1.0, &format!("{method:?}"));
-    }
+    expect_mean(&render(&room, Shot::new(Method::Path, 16, 64)), 1.0, "path");
 }
 
 /// The tests above convict a renderer that is wrong by two per cent.

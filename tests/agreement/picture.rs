@@ -11,42 +11,42 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Family-wise level of every test in this binary: with fixed seeds it is the chance that a right renderer is convicted by
 /// the seeds that happen to be written here.
-pub const LEVEL: f64 = 1e-4;
+pub(crate) const LEVEL: f64 = 1e-4;
 
 /// Replicates: enough for a standard error of blocks whose pixels are pooled.
 const REPLICATES: u32 = 4;
 
 /// A square picture: mean and squared standard error of each lane of each pixel.
-pub struct Picture {
-    pub side: usize,
-    pub mean: Vec<f64>,
-    pub variance: Vec<f64>,
+pub(crate) struct Picture {
+    pub(crate) side: usize,
+    pub(crate) mean: Vec<f64>,
+    pub(crate) variance: Vec<f64>,
 }
 
 /// What of [`Options`] the tests vary.
 #[derive(Clone, Copy)]
-pub struct Shot {
-    pub method: Method,
-    pub side: u32,
-    pub spp: u64,
-    pub seed: u64,
-    pub depth: Option<u32>,
-    pub sampler: SamplerKind,
+pub(crate) struct Shot {
+    pub(crate) method: Method,
+    pub(crate) side: u32,
+    pub(crate) spp: u64,
+    pub(crate) seed: u64,
+    pub(crate) depth: Option<u32>,
+    pub(crate) sampler: SamplerKind,
 }
 
 impl Shot {
-    pub fn new(method: Method, side: u32, spp: u64) -> Self {
+    pub(crate) fn new(method: Method, side: u32, spp: u64) -> Self {
         Shot { method, side, spp, seed: 1, depth: None, sampler: SamplerKind::Sobol }
     }
 }
 
 /// Builds a scene for tests.
-pub fn scene(description: Description) -> Scene {
+pub(crate) fn scene(description: Description) -> Scene {
     Scene::build(description, &BuildOptions { build: Default::default(), threads: 1 }).expect("a valid scene")
 }
 
 /// Renders the first camera's view with a box filter.
-pub fn render(scene: &Scene, shot: Shot) -> Picture {
+pub(crate) fn render(scene: &Scene, shot: Shot) -> Picture {
     let options = Options {
         seed: shot.seed,
         sampler: shot.sampler,
@@ -75,14 +75,14 @@ pub fn render(scene: &Scene, shot: Shot) -> Picture {
 
 /// Mean over some pixels and the variance of that mean.
 #[derive(Clone, Copy)]
-pub struct Block {
-    pub mean: f64,
-    pub variance: f64,
+pub(crate) struct Block {
+    pub(crate) mean: f64,
+    pub(crate) variance: f64,
 }
 
 impl Picture {
     /// Means of `n` × `n` square blocks, each lane on its own.
-    pub fn blocks(&self, n: usize) -> Vec<Block> {
+    pub(crate) fn blocks(&self, n: usize) -> Vec<Block> {
         let size = self.side / n;
         let count = (size * size) as f64;
         let mut blocks = vec![Block { mean: 0.0, variance: 0.0 }; n * n * 3];
@@ -97,20 +97,20 @@ impl Picture {
     }
 
     /// The image mean over all pixels and lanes.
-    pub fn overall(&self) -> Block {
+    pub(crate) fn overall(&self) -> Block {
         let n = self.mean.len() as f64;
         Block { mean: self.mean.iter().sum::<f64>() / n, variance: self.variance.iter().sum::<f64>() / (n * n) }
     }
 
     /// Multiplied by `k`: a planted error.
-    pub fn times(mut self, k: f64) -> Self {
+    pub(crate) fn times(mut self, k: f64) -> Self {
         self.mean.iter_mut().for_each(|m| *m *= k);
         self
     }
 }
 
 /// The two-sided z limit for `tests` tests at the family-wise [`LEVEL`] (Šidák).
-pub fn limit(tests: usize) -> f64 {
+pub(crate) fn limit(tests: usize) -> f64 {
     let each = sidak_level(LEVEL, tests as u64);
     Normal::new(0.0, 1.0).expect("standard").inverse_cdf(1.0 - each / 2.0)
 }
@@ -118,7 +118,7 @@ pub fn limit(tests: usize) -> f64 {
 /// z scores of equal means over image and blocks, and whether all are within [`limit`].
 ///
 /// Blocks pool at least 64 pixels of at least 3 degrees of freedom each, so z stands for t with at least 192.
-pub fn agree(a: &Picture, b: &Picture, n: usize) -> Result<(), String> {
+pub(crate) fn agree(a: &Picture, b: &Picture, n: usize) -> Result<(), String> {
     let mut pairs: Vec<_> = a.blocks(n).into_iter().zip(b.blocks(n)).collect();
     pairs.push((a.overall(), b.overall()));
     let limit = limit(pairs.len());
@@ -129,6 +129,6 @@ pub fn agree(a: &Picture, b: &Picture, n: usize) -> Result<(), String> {
 }
 
 /// Whether the long versions run.
-pub fn deep() -> bool {
+pub(crate) fn deep() -> bool {
     std::env::var_os("ETENDUE_TEST_DEEP").is_some_and(|v| v != "0")
 }

@@ -56,9 +56,7 @@ fn at_4096_spp_the_cornell_box_matches_in_mean_and_blocks() {
     for method in [Method::Path, Method::PathNee] {
         let picture = render(&box_, Shot { depth: Some(64), ..Shot::new(method, 256, 4096) });
         let mean = picture.overall().mean / reference.overall().mean - 1.0;
-        let lanes = |p: &Picture| -> Vec<f64> {
-            p.blocks(8).chunks(3).map(|b| b.iter().map(|b| b.mean).sum()).collect()
-        };
+        let lanes = |p: &Picture| -> Vec<f64> { p.blocks(8).chunks(3).map(|b| b.iter().map(|b| b.mean).sum()).collect() };
         let ratios = lanes(&picture).into_iter().zip(lanes(&reference)).map(|(a, b)| (a / b - 1.0).abs());
         let worst = ratios.fold(0.0, f64::max);
         println!("{method:?}: mean {:+.4} %, worst block {:.3} %", mean * 100.0, worst * 100.0);

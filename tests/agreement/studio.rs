@@ -7,7 +7,7 @@ use etendue::spectrum::Spectrum;
 use glam::{DAffine3, DVec3, Vec3};
 
 /// A Lambertian material.
-pub fn matte(reflectance: f32, emission: f32) -> Material {
+pub(crate) fn matte(reflectance: f32, emission: f32) -> Material {
     Material {
         base_color: Spectrum::splat(reflectance),
         emission: Spectrum::splat(emission),
@@ -19,7 +19,7 @@ pub fn matte(reflectance: f32, emission: f32) -> Material {
 }
 
 /// Adds a mesh of one material.
-pub fn add(scene: &mut Description, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, material: Material) {
+pub(crate) fn add(scene: &mut Description, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, material: Material) {
     let (mesh, id) = (scene.meshes.len(), scene.materials.len());
     let primitive = Primitive { positions, triangles, material: id, ..Primitive::default() };
     scene.meshes.push(Mesh { name: format!("mesh {mesh}"), primitives: vec![primitive] });
@@ -28,13 +28,13 @@ pub fn add(scene: &mut Description, positions: Vec<Vec3>, triangles: Vec<[u32; 3
 }
 
 /// Adds the square with centre `c` spanned by the half edges `u` and `v`; its front is the side of u × v.
-pub fn add_square(scene: &mut Description, c: Vec3, u: Vec3, v: Vec3, material: Material) {
+pub(crate) fn add_square(scene: &mut Description, c: Vec3, u: Vec3, v: Vec3, material: Material) {
     let corners = vec![c - u - v, c + u - v, c + u + v, c - u + v];
     add(scene, corners, vec![[0, 1, 2], [0, 2, 3]], material);
 }
 
 /// Adds the six inner walls of the cube from −1 to 1, all of one material.
-pub fn add_room(scene: &mut Description, material: &Material) {
+pub(crate) fn add_room(scene: &mut Description, material: &Material) {
     for axis in 0..3 {
         for side in [-1.0, 1.0] {
             let mut n = [0.0; 3];
@@ -46,7 +46,7 @@ pub fn add_room(scene: &mut Description, material: &Material) {
 }
 
 /// A pinhole camera at `eye` that looks at `target`, with a field of view of 60 degrees.
-pub fn camera(eye: DVec3, target: DVec3) -> Camera {
+pub(crate) fn camera(eye: DVec3, target: DVec3) -> Camera {
     let backward = (eye - target).normalize();
     let up = if backward.y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
     let right = up.cross(backward).normalize();
@@ -56,7 +56,7 @@ pub fn camera(eye: DVec3, target: DVec3) -> Camera {
 }
 
 /// A point light.
-pub fn point_light(position: DVec3, intensity: f32) -> PunctualLight {
+pub(crate) fn point_light(position: DVec3, intensity: f32) -> PunctualLight {
     PunctualLight {
         name: "point".into(),
         kind: PunctualKind::Point,
