@@ -4,7 +4,6 @@ use super::{End, LightSample};
 use crate::sampling::warp;
 use crate::sampling::{Density, Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
-use glam::Vec3;
 use std::f64::consts::PI;
 
 /// The same radiance from every direction where nothing is hit.
@@ -18,7 +17,7 @@ impl Sky {
     /// A direction chosen uniformly.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> LightSample {
-        let wi = Vec3::from(warp::uniform_sphere(u));
+        let wi = warp::uniform_sphere(u);
         LightSample { wi, radiance: self.radiance, density: Density::Smooth(self.pdf()), end: End::Infinity }
     }
 

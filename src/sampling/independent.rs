@@ -39,7 +39,8 @@ mod tests {
     fn numbers_of_neighbouring_addresses_are_uniform_together() {
         let of =
             |pass: u64, pixel: u64, bounce: u32| Independent::new(Address::new(7).with(pass).with(pixel)).u1(bounce, Slot::Lobe);
-        let pairs: [fn(u64) -> [(u64, u64, u32); 2]; 3] =
+        type Pair = fn(u64) -> [(u64, u64, u32); 2];
+        let pairs: [Pair; 3] =
             [|i| [(2 * i, 5, 0), (2 * i + 1, 5, 0)], |i| [(5, 2 * i, 0), (5, 2 * i + 1, 0)], |i| [(5, i, 0), (5, i, 1)]];
         for pair in pairs {
             let mut cells = [0u32; 256];

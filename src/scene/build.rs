@@ -98,7 +98,7 @@ fn interior(material: &description::Material, rebase: &Rebase, media: &mut Vec<A
     }
     // White light has the attenuation colour after the attenuation distance.
     let distance = (volume.attenuation_distance * rebase.scale) as f32;
-    let sigma = volume.attenuation_color.map(|c: f32| -c.max(f32::MIN_POSITIVE).min(1.0).ln() / distance);
+    let sigma = volume.attenuation_color.map(|c: f32| -c.clamp(f32::MIN_POSITIVE, 1.0).ln() / distance);
     let id = media.iter().position(|m| m.0 == sigma).unwrap_or_else(|| {
         media.push(Absorption(sigma));
         media.len() - 1
