@@ -29,7 +29,7 @@ pub use surface::Surface;
 pub use thin::Thin;
 
 use crate::geometry::Local;
-use crate::numeric::Scalar;
+use crate::numeric::{Scalar, next_down};
 use crate::sampling::Density;
 use crate::spectrum::Spectrum;
 use crate::transport::Transport;
@@ -110,6 +110,5 @@ pub trait Bsdf: Copy {
 /// A number in [start, end) chosen by `aux`, and the logarithm of its density; `None` for an empty interval.
 fn within([start, end]: [f32; 2], aux: f32) -> Option<(f32, f64)> {
     let width = end - start;
-    let x = start + width * aux;
-    (width > 0.0).then(|| (if x < end { x } else { start }, -f64::from(width).ln()))
+    (width > 0.0).then(|| ((start + width * aux).min(next_down(end)), -f64::from(width).ln()))
 }
