@@ -4,7 +4,7 @@
     docs/make_contact_sheet.py SAMPLES [--etendue target/release/etendue] [--spp 256]
 
 SAMPLES is a folder with one folder a model (glTF-Sample-Models, or shared/scenes/gltf-samples). Needs Pillow. Models
-without a light stand in étendue's uniform white environment. What one should see is in docs/gltf-samples.md.
+stand in a uniform white environment. What one should see is in docs/gltf-samples.md.
 """
 import argparse
 import subprocess
@@ -28,7 +28,8 @@ def scene_file(samples, model):
 
 
 def render(etendue, scene, spp, output):
-    command = [etendue, "render", str(scene), "--size", f"{SIDE}x{SIDE}", "--spp", str(spp), "--quiet", "-o", str(output)]
+    # Some have an emitter too weak to see them by, so all stand in a white environment.
+    command = [etendue, "render", str(scene), "--environment", "1", "--size", f"{SIDE}x{SIDE}", "--spp", str(spp), "--quiet", "-o", str(output)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
