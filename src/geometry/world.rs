@@ -95,6 +95,13 @@ impl Geometry {
         Some(mesh.triangles()[hit.primitive as usize].map(|i| uvs[i as usize]))
     }
 
+    /// Vertex colours at the corners of a triangle, if the mesh has them.
+    pub fn corner_colors(&self, hit: Hit) -> Option<[Vec4; 3]> {
+        let mesh = self.mesh_of(hit.object);
+        let colors = mesh.attributes().colors.as_ref()?;
+        Some(mesh.triangles()[hit.primitive as usize].map(|i| colors[i as usize]))
+    }
+
     /// The vertex colour at a hit; white where the mesh has none.
     #[inline]
     pub fn color(&self, hit: Hit, barycentric: [f32; 2]) -> Vec4 {

@@ -18,6 +18,38 @@ pub struct Emission {
     pub texture: Option<Box<(Arc<Texture>, [Vec2; 3])>>,
     /// Whether the back emits as the front does.
     pub two_sided: bool,
+    /// Where alpha leaves something to emit, if not everywhere.
+    pub coverage: Option<Box<Coverage>>,
+}
+
+/// Alpha over a triangle. A ray that hits the triangle has passed the test of alpha already; a point that is sampled on it has
+/// not.
+#[derive(Debug, Clone)]
+pub struct Coverage {
+    /// Alpha factor at the corners.
+    pub corners: [f32; 3],
+    /// A texture whose alpha multiplies it, and its coordinates at the corners.
+    pub texture: Option<(Arc<Texture>, [Vec2; 3])>,
+    /// Alpha below this is 0 and from it on 1 (mask); `None` for blending.
+    pub cutoff: Option<f32>,
+}
+
+impl Coverage {
+    fn at(&self, barycentric: [f32; 2]) -> f32 {
+        let mut alpha = mix(&self.corners, barycentric);
+        if let Some((texture, uvs)) = &self.texture {
+            alpha *= texture.at(mix(uvs, barycentric))[3];
+        }
+        match self.cutoff {
+            Some(cutoff) => f32::from(u8::from(alpha >= cutoff)),
+            None => alpha.clamp(0.0, 1.0),
+        }
+    }
+}
+
+/// The value between those of three corners.
+fn mix<V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>>(corners: &[V; 3], [u, v]: [f32; 2]) -> V {
+    corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v
 }
 
 impl Emission {
@@ -25,9 +57,8 @@ impl Emission {
     #[inline]
     fn at(&self, barycentric: [f32; 2]) -> Spectrum {
         let Some(textured) = &self.texture else { return self.radiance };
-        let (texture, [a, b, c]) = &**textured;
-        let [u, v] = barycentric;
-        let [red, green, blue, _] = texture.at(*a * (1.0 - u - v) + *b * u + *c * v);
+        let (texture, uvs) = &**textured;
+        let [red, green, blue, _] = texture.at(mix(uvs, barycentric));
         self.radiance * Spectrum::from_rgb([red, green, blue])
     }
 }
@@ -75,7 +106,8 @@ impl AreaLight {
         let to = q - p;
         let d2 = to.length_squared();
         let wi = to / d2.sqrt();
-        let radiance = self.radiance(barycentric, -wi);
+        let coverage = self.emission.coverage.as_ref().map_or(1.0, |c| c.at(barycentric));
+        let radiance = self.radiance(barycentric, -wi) * coverage;
         let pdf = self.pdf_toward(d2, wi);
         if radiance.is_black() || pdf.value() <= 0.0 || d2 == 0.0 {
             return None;

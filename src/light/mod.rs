@@ -8,7 +8,7 @@ mod choose;
 mod punctual;
 mod sky;
 
-pub use area::{AreaLight, Emission};
+pub use area::{AreaLight, Coverage, Emission};
 pub use choose::Lights;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 pub use sky::Sky;

@@ -119,7 +119,8 @@ fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Mat
         let (winding, mean) = (geometry.winding(object), material.mean_emission_texture());
         lights.extend((0..geometry.mesh_of(object).triangles().len() as u32).map(|primitive| {
             let hit = Hit { object, primitive };
-            let emission = material.emission_of(|set| geometry.corner_uvs(hit, set));
+            let alphas = geometry.corner_colors(hit).map(|colors| colors.map(|c| c.w));
+            let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), alphas);
             Light::Area(AreaLight::new(geometry.triangle(hit), winding, emission, mean))
         }));
     }

@@ -3,7 +3,7 @@
 use super::description::{self, AlphaMode, MetalFresnel};
 use crate::bsdf::{MetallicRoughness, Surface, Wall};
 use crate::geometry::MediumId;
-use crate::light::Emission;
+use crate::light::{Coverage, Emission};
 use crate::spectrum::Spectrum;
 use crate::texture::Texture;
 use glam::{Vec2, Vec4};
@@ -112,13 +112,19 @@ impl Material {
         if self.source.unlit { self.source.base_color } else { self.source.emission }
     }
 
-    /// The emission of a triangle with the given texture coordinates at its corners (both sets).
-    pub(super) fn emission_of(&self, corners: impl Fn(usize) -> Option<[Vec2; 3]>) -> Emission {
-        let texture = self.emission_texture.as_ref().map(|t| {
-            let uvs = corners(t.uv_set).unwrap_or_default();
-            Box::new((Arc::clone(t), uvs))
+    /// The emission of a triangle with the given texture coordinates (by set) and vertex alpha at its corners.
+    pub(super) fn emission_of(&self, uvs: impl Fn(usize) -> Option<[Vec2; 3]>, alphas: Option<[f32; 3]>) -> Emission {
+        let corner_uvs = |t: &Texture| uvs(t.uv_set).unwrap_or_default();
+        let texture = self.emission_texture.as_ref().map(|t| Box::new((Arc::clone(t), corner_uvs(t))));
+        let m = &self.source;
+        let coverage = self.has_holes(alphas.is_some()).then(|| {
+            Box::new(Coverage {
+                corners: alphas.unwrap_or([1.0; 3]).map(|a| a * m.alpha),
+                texture: m.base_color_texture.as_ref().map(|t| (Arc::new(t.clone()), corner_uvs(t))),
+                cutoff: if let AlphaMode::Mask { cutoff } = m.alpha_mode { Some(cutoff) } else { None },
+            })
         });
-        Emission { radiance: self.emission(), texture, two_sided: self.source.double_sided || self.source.unlit }
+        Emission { radiance: self.emission(), texture, two_sided: m.double_sided || m.unlit, coverage }
     }
 
     /// Mean linear colour of the emission texture, white without one.

@@ -5,9 +5,9 @@ use crate::studio::{add_room, add_square, camera, matte, point_light};
 use etendue::integrator::Method;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
-use etendue::scene::description::{Description, Volume};
+use etendue::scene::description::{AlphaMode, Description, Material, Volume};
 use etendue::spectrum::Spectrum;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 const METHODS: [Method; 3] = [Method::PathNaive, Method::PathNee, Method::Path];
 
@@ -125,6 +125,28 @@ fn glass_in_a_furnace_cannot_be_seen() {
     room.cameras.push(camera(DVec3::new(0.1, 0.2, 0.95), DVec3::new(0.0, 0.0, 0.0)));
     let room = scene(room);
     expect_mean(&render(&room, Shot::new(Method::Path, 16, 64)), 1.0, "path");
+}
+
+/// Light through holes: a lamp whose alpha leaves half of it and a half-transparent screen before it. Three methods that find
+/// the lamp in different ways see one picture.
+#[test]
+fn alpha_means_the_same_to_every_method() {
+    for mode in [AlphaMode::Blend, AlphaMode::Mask { cutoff: 0.5 }] {
+        let mut room = Description::default();
+        add_square(&mut room, Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0, matte(0.7, 0.0));
+        let lamp = Material { alpha_mode: mode, ..matte(0.3, 4.0) };
+        add_square(&mut room, Vec3::Y, Vec3::X * 0.5, Vec3::Z * 0.5, lamp);
+        let colors = [0.0, 1.0, 1.0, 0.0].map(|alpha| Vec4::new(1.0, 1.0, 1.0, alpha)); // alpha runs along x
+        room.meshes[1].primitives[0].colors = Some(colors.to_vec());
+        let screen = Material { alpha: 0.4, alpha_mode: AlphaMode::Blend, ..matte(0.8, 0.0) };
+        add_square(&mut room, Vec3::new(0.3, 0.5, 0.0), Vec3::X * 0.4, Vec3::NEG_Z * 0.6, screen);
+        room.cameras.push(camera(DVec3::new(0.5, 0.8, 2.5), DVec3::new(0.0, 0.3, 0.0)));
+        let room = scene(room);
+        assert!(room.features().blends);
+        let [naive, nee, path] = METHODS.map(|m| render(&room, Shot::new(m, 32, if m == Method::PathNaive { 512 } else { 64 })));
+        agree(&path, &nee, 4).unwrap_or_else(|e| panic!("{mode:?}, path and path-nee: {e}"));
+        agree(&path, &naive, 4).unwrap_or_else(|e| panic!("{mode:?}, path and path-naive: {e}"));
+    }
 }
 
 /// The tests above convict a renderer that is wrong by two per cent.
