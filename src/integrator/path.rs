@@ -20,9 +20,12 @@ use crate::transport::Transport;
 /// How a path tracer samples directions and lights, and what share each technique has.
 pub(super) trait Strategy: Send + Sync {
     /// Whether lights are sampled at all.
-    const SAMPLES_LIGHTS: bool;
-    /// A direction to go on.
-    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample>;
+    const SAMPLES_LIGHTS: bool = true;
+    /// A direction to go on: by the BSDF.
+    #[inline]
+    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
+        shading.sample(u)
+    }
     /// Share of a light sample of density `light` that scattering would have made with density `scattering`.
     fn share_of_light(light: f32, scattering: f32) -> f32;
     /// Share of light found by scattering with density `scattering` that light sampling would have found with `light`.
@@ -59,11 +62,6 @@ impl Strategy for Naive {
 }
 
 impl Strategy for NextEvent {
-    const SAMPLES_LIGHTS: bool = true;
-    #[inline]
-    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
-        shading.sample(u)
-    }
     #[inline]
     fn share_of_light(_: f32, _: f32) -> f32 {
         1.0
@@ -75,11 +73,6 @@ impl Strategy for NextEvent {
 }
 
 impl Strategy for Combined {
-    const SAMPLES_LIGHTS: bool = true;
-    #[inline]
-    fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
-        shading.sample(u)
-    }
     #[inline]
     fn share_of_light(light: f32, scattering: f32) -> f32 {
         power(light, scattering)

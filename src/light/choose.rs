@@ -1,7 +1,11 @@
-//! Which light to sample: by power.
+//! Which light to sample: by power, with a floor.
 
 use super::{Light, Receiver};
 use crate::sampling::{Discrete, Distribution, Pdf};
+
+/// Share of the choice that is uniform over all lights with power: a weak lamp close by must not be lost beside a strong one,
+/// nor rounded away in the table.
+const FLOOR: f64 = 0.05;
 
 /// All lights of a scene, and the choice among them.
 #[derive(Debug, Default)]
@@ -14,7 +18,10 @@ pub struct Lights {
 impl Lights {
     /// The choice among `lights` of a scene with bounding radius `radius`. Lights without power are never chosen.
     pub fn new(lights: Vec<Light>, radius: f32) -> Self {
-        let by_power = Distribution::new(lights.iter().map(|l| l.power(radius)));
+        let powers: Vec<f64> = lights.iter().map(|l| l.power(radius)).collect();
+        let shining = powers.iter().filter(|&&p| p > 0.0).count();
+        let floor = FLOOR * powers.iter().sum::<f64>() / shining.max(1) as f64;
+        let by_power = Distribution::new(powers.iter().map(|&p| if p > 0.0 { p + floor } else { 0.0 }));
         let sky = lights.iter().position(|l| matches!(l, Light::Sky(_)));
         Lights { lights, by_power, sky }
     }
@@ -41,5 +48,29 @@ impl Lights {
     #[inline]
     pub fn pmf(&self, _at: &Receiver, i: usize) -> Pdf<Discrete> {
         self.by_power.as_ref().map_or(Pdf::new(0.0), |d| d.pmf(i))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::PointLight;
+    use crate::spectrum::Spectrum;
+    use glam::Vec3;
+
+    fn lamps(intensities: &[f32]) -> Lights {
+        let lamp = |&i: &f32| Light::Point(PointLight { position: Vec3::ZERO, intensity: Spectrum::splat(i) });
+        Lights::new(intensities.iter().map(lamp).collect(), 1.0)
+    }
+
+    #[test]
+    fn weak_lights_keep_a_probability_and_dark_ones_none() {
+        let at = Receiver { p: Vec3::ZERO, ng: Vec3::Z };
+        let lights = lamps(&[1e6, 1e-6, 0.0]);
+        let pmf: Vec<f32> = (0..3).map(|i| lights.pmf(&at, i).value()).collect();
+        assert!(pmf[0] > 0.9 && pmf[1] > 0.02, "{pmf:?}");
+        assert_eq!(pmf[2], 0.0);
+        assert!((pmf.iter().sum::<f32>() - 1.0).abs() <= f32::EPSILON);
+        assert!(lamps(&[0.0]).choose(&at, 0.5).is_none());
     }
 }
