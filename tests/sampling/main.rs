@@ -1,1 +1,19 @@
-fn main(){}
+//! Samplers, densities and values of scattering models and warps against each other, and against what physics asks.
+//! Statistical tests state their family-wise level and have fixed seeds; `ETENDUE_TEST_DEEP=1` takes more samples.
+
+#[path = "../support/backward.rs"]
+mod backward;
+#[path = "../support/chi_square.rs"]
+mod chi_square;
+#[path = "../support/quadrature.rs"]
+mod quadrature;
+#[path = "../support/random.rs"]
+mod random;
+
+mod distributions;
+mod furnace;
+mod identities;
+mod inverses;
+mod models;
+mod shading;
+mod warps;

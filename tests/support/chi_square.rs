@@ -6,25 +6,31 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::{PI, TAU};
 
 /// Probability that any test of a family fails although all samplers are right.
-pub const FAMILY_LEVEL: f64 = 0.01;
+pub(crate) const FAMILY_LEVEL: f64 = 0.01;
 /// Expected count below which a cell is pooled.
 const POOL: f64 = 5.0;
 
+/// Share of samples that may fall where nothing is expected.
+const STRAY: f64 = 1e-5;
+
 /// The level of one test out of a family of `tests`.
-pub fn sidak(tests: usize) -> f64 {
+pub(crate) fn sidak(tests: usize) -> f64 {
     1.0 - (1.0 - FAMILY_LEVEL).powf(1.0 / tests as f64)
 }
 
 /// The p-value of `observed` counts under `expected` ones.
 ///
 /// # Panics
-/// If a count is observed where less than 1e-6 is expected.
-pub fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
+/// If more than one sample in 1e5, as other renderers' tests allow, falls where less than 1e-6 is expected: where a lobe is cut
+/// by the horizon, rounding carries a direction over an edge that quadrature keeps.
+pub(crate) fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
     let mut cells: Vec<(f64, f64)> = observed.iter().copied().zip(expected.iter().copied()).collect();
     cells.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let stray: f64 = cells.iter().filter(|c| c.1 <= 1e-6).map(|c| c.0).sum(); // what is nearly impossible
+    let allowed = (observed.iter().sum::<f64>() * STRAY).ceil();
+    assert!(stray <= allowed, "{stray} samples where none are expected");
     let (mut statistic, mut degrees, mut pooled) = (0.0, -1.0, (0.0, 0.0));
     for (count, mean) in cells {
-        assert!(mean > 1e-6 || count < 1.0, "{count} samples where {mean} are expected");
         pooled = (pooled.0 + count, pooled.1 + mean);
         if pooled.1 >= POOL {
             statistic += (pooled.0 - pooled.1).powi(2) / pooled.1;
@@ -32,12 +38,17 @@ pub fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
             pooled = (0.0, 0.0);
         }
     }
+    survival(statistic, degrees)
+}
+
+/// Probability that χ² with so many `degrees` of freedom exceeds `statistic`; one without any degree.
+pub(crate) fn survival(statistic: f64, degrees: f64) -> f64 {
     if degrees < 1.0 { 1.0 } else { ChiSquared::new(degrees).expect("degrees of freedom").sf(statistic) }
 }
 
 /// The sphere in cells around an axis: finer toward it by the width k of a lobe. With S = sin²(angle / 2) the radial
 /// coordinate x is S = k x² / (1 − x² (1 − k)), and a solid angle is 2 dS dφ.
-pub struct SphereCells {
+pub(crate) struct SphereCells {
     axis: [[f64; 3]; 3],
     k: f64,
     radial: usize,
@@ -46,17 +57,17 @@ pub struct SphereCells {
 
 impl SphereCells {
     /// Cells around the unit vector `axis` for lobes of half angle about √`k`.
-    pub fn new(axis: [f64; 3], k: f64) -> Self {
+    pub(crate) fn new(axis: [f64; 3], k: f64) -> Self {
         SphereCells { axis: frame(axis), k, radial: 40, around: 32 }
     }
 
     /// How many cells there are.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.radial * self.around
     }
 
     /// The cell of a direction.
-    pub fn index(&self, w: [f64; 3]) -> usize {
+    pub(crate) fn index(&self, w: [f64; 3]) -> usize {
         let length = dot(w, w).sqrt();
         let [s, t, n] = self.axis;
         let away: f64 = (0..3).map(|i| (w[i] / length - n[i]).powi(2)).sum::<f64>() / 4.0;
@@ -67,7 +78,7 @@ impl SphereCells {
     }
 
     /// ∫ of the density `pdf` per solid angle over each cell, each within `tolerance`.
-    pub fn integrate(&self, tolerance: f64, pdf: &impl Fn([f64; 3]) -> f64) -> Vec<f64> {
+    pub(crate) fn integrate(&self, tolerance: f64, pdf: &impl Fn([f64; 3]) -> f64) -> Vec<f64> {
         let integrand = |x: f64, turn: f64| {
             let denominator = 1.0 - x * x * (1.0 - self.k);
             let slope = 2.0 * self.k * x / (denominator * denominator);

@@ -1,0 +1,167 @@
+//! Exact identities: samples carry what `eval` and `pdf` say, f32 computes what f64 does, values are reciprocal, lobes add
+//! up, densities are Jacobians.
+
+use crate::backward::range;
+use crate::models::{any_direction, direction, models};
+use crate::random::{Random, samples};
+use etendue::bsdf::ggx::reflect;
+use etendue::bsdf::{Bsdf, Dielectric, Ggx, Lobes, Surface};
+use etendue::geometry::Local;
+use etendue::sampling::Density;
+use etendue::spectrum::Spectrum;
+use etendue::transport::Transport;
+
+const ALPHAS: [f32; 5] = [1e-4, 1e-3, 0.05, 0.3, 1.0];
+/// Roughnesses at which values are judged by backward error. Below them a value may change by its own size within a few
+/// roundings of the directions, and corners of a box say little about its range.
+const JUDGED: [f32; 3] = [0.05, 0.3, 1.0];
+const WAYS: [Transport; 2] = [Transport::Light, Transport::Camera];
+
+fn value(surface: &Surface, toward: Transport, known: Local<f64>, other: Local<f64>) -> f64 {
+    let (wi, wo) = toward.flow(known, other);
+    surface.eval(wi, wo, Lobes::SMOOTH)[1]
+}
+
+fn assert_within(what: &str, got: f32, [low, high]: [f64; 2]) {
+    let got = f64::from(got);
+    assert!((low..=high).contains(&got), "{what}: {got} is not in {low} .. {high}");
+}
+
+/// Some known direction, often grazing, on either side.
+fn known_direction(random: &mut Random) -> Local {
+    let [a, b, c] = random.cube();
+    let cos = if a < 0.5 { 1e-4f32.powf(b) } else { b.max(1e-4) };
+    direction(if c < 0.5 { cos } else { -cos }, 40.0 * c)
+}
+
+#[test]
+fn a_sample_carries_its_value_and_density() {
+    let mut random = Random::new(1);
+    for model in JUDGED.into_iter().flat_map(models) {
+        for i in 0..samples(400) {
+            let (toward, known) = (WAYS[i as usize % 2], known_direction(&mut random));
+            let Some(sample) = model.surface.sample(known, toward, random.cube()) else { continue };
+            let Density::Smooth(pdf) = sample.density else { continue };
+            let what = format!("{} {toward:?} {known:?} {:?}", model.name, sample.direction);
+            let (k, o) = (known.cast(), sample.direction.cast());
+            let f = range(k, o, f64::from(f32::EPSILON), |k, o| value(&model.surface, toward, k, o));
+            assert_within(&format!("value of {what}"), sample.value[1], f);
+            let p = range(k, o, f64::from(f32::EPSILON), |k, o| model.surface.pdf(k, o, toward, Lobes::SMOOTH));
+            assert_within(&format!("density of {what}"), pdf.value(), p);
+        }
+    }
+}
+
+#[test]
+fn single_precision_computes_what_double_does() {
+    let mut random = Random::new(2);
+    for model in JUDGED.into_iter().flat_map(models) {
+        for i in 0..samples(400) {
+            let toward = WAYS[i as usize % 2];
+            let (known, other) = (known_direction(&mut random), any_direction(random.cube()));
+            let what = format!("{} {toward:?} {known:?} {other:?}", model.name);
+            let (wi, wo) = toward.flow(known, other);
+            let f = range(known.cast(), other.cast(), f64::from(f32::EPSILON), |k, o| value(&model.surface, toward, k, o));
+            assert_within(&format!("value of {what}"), model.surface.eval(wi, wo, Lobes::SMOOTH)[1], f);
+            let pdf = |k, o| model.surface.pdf(k, o, toward, Lobes::SMOOTH);
+            let p = range(known.cast(), other.cast(), f64::from(f32::EPSILON), pdf);
+            assert_within(&format!("density of {what}"), model.surface.pdf(known, other, toward, Lobes::SMOOTH), p);
+        }
+    }
+}
+
+#[test]
+fn values_over_the_square_of_the_index_are_reciprocal() {
+    let mut random = Random::new(3);
+    for model in JUDGED.into_iter().flat_map(models) {
+        let index = |w: Local<f64>| if w.z > 0.0 { 1.0 } else { f64::from(model.eta) };
+        for _ in 0..samples(400) {
+            // f32 directions are unit to 1e-7 only, which shows in f64
+            let [a, b] = [(); 2].map(|()| any_direction(random.cube()).cast::<f64>().normalized());
+            let forth = |a: Local<f64>, b: Local<f64>| value(&model.surface, Transport::Camera, a, b) / index(b).powi(2);
+            let [low, high] = range(a, b, f64::EPSILON, |a, b| forth(b, a));
+            assert!((low..=high).contains(&forth(a, b)), "{} {a:?} {b:?}: {} and {low}", model.name, forth(a, b));
+        }
+    }
+}
+
+#[test]
+fn reflection_and_transmission_add_up() {
+    let mut random = Random::new(4);
+    for model in ALPHAS.into_iter().flat_map(models) {
+        for _ in 0..samples(100) {
+            let (a, b) = (any_direction(random.cube()), any_direction(random.cube()));
+            let value = |lobes| model.surface.eval(a, b, lobes);
+            assert_eq!(value(Lobes::REFLECT) + value(Lobes::TRANSMIT), value(Lobes::ALL), "{}", model.name);
+            assert!(value(Lobes::DIRAC).is_black());
+            let pdf = |lobes| model.surface.pdf(a, b, Transport::Light, lobes);
+            assert_eq!(pdf(Lobes::REFLECT) + pdf(Lobes::TRANSMIT), pdf(Lobes::ALL), "{}", model.name);
+        }
+    }
+}
+
+/// |∂w/∂u₀ × ∂w/∂u₁| of a map from the square to directions, by central differences.
+fn jacobian(map: impl Fn(f64, f64) -> Local<f64>, u: [f64; 2]) -> f64 {
+    const STEP: f64 = 1e-5;
+    let slope = |a: Local<f64>, b: Local<f64>| a.plus(b.reversed()).scale(0.5 / STEP);
+    let p = slope(map(u[0] + STEP, u[1]), map(u[0] - STEP, u[1]));
+    let q = slope(map(u[0], u[1] + STEP), map(u[0], u[1] - STEP));
+    let cross = Local::new(p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x);
+    cross.dot(cross).sqrt()
+}
+
+fn visible_normal(ggx: Ggx, w: Local<f64>, u: f64, v: f64) -> Local<f64> {
+    let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+    ggx.cap_normal(w, [cos, sin], v)
+}
+
+/// `w` refracted into the index ratio `eta` at the normal `h` by Snell's law; `None` under total reflection.
+fn snell(w: Local<f64>, h: Local<f64>, eta: f64) -> Option<Local<f64>> {
+    let along = h.scale(w.dot(h));
+    let across = w.plus(along.reversed()).scale(-1.0 / eta);
+    let cos2 = 1.0 - across.dot(across);
+    (cos2 > 0.0).then(|| across.plus(h.scale(-cos2.sqrt())))
+}
+
+/// Relative error of central differences with steps of 1e-5 in numbers kept 0.05 from the edges: (h / 0.05)² ∂³ of maps
+/// whose third derivatives relative to the first stay below 100, and roundings of 1e-16 / 1e-5.
+const DIFFERENCES: f64 = 1e-5;
+
+#[test]
+fn densities_are_the_jacobians_of_the_maps() {
+    let mut random = Random::new(5);
+    for ggx in ALPHAS.map(Ggx::new) {
+        for _ in 0..samples(100) {
+            let known: Local<f64> = any_direction(random.cube()).cast();
+            let known = Local::new(known.x, known.y, known.z.abs().max(0.02)).normalized();
+            let u = [random.f64(), 0.05 + 0.9 * random.f64()];
+            let h = visible_normal(ggx, known, u[0], u[1]);
+            let normals = jacobian(|a, b| visible_normal(ggx, known, a, b), u) * ggx.visible_normal_pdf(known, h);
+            assert!((normals - 1.0).abs() < DIFFERENCES, "normals: {normals}");
+            let mirrored = jacobian(|a, b| reflect(known, visible_normal(ggx, known, a, b)), u) * ggx.reflection_pdf(known, h);
+            assert!((mirrored - 1.0).abs() < DIFFERENCES, "reflections: {mirrored}");
+        }
+    }
+}
+
+#[test]
+fn the_density_of_refraction_is_the_jacobian_of_snells_law() {
+    let mut random = Random::new(6);
+    for (alpha, eta) in [(1e-3, 1.5f32), (0.3, 1.5), (1.0, 1.5), (0.3, 0.7), (1.0, 0.7)] {
+        let ggx = Ggx::new(alpha);
+        let glass = Dielectric { ggx, eta, reflect: Spectrum::ZERO, transmit: Spectrum::ONE };
+        for _ in 0..samples(100) {
+            let known: Local<f64> = any_direction(random.cube()).cast();
+            let known = Local::new(known.x, known.y, known.z.abs().max(0.1)).normalized();
+            let u = [random.f64(), 0.05 + 0.9 * random.f64()];
+            let map = |a, b| snell(known, visible_normal(ggx, known, a, b), f64::from(eta));
+            let Some(other) = map(u[0], u[1]).filter(|w| w.z < -1e-3) else { continue };
+            let critical = known.dot(visible_normal(ggx, known, u[0], u[1]));
+            if 1.0 - critical * critical > 0.95 * f64::from(eta).powi(2) {
+                continue; // differences fail at the angle of total reflection, where Snell's law has a root
+            }
+            let got = jacobian(|a, b| map(a, b).unwrap_or(other), u) * glass.pdf(known, other, Transport::Light, Lobes::ALL);
+            assert!((got - 1.0).abs() < DIFFERENCES, "alpha {alpha} eta {eta} {known:?} {other:?}: {got}");
+        }
+    }
+}
