@@ -1,6 +1,9 @@
 //! Samplers, densities and values of scattering models and warps against each other, and against what physics asks.
 //! Statistical tests state their family-wise level and have fixed seeds; `ETENDUE_TEST_DEEP=1` takes more samples.
 
+// Lobes are disjoint, so their sums are exact.
+#![allow(clippy::float_cmp)]
+
 #[path = "../support/backward.rs"]
 mod backward;
 #[path = "../support/chi_square.rs"]

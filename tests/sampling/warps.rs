@@ -67,7 +67,9 @@ fn inverses_undo_warps() {
         let again = uniform_triangle(uniform_triangle_inverse(b));
         assert!((b[0] - again[0]).abs().max((b[1] - again[1]).abs()) < ERROR, "triangle {u:?}");
         assert!(b[0] >= 0.0 && b[1] >= 0.0 && b[0] + b[1] <= 1.0, "triangle {u:?}");
-        let spheres: [(fn([f32; 2]) -> Vec3, fn(Vec3) -> [f32; 2]); 3] = [
+        type Warp = fn([f32; 2]) -> Vec3;
+        type Inverse = fn(Vec3) -> [f32; 2];
+        let spheres: [(Warp, Inverse); 3] = [
             (cosine_hemisphere, cosine_hemisphere_inverse),
             (uniform_hemisphere, uniform_hemisphere_inverse),
             (uniform_sphere, uniform_sphere_inverse),
