@@ -149,7 +149,7 @@ fi
 if [ -z "${ETENDUE_NO_EMBREE:-}" ]; then
   if [ -n "${EMBREE_DIR:-}" ]; then
     [ -n "$(embree_header)" ] || die "EMBREE_DIR=$EMBREE_DIR holds no include/embree4/rtcore.h"
-  elif ! pkg-config --exists 'embree4 >= 4.3' 2>/dev/null && [ -z "$(embree_header)" ]; then
+  elif [ -z "$(embree_header)" ]; then
     [ -n "$use_apt" ] || die "Embree 4 not found: install it, or set EMBREE_DIR to its folder"
     install_at_least 4.3 libembree-dev
   fi
