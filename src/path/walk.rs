@@ -70,24 +70,21 @@ impl<'a> Walk<'a> {
     /// probability alpha and passed otherwise.
     #[inline(always)] // a call would copy the point through memory: a tenth of the time of a simple scene
     pub fn arrive(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
-        if self.scene.features().blends {
-            self.pass_blends(sampler, tally)?;
-        }
-        let point = self.scene.intersect(&self.ray);
+        let point = if self.scene.features().blends { self.past_blends(sampler, tally) } else { self.scene.intersect(&self.ray) };
         self.absorb(point.as_ref().map_or(f32::INFINITY, |p| p.t));
         tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
         point
     }
 
-    /// Moves the start of the edge behind all blended surfaces that let it pass; `None` where it leaves the scene.
+    /// The first surface that does not let the edge pass; the edge then begins behind those that did.
     #[cold]
-    fn pass_blends(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<()> {
+    fn past_blends(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
         let mut u = sampler.u1(self.depth, Slot::Event);
         for _ in 0..LONGEST {
-            let Some(point) = self.scene.intersect(&self.ray) else { return Some(()) };
+            let point = self.scene.intersect(&self.ray)?;
             let alpha = self.scene.coverage(&point);
             if u < alpha {
-                return Some(());
+                return Some(point);
             }
             // What is left of u is uniform again: one number serves all surfaces of the edge.
             u = ((u - alpha) / (1.0 - alpha)).min(BELOW_ONE);
