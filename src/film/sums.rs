@@ -140,7 +140,7 @@ pub(crate) fn add_rounded(sum: &mut i64, scaled: f64, hash: u64, index: u64, spi
 /// Adds a value of at least 2³⁰ units: an f32 of that size is a whole number of units already.
 #[cold]
 fn add_large(sum: &mut i64, units: f64, index: u64, spill: &mut Spill) {
-    if !(units.abs() < LIMIT) {
+    if units.abs() >= LIMIT || units.is_nan() {
         spill.dropped += 1;
         return;
     }

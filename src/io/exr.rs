@@ -9,7 +9,7 @@ use crate::error::{Error, Kind, Result};
 use crate::film::Crop;
 use ::exr::prelude as openexr;
 use openexr::{AttributeValue, IntegerBounds, Text, Vec2, WritableImage};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
 
@@ -160,6 +160,7 @@ fn into_io(error: openexr::Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeMap;
 
     fn layers(pixels: usize) -> Vec<Layer> {
         let names = ["R", "G", "B", "stderr.R", "depth.Z"];
