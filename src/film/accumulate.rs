@@ -9,9 +9,6 @@ use super::{Layout, PassFilm, PassSet, Plane, Units};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 
-/// Channels have addresses below this in the rounding hash, the same whatever planes are asked for.
-const CHANNEL_ADDRESSES: u64 = 32;
-
 /// Exact sums over passes of every plane, for each replicate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
@@ -29,7 +26,8 @@ pub struct Film {
 struct Channel {
     /// 2³² / unit.
     scale: f64,
-    address: u64,
+    /// Odd, so that a uniform hash of the pixel times this is uniform; the same whatever planes are asked for.
+    hash_factor: u64,
 }
 
 impl Film {
@@ -189,7 +187,7 @@ impl Film {
     fn channels(&self) -> Vec<Channel> {
         let channel = |plane: Plane, c: usize| Channel {
             scale: 4_294_967_296.0 / self.units.of(plane),
-            address: plane as u64 * 4 + c as u64,
+            hash_factor: mix(plane as u64 * 4 + c as u64 + 1) | 1,
         };
         self.layout.planes().iter().flat_map(|&plane| (0..plane.channels()).map(move |c| channel(plane, c))).collect()
     }
@@ -198,16 +196,15 @@ impl Film {
 /// Adds row `y` of the crop. Rounding is addressed by the pixel in the full image, so that a crop rounds as the whole does.
 fn add_row(sums: &mut [i64], values: &[f32], y: usize, layout: &Layout, channels: &[Channel], key: u64) -> Spill {
     let mut spill = Spill::default();
-    let crop = layout.crop;
-    let first_pixel = (u64::from(crop.y0) + y as u64) * u64::from(layout.width) + u64::from(crop.x0);
+    let first = (u64::from(layout.crop.y0) + y as u64) * u64::from(layout.width) + u64::from(layout.crop.x0);
     let row = y as u64 * values.len() as u64;
-    let pixels = sums.chunks_exact_mut(channels.len()).zip(values.chunks_exact(channels.len()));
-    for (x, (sums, values)) in pixels.enumerate() {
-        let address = (first_pixel + x as u64) * CHANNEL_ADDRESSES;
-        for (c, ((sum, &value), channel)) in sums.iter_mut().zip(values).zip(channels).enumerate() {
-            let hash = mix(key ^ (address + channel.address).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-            let index = row + (x * channels.len() + c) as u64;
-            add_rounded(sum, f64::from(value) * channel.scale, hash, index, &mut spill);
+    let n = channels.len();
+    for (x, (sums, values)) in sums.chunks_exact_mut(n).zip(values.chunks_exact(n)).enumerate() {
+        let hash = mix(key ^ (first + x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let index = row + (x * n) as u64;
+        for c in 0..n {
+            let scaled = f64::from(values[c]) * channels[c].scale;
+            add_rounded(&mut sums[c], scaled, hash.wrapping_mul(channels[c].hash_factor), index + c as u64, &mut spill);
         }
     }
     spill
