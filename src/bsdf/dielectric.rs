@@ -7,7 +7,7 @@
 //! Reference: [Walter07].
 
 use super::conductor::invert_reflection;
-use super::fresnel::{dielectric, refracted};
+use super::fresnel::{dielectric, dielectric_between, refracted};
 use super::ggx::{DIRAC_ALPHA, Ggx, facing, half, reflect};
 use super::{Bsdf, BsdfSample, Lobes, within};
 use crate::geometry::Local;
@@ -37,6 +37,8 @@ struct RefractingFacet<T> {
     eta: T,
     /// |known + η other|².
     length2: T,
+    /// Its reflectance.
+    f: T,
 }
 
 impl Dielectric {
@@ -77,8 +79,9 @@ impl Dielectric {
         let length2 = sum.dot(sum);
         let upright = if sum.same_side(known) { sum } else { sum.reversed() };
         let h = upright.scale(length2.sqrt().recip());
-        let seen = known.dot(h).value() > 0.0 && other.dot(h).value() < 0.0;
-        seen.then_some(RefractingFacet { h, eta, length2 })
+        let (cos, beyond) = (known.dot(h), other.reversed().dot(h));
+        let seen = cos.value() > 0.0 && beyond.value() > 0.0;
+        seen.then(|| RefractingFacet { h, eta, length2, f: dielectric_between(cos, eta * beyond, eta) })
     }
 
     /// f of refraction in `h` but for its measure, η²_o / |η_i wi + η_o wo|² [Walter07 (21)].
@@ -168,10 +171,8 @@ impl Bsdf for Dielectric {
         if !opposite(wi, wo) || !lobes.intersects(Lobes::TRANSMIT) {
             return Spectrum::ZERO;
         }
-        self.refracting_facet(wi, wo).map_or(Spectrum::ZERO, |facet| {
-            let f = dielectric(wi.dot(facet.h), facet.eta);
-            self.refraction(wi, wo, facet.h, f) * (facet.eta.squared() / facet.length2)
-        })
+        self.refracting_facet(wi, wo)
+            .map_or(Spectrum::ZERO, |facet| self.refraction(wi, wo, facet.h, facet.f) * (facet.eta.squared() / facet.length2))
     }
 
     #[inline]
@@ -200,7 +201,7 @@ impl Bsdf for Dielectric {
             return T::ZERO;
         }
         self.refracting_facet(known, other).map_or(T::ZERO, |facet| {
-            let p = T::ONE - self.reflect_probability(dielectric(known.dot(facet.h), facet.eta));
+            let p = T::ONE - self.reflect_probability(facet.f);
             let measure = facet.eta.squared() / facet.length2;
             p * self.ggx.visible_normal_pdf(known, facet.h) * other.dot(facet.h).abs() * measure
         })

@@ -49,14 +49,17 @@ pub fn schlick_weight<T: Scalar>(cos: T) -> T {
 }
 
 /// Exact reflectance of a boundary of index ratio `eta` (beyond over before) at incidence cosine `cos` ≥ 0; one under
-/// total reflection. With g = η cosθₜ nothing cancels, even for η = 1 at grazing angles [Walter07 (22)].
+/// total reflection [Walter07 (22)].
 #[inline]
 pub fn dielectric<T: Scalar>(cos: T, eta: T) -> T {
     let g2 = refracted(cos, eta);
-    if g2.value() <= 0.0 {
-        return T::ONE;
-    }
-    let (g, e2) = (g2.sqrt(), eta.squared());
+    if g2.value() > 0.0 { dielectric_between(cos, g2.sqrt(), eta) } else { T::ONE }
+}
+
+/// The same where g = η cosθₜ is known: nothing cancels, neither for η = 1 at grazing angles nor near total reflection.
+#[inline]
+pub fn dielectric_between<T: Scalar>(cos: T, g: T, eta: T) -> T {
+    let e2 = eta.squared();
     let perpendicular = (cos - g) / (cos + g);
     let parallel = (e2 * cos - g) / (e2 * cos + g);
     T::of(0.5) * (perpendicular.squared() + parallel.squared())

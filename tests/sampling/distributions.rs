@@ -1,11 +1,10 @@
-//! χ² of every BSDF sampler against its density [field: Mitsuba's parameters, expected counts below 5 pooled, Šidák].
+//! χ² of every BSDF sampler against its density: expected counts below 5 are pooled, levels follow Šidák.
 
 use crate::chi_square::{SphereCells, p_value, sidak};
 use crate::models::{Model, direction, models};
 use crate::random::{Random, samples};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::Local;
-use etendue::sampling::Density;
 use etendue::transport::Transport;
 
 const ALPHAS: [f32; 4] = [1e-3, 0.05, 0.3, 1.0];
@@ -67,7 +66,10 @@ fn directions_follow_the_density(model: &Model, alpha: f32, known: Local, toward
     let mut random = Random::new(seed);
     for _ in 0..n {
         let cell = match model.surface.sample(known, toward, random.cube()) {
-            Some(sample) if matches!(sample.density, Density::Smooth(_)) => cells.index(sample.direction),
+            Some(sample) if !sample.density.is_delta() => {
+                assert!(sample.density.value() > 0.0, "{}: sampled where the density is zero", model.name);
+                cells.index(sample.direction)
+            }
             _ => cells.len(),
         };
         observed[cell] += 1.0;

@@ -10,6 +10,8 @@ pub(crate) struct Model {
     pub(crate) surface: Surface,
     /// Refractive index inside over outside.
     pub(crate) eta: f32,
+    /// What a diffuse base would scatter without the layer over it: the layer's 1 − E cancels.
+    pub(crate) base: f64,
 }
 
 /// Parameters of a plain white glTF dielectric, for struct updates.
@@ -34,7 +36,12 @@ pub(crate) fn models(alpha: f32) -> Vec<Model> {
     let schlick = Fresnel::Schlick { f0: gold, f90: Spectrum::ONE };
     let glass = |eta| Surface::Dielectric(Dielectric { ggx, eta, reflect: Spectrum::ONE, transmit: ruby });
     let plastic = MetallicRoughness { base: ruby, ..white_plastic(alpha) };
-    let model = |name: &str, surface, eta| Model { name: format!("{name}, alpha {alpha}"), surface, eta };
+    let model = |name: &str, surface, eta| Model {
+        name: format!("{name}, alpha {alpha}"),
+        surface,
+        eta,
+        base: if matches!(surface, Surface::Gltf(_)) { std::f64::consts::FRAC_1_PI } else { 0.0 },
+    };
     vec![
         model("Lambert", Surface::Lambert(Lambert { albedo: ruby }), 1.0),
         model("conductor", Surface::Conductor(Conductor { ggx, fresnel: schlick }), 1.0),

@@ -10,25 +10,16 @@ pub(crate) const FAMILY_LEVEL: f64 = 0.01;
 /// Expected count below which a cell is pooled.
 const POOL: f64 = 5.0;
 
-/// Share of samples that may fall where nothing is expected.
-const STRAY: f64 = 1e-5;
-
 /// The level of one test out of a family of `tests`.
 pub(crate) fn sidak(tests: usize) -> f64 {
     1.0 - (1.0 - FAMILY_LEVEL).powf(1.0 / tests as f64)
 }
 
-/// The p-value of `observed` counts under `expected` ones.
-///
-/// # Panics
-/// If more than one sample in 1e5, as other renderers' tests allow, falls where less than 1e-6 is expected: where a lobe is cut
-/// by the horizon, rounding carries a direction over an edge that quadrature keeps.
+/// The p-value of `observed` counts under `expected` ones. Samples where hardly any are expected land in the pools; that
+/// none has a density of zero is for the caller to see, since quadrature may miss the corner of a cell.
 pub(crate) fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
     let mut cells: Vec<(f64, f64)> = observed.iter().copied().zip(expected.iter().copied()).collect();
     cells.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let stray: f64 = cells.iter().filter(|c| c.1 <= 1e-6).map(|c| c.0).sum(); // what is nearly impossible
-    let allowed = (observed.iter().sum::<f64>() * STRAY).ceil();
-    assert!(stray <= allowed, "{stray} samples where none are expected");
     let (mut statistic, mut degrees, mut pooled) = (0.0, -1.0, (0.0, 0.0));
     for (count, mean) in cells {
         pooled = (pooled.0 + count, pooled.1 + mean);
