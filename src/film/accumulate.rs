@@ -7,6 +7,7 @@
 use super::sums::{Spill, Sums, add_rounded};
 use super::{Layout, PassFilm, PassSet, Plane, Units};
 use crate::error::{Error, Result};
+use crate::sampling::mix64;
 use rayon::prelude::*;
 
 /// Exact sums over passes of every plane, for each replicate.
@@ -70,7 +71,7 @@ impl Film {
             return;
         }
         let channels = self.channels();
-        let key = mix(self.seed ^ mix(pass.wrapping_add(0x6669_6c6d)));
+        let key = mix64(self.seed ^ mix64(pass.wrapping_add(0x6669_6c6d)));
         let row = (self.layout.crop.x1 - self.layout.crop.x0) as usize * channels.len();
         let layout = &self.layout;
         let sums = &mut self.sums[(pass % u64::from(self.replicates)) as usize];
@@ -187,7 +188,7 @@ impl Film {
     fn channels(&self) -> Vec<Channel> {
         let channel = |plane: Plane, c: usize| Channel {
             scale: 4_294_967_296.0 / self.units.of(plane),
-            hash_factor: mix(plane as u64 * 4 + c as u64 + 1) | 1,
+            hash_factor: mix64(plane as u64 * 4 + c as u64 + 1) | 1,
         };
         self.layout.planes().iter().flat_map(|&plane| (0..plane.channels()).map(move |c| channel(plane, c))).collect()
     }
@@ -200,7 +201,7 @@ fn add_row(sums: &mut [i64], values: &[f32], y: usize, layout: &Layout, channels
     let row = y as u64 * values.len() as u64;
     let n = channels.len();
     for (x, (sums, values)) in sums.chunks_exact_mut(n).zip(values.chunks_exact(n)).enumerate() {
-        let hash = mix(key ^ (first + x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let hash = mix64(key ^ (first + x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         let index = row + (x * n) as u64;
         for c in 0..n {
             let scaled = f64::from(values[c]) * channels[c].scale;
@@ -208,14 +209,6 @@ fn add_row(sums: &mut [i64], values: &[f32], y: usize, layout: &Layout, channels
         }
     }
     spill
-}
-
-/// SplitMix64's finaliser [Steele14].
-#[inline]
-fn mix(z: u64) -> u64 {
-    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

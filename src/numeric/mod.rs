@@ -1,9 +1,7 @@
-//! Numbers: the scalar types that transport code is generic over, and error-free arithmetic.
+//! Numbers: the scalar types that transport code is generic over, and neighbours of floats.
 
-mod eft;
 mod scalar;
 mod ulp;
 
-pub use eft::{difference_of_products, gamma};
 pub use scalar::Scalar;
 pub use ulp::{BELOW_ONE, next_down, next_up};

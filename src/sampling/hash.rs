@@ -4,7 +4,7 @@ use super::{SLOTS, Slot};
 
 /// The finaliser of SplitMix64: a bijection whose output bits each depend on every input bit [Steele14].
 #[inline]
-pub(super) fn mix64(mut x: u64) -> u64 {
+pub fn mix64(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)

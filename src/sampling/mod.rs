@@ -9,7 +9,7 @@ mod sobol;
 mod table;
 pub mod warp;
 
-pub use hash::{Address, unit_f32, unit_f64};
+pub use hash::{Address, mix64, unit_f32, unit_f64};
 pub use heuristic::{Heuristic, balance, power};
 pub use independent::Independent;
 pub use pdf::{Area, Density, Discrete, Measure, Pdf, SolidAngle};
