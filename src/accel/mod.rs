@@ -1,8 +1,10 @@
 //! Which primitive does a ray hit: one trait, one enum of backends. To add a backend, write one file that implements
-//! [`Intersector`] and give it a variant in [`Accel`].
+//! [`Intersector`] and give it a variant in [`Backend`] and in [`Accel`].
 
+pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
+mod placed;
 
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
@@ -32,68 +34,107 @@ pub enum Build {
     High,
 }
 
+/// Whose ray queries are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Backend {
+    /// Intel Embree 4, the fastest.
+    Embree,
+    /// Pure Rust: trees built by obvhs.
+    Obvhs,
+}
+
+impl Backend {
+    /// Those that this program was built with, the default first.
+    pub const AVAILABLE: &[Backend] =
+        if cfg!(feature = "embree") { &[Backend::Embree, Backend::Obvhs] } else { &[Backend::Obvhs] };
+
+    /// Its name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Embree => "embree",
+            Backend::Obvhs => "obvhs",
+        }
+    }
+}
+
+impl Default for Backend {
+    fn default() -> Self {
+        Backend::AVAILABLE[0]
+    }
+}
+
 /// The backend in use. The match costs nothing that could be measured beside a ray query.
 pub enum Accel {
     /// Intel Embree 4.
     #[cfg(feature = "embree")]
     Embree(embree::Scene),
+    /// Pure Rust.
+    Obvhs(bvh::Scene),
 }
 
 impl Accel {
-    /// Builds the default backend over `geometry` with `threads` threads. Call it from outside the rayon pool.
+    /// Builds `backend` over `geometry` with `threads` threads. Call it from outside the rayon pool.
     ///
     /// # Errors
-    /// What the backend reports: no device, too little memory.
-    pub fn build(geometry: &Geometry, build: Build, threads: usize) -> Result<Accel> {
-        #[cfg(feature = "embree")]
-        return Ok(Accel::Embree(embree::Scene::build(geometry, build, threads)?));
-        #[cfg(not(feature = "embree"))]
-        {
-            let _ = (geometry, build, threads);
-            Err(crate::error::Error::usage("this étendue was built without a ray-tracing backend"))
+    /// A usage error for a backend that this program was built without; what the backend reports: no device, too little
+    /// memory, geometry beyond its reach.
+    pub fn build(geometry: &Geometry, backend: Backend, build: Build, threads: usize) -> Result<Accel> {
+        match backend {
+            #[cfg(feature = "embree")]
+            Backend::Embree => Ok(Accel::Embree(embree::Scene::build(geometry, build, threads)?)),
+            #[cfg(not(feature = "embree"))]
+            Backend::Embree => {
+                let _ = threads;
+                Err(crate::error::Error::usage("this étendue was built without Embree: use --backend obvhs"))
+            }
+            Backend::Obvhs => Ok(Accel::Obvhs(bvh::Scene::build(geometry, build)?)),
         }
     }
 
     /// Bytes that the acceleration structure takes, as far as the backend tells.
     pub fn bytes(&self) -> usize {
-        match *self {
+        match self {
             #[cfg(feature = "embree")]
-            Accel::Embree(ref scene) => scene.bytes(),
+            Accel::Embree(scene) => scene.bytes(),
+            Accel::Obvhs(scene) => scene.bytes(),
         }
     }
 
-    /// The backend's name, as reports show it.
-    pub fn name(&self) -> &'static str {
-        match *self {
+    /// Which backend it is.
+    pub fn backend(&self) -> Backend {
+        match self {
             #[cfg(feature = "embree")]
-            Accel::Embree(_) => "embree",
+            Accel::Embree(_) => Backend::Embree,
+            Accel::Obvhs(_) => Backend::Obvhs,
         }
     }
 }
 
-// Without a backend the enum is empty and no argument is looked at.
-#[cfg_attr(not(feature = "embree"), allow(unused_variables))]
 impl Intersector for Accel {
     #[inline]
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
-        match *self {
+        match self {
             #[cfg(feature = "embree")]
-            Accel::Embree(ref scene) => scene.closest(ray, any),
+            Accel::Embree(scene) => scene.closest(ray, any),
+            Accel::Obvhs(scene) => scene.closest(ray, any),
         }
     }
 
     #[inline]
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
-        match *self {
+        match self {
             #[cfg(feature = "embree")]
-            Accel::Embree(ref scene) => scene.occluded(ray, any),
+            Accel::Embree(scene) => scene.occluded(ray, any),
+            Accel::Obvhs(scene) => scene.occluded(ray, any),
         }
     }
 
     fn bounds(&self) -> Bounds {
-        match *self {
+        match self {
             #[cfg(feature = "embree")]
-            Accel::Embree(ref scene) => scene.bounds(),
+            Accel::Embree(scene) => scene.bounds(),
+            Accel::Obvhs(scene) => scene.bounds(),
         }
     }
 }

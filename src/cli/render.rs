@@ -56,7 +56,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.output.check(&outputs)?;
     say_rounding(console, &choices, plan, early.replicates);
     let threads = startup::start_threads(args.threads.threads)?;
-    let stage = Stage::open(&args.scene.scene, early.environment, early.build, threads)?;
+    let stage = Stage::open(&args.scene.scene, early.environment, &early.build_options(threads))?;
     let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
     let provenance = Provenance::new(&stage, settings, plan, look);
     warn(console, &provenance);

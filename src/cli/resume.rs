@@ -39,7 +39,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.output.check(&outputs)?;
     let threads = startup::start_threads(args.threads.threads)?;
     let path = args.scene.unwrap_or_else(|| provenance.scene.path.clone());
-    let stage = Stage::open(&path, provenance.settings.environment, provenance.settings.build, threads)?;
+    let stage = Stage::open(&path, provenance.settings.environment, &provenance.settings.build_options(threads))?;
     if args.strict.strict {
         stage.refuse_ignored()?;
     }

@@ -3,7 +3,7 @@
 
 use super::plan::round_spp;
 use super::{Aov, Budget, Environment, Plan, Selection, Settings, Size, Stop, Window};
-use crate::accel::Build;
+use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
 use crate::integrator::Method;
@@ -49,6 +49,9 @@ pub struct Choices {
     /// Independent replicates that the error is measured between; 1 measures none [default: 4]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub replicates: Option<u32>,
+    /// Who finds what rays hit [default: embree; obvhs where étendue was built without it]
+    #[arg(long, value_enum)]
+    pub backend: Option<Backend>,
     /// How the ray-tracing structure is built [default: robust]
     #[arg(long, value_enum)]
     pub build: Option<Build>,
@@ -124,6 +127,7 @@ impl Choices {
             sampler: self.sampler.or(fallback.sampler),
             seed: self.seed.or(fallback.seed),
             replicates: self.replicates.or(fallback.replicates),
+            backend: self.backend.or(fallback.backend),
             build: self.build.or(fallback.build),
             aovs: self.aovs.or(fallback.aovs),
             clamp: self.clamp.or(fallback.clamp),
@@ -154,6 +158,7 @@ impl Choices {
             sampler: self.sampler.unwrap_or_default(),
             seed: self.seed.unwrap_or(0),
             replicates: in_range("replicates", self.replicates.unwrap_or(4), 256)?,
+            backend: self.backend.unwrap_or_default(),
             build: self.build.unwrap_or_default(),
             aovs,
             clamp: self.clamp.map(positive).transpose()?,

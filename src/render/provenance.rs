@@ -14,8 +14,6 @@ pub struct Program {
     pub revision: Option<String>,
     /// Instruction set it was compiled for.
     pub isa: String,
-    /// Who answers ray queries.
-    pub backend: String,
 }
 
 /// The scene that was rendered.
@@ -74,7 +72,6 @@ impl Program {
             version: env!("CARGO_PKG_VERSION").into(),
             revision: option_env!("ETENDUE_GIT_REVISION").filter(|r| !r.is_empty()).map(str::to_owned),
             isa: option_env!("ETENDUE_TARGET_FEATURES").unwrap_or(std::env::consts::ARCH).into(),
-            backend: if cfg!(feature = "embree") { "embree" } else { "none" }.into(),
         }
     }
 }
@@ -82,7 +79,7 @@ impl Program {
 impl std::fmt::Display for Program {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let revision = self.revision.as_deref().unwrap_or("unknown revision");
-        write!(f, "{} ({revision}, {}, {})", self.version, self.isa, self.backend)
+        write!(f, "{} ({revision}, {})", self.version, self.isa)
     }
 }
 

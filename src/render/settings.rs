@@ -2,10 +2,11 @@
 //! that films of different runs can be continued and merged.
 
 use super::{Aov, Environment};
-use crate::accel::Build;
+use crate::accel::{Backend, Build};
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{Method, Options};
 use crate::sampling::SamplerKind;
+use crate::scene::BuildOptions;
 
 /// Everything besides the scene that the pixels of a pass depend on.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -31,6 +32,8 @@ pub struct Settings {
     pub seed: u64,
     /// Independent replicates.
     pub replicates: u32,
+    /// Who finds what rays hit: ties between surfaces depend on it.
+    pub backend: Backend,
     /// How the acceleration structure is built: ties between surfaces depend on it.
     pub build: Build,
     /// Extra layers, sorted.
@@ -44,6 +47,11 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// How `threads` threads build the scene.
+    pub fn build_options(&self, threads: usize) -> BuildOptions {
+        BuildOptions { backend: self.backend, build: self.build, threads }
+    }
+
     /// A hash of all of it, in hexadecimal.
     pub fn hash(&self) -> String {
         // serde_json writes fields in the order of the struct and floats in their shortest exact form.
@@ -95,6 +103,7 @@ mod tests {
     #[test]
     fn every_setting_enters_the_hash() {
         let base = settings();
+        let other = if base.backend == Backend::Obvhs { Backend::Embree } else { Backend::Obvhs };
         let changed = [
             Settings { seed: 1, ..base.clone() },
             Settings { replicates: 8, ..base.clone() },
@@ -102,6 +111,7 @@ mod tests {
             Settings { clamp: Some(1.0), ..base.clone() },
             Settings { transparent: true, ..base.clone() },
             Settings { build: Build::Fast, ..base.clone() },
+            Settings { backend: other, ..base.clone() },
             Settings { aovs: vec![Aov::Depth], ..base.clone() },
         ];
         assert!(changed.iter().all(|s| s.hash() != base.hash()));

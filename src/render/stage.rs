@@ -2,7 +2,6 @@
 
 use super::Environment;
 use super::machine::Stopwatch;
-use crate::accel::Build;
 use crate::error::{Error, Result};
 use crate::io::gltf;
 use crate::scene::{BuildOptions, Scene, SceneInfo};
@@ -29,11 +28,11 @@ pub struct Stage {
 
 impl Stage {
     /// Loads and builds the scene at `path`, with `environment` instead of its own if given. Call it from outside the
-    /// rayon pool, which the caller has set up with `threads` threads.
+    /// rayon pool, which the caller has set up with as many threads as `options` say.
     ///
     /// # Errors
     /// A scene that cannot be read or is invalid.
-    pub fn open(path: &Path, environment: Option<Environment>, build: Build, threads: usize) -> Result<Stage> {
+    pub fn open(path: &Path, environment: Option<Environment>, options: &BuildOptions) -> Result<Stage> {
         let loading = Stopwatch::start();
         let mut description = gltf::load(path)?;
         if let Some(environment) = environment {
@@ -41,14 +40,14 @@ impl Stage {
         }
         let building = Stopwatch::start();
         let load_seconds = loading.wall().as_secs_f64();
-        let scene = Scene::build(description, &BuildOptions { build, threads }).map_err(|e| e.context(path.display()))?;
+        let scene = Scene::build(description, options).map_err(|e| e.context(path.display()))?;
         let info = scene.info().clone();
         Ok(Stage {
             info,
             path: path.to_owned(),
             load_seconds,
             build_seconds: building.wall().as_secs_f64(),
-            threads,
+            threads: options.threads,
             clock: Stopwatch::start(),
             scene,
         })

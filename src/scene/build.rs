@@ -6,7 +6,7 @@ use super::material::Material;
 use super::rebase::Rebase;
 use super::view::Views;
 use super::{Absorption, Features, ObjectInfo, Scene, SceneInfo};
-use crate::accel::{Accel, Build};
+use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::{Bsdf, Lobes};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Hit, MediumId};
@@ -19,6 +19,8 @@ use std::time::Instant;
 /// How to build a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct BuildOptions {
+    /// Whose ray queries are used.
+    pub backend: Backend,
     /// Effort and robustness of the acceleration structure.
     pub build: Build,
     /// Threads for its construction.
@@ -54,7 +56,7 @@ impl Scene {
         });
         lights.extend(sky.filter(|s| !s.is_black()).map(|radiance| Light::Sky(Sky { radiance })));
         let prepare_seconds = start.elapsed().as_secs_f64();
-        let accel = Accel::build(&geometry, options.build, options.threads)?;
+        let accel = Accel::build(&geometry, options.backend, options.build, options.threads)?;
         let radius = ((max - min).length() * 0.5 * rebase.scale) as f32;
         let features = features(&geometry, &objects, &materials, &lights, &media);
         let mut info = census(&geometry, &materials, lights.len(), features);

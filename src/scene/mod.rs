@@ -14,7 +14,7 @@ pub use build::BuildOptions;
 pub use info::SceneInfo;
 pub use rebase::Rebase;
 
-use crate::accel::Accel;
+use crate::accel::{Accel, Backend};
 use crate::geometry::Geometry;
 use crate::light::Lights;
 use crate::spectrum::Spectrum;
@@ -132,8 +132,8 @@ impl Scene {
         &self.hash
     }
 
-    /// Name of the ray backend.
-    pub fn backend(&self) -> &'static str {
-        self.accel.name()
+    /// Whose ray queries are used.
+    pub fn backend(&self) -> Backend {
+        self.accel.backend()
     }
 }

@@ -1,8 +1,7 @@
 //! What must not crash, hang or pass unnoticed.
 
-use crate::scenes::{BUILDS, Random, embree, icosphere, placed_cube, scene_of, triangle};
-use etendue::accel::embree::Scene;
-use etendue::accel::{Build, Intersector};
+use crate::scenes::{Random, built, each, icosphere, mesh, placed_cube, scene_of, setups, triangle};
+use etendue::accel::{Accel, Backend, Build, Intersector};
 use etendue::error::Kind;
 use etendue::geometry::{AnyHit, Bounds, Geometry, Hit, Opaque, Ray};
 use glam::{Affine3A, Mat3, Vec3};
@@ -21,8 +20,8 @@ impl AnyHit for RejectAll {
 #[test]
 fn rays_that_are_none_return() {
     let geometry = placed_cube();
-    for build in BUILDS {
-        let scene = embree(&geometry, build);
+    for setup in setups() {
+        let scene = built(&geometry, setup);
         let mut random = Random(6);
         let mut odd = |regular: Vec3| {
             let replaced = regular.to_array().map(|x| if random.below(2) == 0 { x } else { ODD[random.below(ODD.len())] });
@@ -42,73 +41,101 @@ fn rays_that_are_none_return() {
 
 #[test]
 fn a_ray_without_points_or_direction_hits_nothing() {
-    let scene = embree(&placed_cube(), Build::Robust);
     let inward = Ray::new(Vec3::new(0.1, 0.2, 0.0), Vec3::X);
-    assert!(scene.occluded(&inward, &Opaque));
     let (nowhere, nan) = (Vec3::ZERO, Vec3::NAN);
     let empty = Ray { t_min: 2.0, t_max: 1.0, ..inward };
-    for ray in [empty, Ray { direction: nowhere, ..inward }, Ray { direction: nan, ..inward }, Ray { origin: nan, ..inward }] {
-        assert_eq!((scene.closest(&ray, &Opaque), scene.occluded(&ray, &Opaque)), (None, false), "{ray:?}");
+    for scene in each(&placed_cube()) {
+        assert!(scene.occluded(&inward, &Opaque));
+        for ray in [empty, Ray { direction: nowhere, ..inward }, Ray { direction: nan, ..inward }, Ray { origin: nan, ..inward }]
+        {
+            let answers = (scene.closest(&ray, &Opaque), scene.occluded(&ray, &Opaque));
+            assert_eq!(answers, (None, false), "{:?} {ray:?}", scene.backend());
+        }
     }
 }
 
 #[test]
 fn an_empty_scene_is_hit_by_nothing() {
-    let scene = embree(&Geometry::default(), Build::Robust);
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    assert_eq!((scene.closest(&ray, &Opaque), scene.occluded(&ray, &Opaque)), (None, false));
-    assert_eq!(scene.bounds(), Bounds::EMPTY);
+    for scene in each(&Geometry::default()) {
+        assert_eq!((scene.closest(&ray, &Opaque), scene.occluded(&ray, &Opaque)), (None, false));
+        assert_eq!(scene.bounds(), Bounds::EMPTY);
+    }
 }
 
 #[test]
-fn what_embree_would_leave_out_in_silence_is_an_error() {
-    let build = |geometry: &Geometry| Scene::build(geometry, Build::Robust, 1).map(|_| ()).expect_err("invalid");
+fn what_a_backend_would_leave_out_in_silence_is_an_error() {
     let placed = |linear: Mat3| {
         let placement = Affine3A::from_mat3_translation(linear, Vec3::ZERO);
         scene_of(vec![triangle()], vec![(0, None, false), (0, Some(placement), false)])
     };
-    let flat = build(&placed(Mat3::from_diagonal(Vec3::new(1.0, 1.0, 0.0))));
-    assert_eq!(flat.kind, Kind::Scene);
-    assert_eq!(flat.to_string(), "object 1 (mesh 'test') has a placement that cannot be inverted");
-    let huge = build(&placed(Mat3::from_diagonal(Vec3::splat(2e18))));
-    assert_eq!((huge.kind, huge.to_string().as_str()), (Kind::Scene, "object 1 (mesh 'test') reaches beyond ±1.8e18"));
-    assert_eq!(build(&placed(Mat3::from_diagonal(Vec3::splat(f32::NAN)))).kind, Kind::Scene);
-    assert_eq!(build(&scene_of(vec![triangle()], vec![(1, None, false)])).kind, Kind::Internal);
+    for &backend in Backend::AVAILABLE {
+        let build = |geometry: &Geometry| Accel::build(geometry, backend, Build::Robust, 1).map(|_| ()).expect_err("invalid");
+        let flat = build(&placed(Mat3::from_diagonal(Vec3::new(1.0, 1.0, 0.0))));
+        assert_eq!(flat.kind, Kind::Scene);
+        assert_eq!(flat.to_string(), "object 1 (mesh 'test') has a placement that cannot be inverted");
+        let huge = build(&placed(Mat3::from_diagonal(Vec3::splat(2e18))));
+        assert_eq!((huge.kind, huge.to_string().as_str()), (Kind::Scene, "object 1 (mesh 'test') reaches beyond ±1.8e18"));
+        assert_eq!(build(&placed(Mat3::from_diagonal(Vec3::splat(f32::NAN)))).kind, Kind::Scene);
+        assert_eq!(build(&scene_of(vec![triangle()], vec![(1, None, false)])).kind, Kind::Internal);
+    }
 }
 
 #[test]
 fn building_leaves_the_floating_point_environment_alone() {
-    let scene = embree(&placed_cube(), Build::High);
-    scene.occluded(&Ray::new(Vec3::ZERO, Vec3::X), &Opaque);
+    for setup in setups() {
+        built(&placed_cube(), setup).occluded(&Ray::new(Vec3::ZERO, Vec3::X), &Opaque);
+    }
     assert!(black_box(f32::MIN_POSITIVE) * 0.5 > 0.0, "subnormal results are kept");
     assert!(black_box(f32::from_bits(1)) * 16_777_216.0 > 0.0, "subnormal operands are kept");
 }
 
 #[test]
 fn the_size_of_the_structure_is_counted() {
-    let of = |levels| {
-        let geometry = scene_of(vec![icosphere(levels, 1.0, Vec3::ZERO)], vec![(0, None, false)]);
-        let robust = embree(&geometry, Build::Robust).bytes();
-        (robust, embree(&geometry, Build::Compact).bytes())
-    };
-    let ((small, _), (large, compact)) = (of(1), of(6));
-    assert!(large > 81_920 * 16 && large > small, "a leaf of 81920 triangles names each by two ids and more: {large}");
-    assert!(compact < large, "{compact} {large}");
+    for &backend in Backend::AVAILABLE {
+        let bytes = |levels, build| {
+            let geometry = scene_of(vec![icosphere(levels, 1.0, Vec3::ZERO)], vec![(0, None, false)]);
+            built(&geometry, (backend, build)).bytes()
+        };
+        let large = bytes(6, Build::Robust);
+        assert!(large > 81_920 * 16, "{backend:?}: a leaf of 81920 triangles names each by two ids and more: {large}");
+        assert!(large > bytes(1, Build::Robust), "{backend:?}");
+        assert!(bytes(6, Build::Compact) <= large, "{backend:?}");
+    }
 }
 
 #[test]
 fn scenes_are_built_and_queried_on_threads_of_their_own() {
     let geometry = placed_cube();
-    let shared = embree(&geometry, Build::Robust);
-    let answers = |scene: &Scene| {
+    let answers = |scene: &Accel| {
         let mut random = Random(8);
         (0..20_000).map(|_| scene.closest(&random.ray(4.0), &Opaque)).collect::<Vec<_>>()
     };
-    let expected = answers(&shared);
-    std::thread::scope(|threads| {
-        let own = threads.spawn(|| answers(&Scene::build(&geometry, Build::Robust, 2).expect("builds")));
-        let other = threads.spawn(|| answers(&shared));
-        assert_eq!(own.join().expect("no panic"), expected);
-        assert_eq!(other.join().expect("no panic"), expected);
-    });
+    for shared in each(&geometry) {
+        let expected = answers(&shared);
+        let build = || Accel::build(&geometry, shared.backend(), Build::Robust, 2).expect("builds");
+        std::thread::scope(|threads| {
+            let own = threads.spawn(|| answers(&build()));
+            let other = threads.spawn(|| answers(&shared));
+            assert_eq!(own.join().expect("no panic"), expected);
+            assert_eq!(other.join().expect("no panic"), expected);
+        });
+    }
+}
+
+#[test]
+fn triangles_without_area_and_copies_of_one_are_built_and_passed() {
+    let point = Vec3::splat(0.5);
+    let mut positions = vec![point; 3];
+    positions.extend([Vec3::ZERO, Vec3::X, Vec3::Y]);
+    let mut triangles = vec![[0, 1, 2]; 300];
+    triangles.extend([[3, 4, 4]; 300]);
+    triangles.extend([[3, 4, 5]; 300]);
+    let geometry = scene_of(vec![mesh(positions, triangles)], vec![(0, None, false)]);
+    for setup in setups() {
+        let scene = built(&geometry, setup);
+        let hit = scene.closest(&Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z), &Opaque).expect("there are triangles");
+        assert!(hit.primitive >= 600, "{setup:?} {hit:?}");
+        assert_eq!(scene.closest(&Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::new(0.0, 1e-3, 1.0)), &Opaque), None, "{setup:?}");
+    }
 }

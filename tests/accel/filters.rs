@@ -1,8 +1,8 @@
 //! Any-hit filters: who is asked, about what, and that the answer decides.
 
 use crate::brute_force::{BruteForce, fault};
-use crate::scenes::{BUILDS, Random, embree, placed_cube, scene_of, triangle};
-use etendue::accel::{Build, Intersector};
+use crate::scenes::{Random, built, each, placed_cube, scene_of, setups, triangle};
+use etendue::accel::{Backend, Build, Intersector};
 use etendue::geometry::{AnyHit, Hit, Opaque, Ray};
 use glam::{Affine3A, Vec3};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,8 +26,8 @@ fn a_filter_decides_as_it_does_in_brute_force() {
     let geometry = placed_cube();
     let brute = BruteForce::new(&geometry);
     let rules: [fn(Hit) -> bool; 2] = [is_even, |_| false];
-    for (build, rule) in BUILDS.into_iter().flat_map(|build| rules.map(|rule| (build, rule))) {
-        let scene = embree(&geometry, build);
+    for (setup, rule) in setups().into_iter().flat_map(|setup| rules.map(|rule| (setup, rule))) {
+        let scene = built(&geometry, setup);
         let mut random = Random(4);
         for _ in 0..10_000 {
             let ray = random.ray(4.0);
@@ -39,11 +39,11 @@ fn a_filter_decides_as_it_does_in_brute_force() {
                 rule(hit)
             });
             let candidates = brute.candidates(&ray, counts);
-            assert_eq!(fault(scene.closest(&ray, &filter), &candidates), None, "{build:?} {ray:?}");
+            assert_eq!(fault(scene.closest(&ray, &filter), &candidates), None, "{setup:?} {ray:?}");
             let occluded = scene.occluded(&ray, &filter);
             let certain = candidates.iter().any(|candidate| candidate.clear);
-            assert!(occluded || !certain, "{build:?}: nothing in the way of {ray:?}");
-            assert!(!occluded || !candidates.is_empty(), "{build:?}: something in the way of {ray:?}");
+            assert!(occluded || !certain, "{setup:?}: nothing in the way of {ray:?}");
+            assert!(!occluded || !candidates.is_empty(), "{setup:?}: something in the way of {ray:?}");
         }
     }
 }
@@ -52,15 +52,19 @@ fn a_filter_decides_as_it_does_in_brute_force() {
 fn every_named_candidate_lies_on_the_ray() {
     let geometry = placed_cube();
     let brute = BruteForce::new(&geometry);
-    let scene = embree(&geometry, Build::High);
-    let mut random = Random(5);
-    for _ in 0..10_000 {
-        let ray = random.ray(4.0);
-        let candidates = brute.candidates(&ray, |_| true);
-        // Rejecting all makes the traversal visit all; spatial splits make it visit some twice.
-        let on_the_ray = |hit: Hit| candidates.iter().any(|candidate| candidate.hit == hit);
-        scene
-            .closest(&ray, &Accept(|_: &Ray, hit: Hit| !std::hint::black_box(on_the_ray(hit)) && panic!("{hit:?} is not on it")));
+    for &backend in Backend::AVAILABLE {
+        let scene = built(&geometry, (backend, Build::High));
+        let mut random = Random(5);
+        for _ in 0..10_000 {
+            let ray = random.ray(4.0);
+            let candidates = brute.candidates(&ray, |_| true);
+            // Rejecting all makes the traversal visit all; spatial splits make it visit some twice.
+            let on_the_ray = |hit: Hit| candidates.iter().any(|candidate| candidate.hit == hit);
+            scene.closest(
+                &ray,
+                &Accept(|_: &Ray, hit: Hit| !std::hint::black_box(on_the_ray(hit)) && panic!("{hit:?} is not on it")),
+            );
+        }
     }
 }
 
@@ -73,38 +77,41 @@ fn a_filter_that_cannot_reject_is_not_asked() {
             panic!("asked")
         }
     }
-    let scene = embree(&scene_of(vec![triangle()], vec![(0, None, true)]), Build::Robust);
     let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
-    assert!(scene.closest(&ray, &Never).is_some() && scene.occluded(&ray, &Never));
+    for scene in each(&scene_of(vec![triangle()], vec![(0, None, true)])) {
+        assert!(scene.closest(&ray, &Never).is_some() && scene.occluded(&ray, &Never));
+    }
 }
 
 #[test]
 fn a_shared_mesh_is_filtered_only_where_its_object_is() {
     let behind = |z: f32| Some(Affine3A::from_translation(Vec3::Z * z));
     let objects = vec![(0, behind(3.0), true), (0, behind(2.0), false), (0, behind(1.0), true), (0, None, false)];
-    let scene = embree(&scene_of(vec![triangle()], objects), Build::Robust);
     let reject = Accept(|_: &Ray, _: Hit| false);
     let at = |z: f32| Ray::new(Vec3::new(0.2, 0.2, z), -Vec3::Z);
-    assert_eq!(scene.closest(&at(4.0), &reject), Some(Hit { object: 1, primitive: 0 }));
-    assert_eq!(scene.closest(&at(1.5), &reject), Some(Hit { object: 3, primitive: 0 }));
-    assert_eq!(scene.closest(&at(4.0), &Opaque), Some(Hit { object: 0, primitive: 0 }));
+    for scene in each(&scene_of(vec![triangle()], objects)) {
+        assert_eq!(scene.closest(&at(4.0), &reject), Some(Hit { object: 1, primitive: 0 }));
+        assert_eq!(scene.closest(&at(1.5), &reject), Some(Hit { object: 3, primitive: 0 }));
+        assert_eq!(scene.closest(&at(4.0), &Opaque), Some(Hit { object: 0, primitive: 0 }));
+    }
 }
 
 #[test]
 fn a_panic_in_a_filter_reaches_the_caller_and_the_scene_goes_on() {
     let moved = Affine3A::from_translation(Vec3::Z * -1.0);
     let geometry = scene_of(vec![triangle()], vec![(0, None, true), (0, Some(moved), true)]);
-    let scene = embree(&geometry, Build::Robust);
-    let panics = Accept(|_: &Ray, hit: Hit| panic!("object {}", hit.object));
-    let message = |query: &dyn Fn()| {
-        let panic = catch_unwind(AssertUnwindSafe(query)).expect_err("the filter panics");
-        panic.downcast_ref::<String>().cloned().expect("a message")
-    };
-    let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
-    let instance = Ray::new(Vec3::new(0.2, 0.2, -0.5), -Vec3::Z);
-    assert!(message(&|| _ = scene.closest(&ray, &panics)).starts_with("object "));
-    assert_eq!(message(&|| _ = scene.closest(&instance, &panics)), "object 1");
-    assert_eq!(message(&|| _ = scene.occluded(&instance, &panics)), "object 1");
-    assert_eq!(scene.closest(&ray, &Opaque), Some(Hit { object: 0, primitive: 0 }));
-    assert_eq!(scene.closest(&ray, &Accept(|_: &Ray, hit: Hit| hit.object == 1)), Some(Hit { object: 1, primitive: 0 }));
+    for scene in each(&geometry) {
+        let panics = Accept(|_: &Ray, hit: Hit| panic!("object {}", hit.object));
+        let message = |query: &dyn Fn()| {
+            let panic = catch_unwind(AssertUnwindSafe(query)).expect_err("the filter panics");
+            panic.downcast_ref::<String>().cloned().expect("a message")
+        };
+        let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
+        let instance = Ray::new(Vec3::new(0.2, 0.2, -0.5), -Vec3::Z);
+        assert!(message(&|| _ = scene.closest(&ray, &panics)).starts_with("object "));
+        assert_eq!(message(&|| _ = scene.closest(&instance, &panics)), "object 1");
+        assert_eq!(message(&|| _ = scene.occluded(&instance, &panics)), "object 1");
+        assert_eq!(scene.closest(&ray, &Opaque), Some(Hit { object: 0, primitive: 0 }));
+        assert_eq!(scene.closest(&ray, &Accept(|_: &Ray, hit: Hit| hit.object == 1)), Some(Hit { object: 1, primitive: 0 }));
+    }
 }

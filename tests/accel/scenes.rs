@@ -1,7 +1,6 @@
 //! Small scenes and random rays.
 
-use etendue::accel::Build;
-use etendue::accel::embree::Scene;
+use etendue::accel::{Accel, Backend, Build};
 use etendue::geometry::{Attributes, Geometry, Object, Ray, TriangleMesh};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use std::collections::HashMap;
@@ -123,8 +122,21 @@ pub(crate) fn placed_cube() -> Geometry {
     scene_of(vec![icosphere(0, 0.8, Vec3::ZERO), floor], objects)
 }
 
-pub(crate) fn embree(geometry: &Geometry, build: Build) -> Scene {
-    Scene::build(geometry, build, 1).expect("builds")
+pub(crate) const BUILDS: [Build; 4] = [Build::Fast, Build::Robust, Build::Compact, Build::High];
+
+/// A backend and how it builds.
+pub(crate) type Setup = (Backend, Build);
+
+/// Every build of every backend that there is.
+pub(crate) fn setups() -> Vec<Setup> {
+    Backend::AVAILABLE.iter().flat_map(|&backend| BUILDS.map(|build| (backend, build))).collect()
 }
 
-pub(crate) const BUILDS: [Build; 4] = [Build::Fast, Build::Robust, Build::Compact, Build::High];
+pub(crate) fn built(geometry: &Geometry, (backend, build): Setup) -> Accel {
+    Accel::build(geometry, backend, build, 1).expect("builds")
+}
+
+/// `geometry` under each backend's robust build.
+pub(crate) fn each(geometry: &Geometry) -> Vec<Accel> {
+    Backend::AVAILABLE.iter().map(|&backend| built(geometry, (backend, Build::Robust))).collect()
+}

@@ -1,12 +1,16 @@
 //! Rays from inside a closed surface never leave it.
 
-use crate::scenes::{Random, embree, icosphere, scene_of};
-use etendue::accel::{Build, Intersector};
+use crate::scenes::{Random, Setup, built, icosphere, scene_of, setups};
+use etendue::accel::{Backend, Build, Intersector};
 use etendue::geometry::{Geometry, Opaque, Ray};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 
 const RAYS: usize = 200_000;
-const TIGHT: [Build; 3] = [Build::Robust, Build::Compact, Build::High];
+
+/// Those that promise watertight edges.
+fn tight() -> impl Iterator<Item = Setup> {
+    setups().into_iter().filter(|&setup| setup != (Backend::Embree, Build::Fast))
+}
 
 /// A point to aim at from an origin, given the corners of a random triangle.
 type Aim = fn(&mut Random, Vec3, [Vec3; 3]) -> Vec3;
@@ -39,8 +43,8 @@ fn spheres() -> Vec<(&'static str, Geometry, Vec3)> {
 }
 
 /// How many of the rays aimed at the surface leave it. Both queries are asked.
-fn escapes(geometry: &Geometry, center: Vec3, build: Build, aim: Aim) -> (usize, usize) {
-    let scene = embree(geometry, build);
+fn escapes(geometry: &Geometry, center: Vec3, setup: Setup, aim: Aim) -> (usize, usize) {
+    let scene = built(geometry, setup);
     let (mesh, placement) = (geometry.mesh_of(0), geometry.objects[0].placement.unwrap_or(Affine3A::IDENTITY));
     let mut random = Random(3);
     let (mut missed, mut unoccluded) = (0, 0);
@@ -59,8 +63,8 @@ fn escapes(geometry: &Geometry, center: Vec3, build: Build, aim: Aim) -> (usize,
 #[test]
 fn no_ray_slips_through_an_edge() {
     for (name, geometry, center) in spheres() {
-        for build in TIGHT {
-            assert_eq!(escapes(&geometry, center, build, at_an_edge), (0, 0), "{name} {build:?}");
+        for setup in tight() {
+            assert_eq!(escapes(&geometry, center, setup, at_an_edge), (0, 0), "{name} {setup:?}");
         }
     }
 }
@@ -68,22 +72,24 @@ fn no_ray_slips_through_an_edge() {
 #[test]
 fn no_ray_slips_through_beside_a_vertex() {
     for (name, geometry, center) in spheres() {
-        for build in TIGHT {
-            assert_eq!(escapes(&geometry, center, build, beside_a_vertex), (0, 0), "{name} {build:?}");
+        for setup in tight() {
+            assert_eq!(escapes(&geometry, center, setup, beside_a_vertex), (0, 0), "{name} {setup:?}");
         }
     }
 }
 
 /// Embree's edge functions agree between the two triangles of an edge, but not between the k edges of a vertex: aimed at the
 /// vertex itself all are rounding noise, and a ray escapes if all have one sign. Were the signs fair coins, that would be
-/// 2 of 2^k, at least 1 in 16 for the sphere's smallest k = 5; they are mostly exact, and the rate is below 1 in 200.
+/// 2 of 2^k, at least 1 in 16 for the sphere's smallest k = 5; they are mostly exact, and the rate is below 1 in 200. Ours are
+/// exact: no ray escapes.
 #[test]
 fn few_rays_slip_through_a_vertex_itself() {
     for (name, geometry, center) in spheres() {
-        for build in TIGHT {
-            let (missed, unoccluded) = escapes(&geometry, center, build, at_a_vertex);
-            println!("{name} {build:?}: {missed} of {RAYS} rays escape through vertices");
-            assert!(missed.max(unoccluded) * 16 < RAYS, "{name} {build:?}: {missed} {unoccluded}");
+        for setup in tight() {
+            let (missed, unoccluded) = escapes(&geometry, center, setup, at_a_vertex);
+            println!("{name} {setup:?}: {missed} of {RAYS} rays escape through vertices");
+            let allowed = if setup.0 == Backend::Obvhs { 0 } else { RAYS / 16 };
+            assert!(missed.max(unoccluded) <= allowed, "{name} {setup:?}: {missed} {unoccluded}");
         }
     }
 }

@@ -17,18 +17,14 @@ mod geometry;
 mod ray;
 mod scene;
 
-use crate::accel::{Build, Intersector};
-use crate::error::{Error, Kind, Result};
-use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Object, Ray, TriangleMesh};
+use crate::accel::{Build, Intersector, placed};
+use crate::error::Result;
+use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
 use filter::Filter;
-use glam::Vec3;
 use scene::{Committed, SceneBuilder};
 use std::sync::Arc;
 
 pub use device::Device;
-
-/// Embree leaves out triangles with a coordinate beyond this, without a word.
-const REACH: f32 = 1.844e18;
 
 /// Committed geometry under Embree. It never changes, so any number of threads may query it.
 pub struct Scene {
@@ -51,10 +47,9 @@ impl Scene {
         let device = Arc::new(Device::new(threads)?);
         let mut top = SceneBuilder::new(&device)?;
         let mut prototypes = vec![None; geometry.meshes.len()];
-        let mut bounds = Bounds::EMPTY;
+        let bounds = placed::bounds(geometry)?.into_iter().fold(Bounds::EMPTY, Bounds::union);
         for (index, object) in geometry.objects.iter().enumerate() {
-            let mesh = mesh_of(geometry, index, object)?;
-            bounds = bounds.union(placed_bounds(index, object, mesh)?);
+            let mesh = placed::mesh(geometry, index)?;
             let Some(placement) = &object.placement else {
                 top.attach_mesh(index, mesh, object.filtered)?;
                 continue;
@@ -115,11 +110,6 @@ impl Intersector for Scene {
     }
 }
 
-fn mesh_of<'a>(geometry: &'a Geometry, index: usize, object: &Object) -> Result<&'a Arc<TriangleMesh>> {
-    let missing = || Error::new(Kind::Internal, format!("object {index} names mesh {}, which is not there", object.mesh));
-    geometry.meshes.get(object.mesh as usize).ok_or_else(missing)
-}
-
 /// The scene that every placed object of mesh `index` is an instance of.
 fn prototype_of(geometry: &Geometry, index: u32, device: &Arc<Device>, build: Build) -> Result<Arc<Committed>> {
     let mut placed = geometry.objects.iter().filter(|object| object.mesh == index && object.placement.is_some());
@@ -128,28 +118,11 @@ fn prototype_of(geometry: &Geometry, index: u32, device: &Arc<Device>, build: Bu
     Ok(Arc::new(scene.commit(build)?))
 }
 
-/// The world-space box around an object, after checking that Embree can represent it.
-fn placed_bounds(index: usize, object: &Object, mesh: &TriangleMesh) -> Result<Bounds> {
-    let fail = |what: &str| Err(Error::scene(format!("object {index} (mesh '{}') {what}", mesh.name())));
-    let local = mesh.bounds();
-    let world = match &object.placement {
-        None => local,
-        Some(m) if m.is_finite() && m.inverse().is_finite() => {
-            let corner = |i: u32| Vec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), local.max, local.min);
-            Bounds::around((0..8).map(|i| m.transform_point3(corner(i))))
-        }
-        Some(_) => return fail("has a placement that cannot be inverted"),
-    };
-    let reach = [local.min, local.max, world.min, world.max].map(|p| p.abs().max_element());
-    // Not `any`: a bound that overflowed to NaN must fail too.
-    if reach.iter().all(|&r| r < REACH) { Ok(world) } else { fail("reaches beyond ±1.8e18") }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Attributes, Opaque};
-    use glam::Affine3A;
+    use crate::geometry::{Attributes, Object, Opaque, TriangleMesh};
+    use glam::{Affine3A, Vec3};
 
     #[test]
     fn a_dropped_scene_gives_everything_back() {

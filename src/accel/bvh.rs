@@ -1,0 +1,211 @@
+//! The pure-Rust backend: trees built by obvhs (PLOC with parallel reinsertion), queried by our own four-wide traversal and
+//! watertight triangle test. It needs no C library, runs wherever Rust does and answers like [`super::embree`] but for ties.
+//!
+//! Objects without a placement share one tree of world-space triangles; placed ones are leaves of a second tree, and the ray
+//! is taken into the space of their mesh's own tree, its parameter unchanged.
+//!
+//! Watertight in every [`super::Build`]: the signs of edge functions are exact for the sheared vertices [Woop13], and boxes
+//! are widened by the error of that shear (see `ray.rs`). The nearest hit does not depend on the tree: equal distances are
+//! decided by the smaller object and triangle.
+//!
+//! Limits: triangles are still, coordinates are at most 1.8e18, and directions so short that 1/|d| overflows meet nothing.
+
+mod block;
+mod plant;
+mod ray;
+mod tree;
+
+use crate::accel::{Build, Intersector, placed};
+use crate::error::Result;
+use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
+use block::{Block, Corners};
+use glam::Affine3A;
+use ray::{Query, Slabs};
+use std::ops::ControlFlow::{self, Break, Continue};
+use std::sync::Arc;
+use tree::Tree;
+
+/// Triangles and the tree over them; a leaf of the tree is a block.
+struct Mesh {
+    tree: Tree,
+    blocks: Box<[Block]>,
+}
+
+/// A mesh at a place.
+struct Instance {
+    mesh: Arc<Mesh>,
+    to_object: Affine3A,
+    object: u32,
+}
+
+/// Built geometry. It never changes, so any number of threads may query it.
+pub struct Scene {
+    /// What has no placement.
+    world: Option<Mesh>,
+    instances: Box<[Instance]>,
+    /// Over the instances; a leaf is one of them.
+    top: Option<Tree>,
+    /// Whether the filter is asked about an object.
+    filtered: Box<[bool]>,
+    any_filtered: bool,
+    bounds: Bounds,
+}
+
+/// The nearest hit so far, or where the ray ends.
+#[derive(Clone, Copy)]
+struct Nearest {
+    t: f32,
+    hit: Option<Hit>,
+}
+
+impl Scene {
+    /// Builds the trees over `geometry` in the current rayon pool.
+    ///
+    /// # Errors
+    /// A scene error if an object has a placement that cannot be inverted or reaches beyond ±1.8e18; an internal error if an
+    /// object names a mesh that is not there.
+    pub fn build(geometry: &Geometry, build: Build) -> Result<Scene> {
+        let bounds = placed::bounds(geometry)?;
+        let mut prototypes: Vec<Option<Arc<Mesh>>> = vec![None; geometry.meshes.len()];
+        let (mut world, mut instances, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
+        for (object, bounds) in (0..).zip(&bounds) {
+            let placed = &geometry.objects[object as usize];
+            let Some(placement) = &placed.placement else {
+                world.extend(corners(geometry, object));
+                continue;
+            };
+            let mesh = prototypes[placed.mesh as usize].get_or_insert_with(|| {
+                let triangles: Vec<Corners> = corners(geometry, object).collect();
+                Arc::new(Mesh::new(&triangles, build))
+            });
+            instances.push(Instance { mesh: Arc::clone(mesh), to_object: placement.inverse(), object });
+            boxes.push(widened(*bounds));
+        }
+        let filtered: Box<[bool]> = geometry.objects.iter().map(|object| object.filtered).collect();
+        Ok(Scene {
+            world: (!world.is_empty()).then(|| Mesh::new(&world, build)),
+            top: (!boxes.is_empty()).then(|| plant::over_boxes(&boxes, build)),
+            instances: instances.into(),
+            any_filtered: filtered.contains(&true),
+            filtered,
+            bounds: bounds.into_iter().fold(Bounds::EMPTY, Bounds::union),
+        })
+    }
+
+    /// Bytes of all trees.
+    pub fn bytes(&self) -> usize {
+        let mut meshes: Vec<&Arc<Mesh>> = self.instances.iter().map(|i| &i.mesh).collect();
+        meshes.sort_by_key(|mesh| Arc::as_ptr(mesh));
+        meshes.dedup_by_key(|mesh| Arc::as_ptr(mesh));
+        let meshes = meshes.into_iter().map(|mesh| mesh.bytes()).sum::<usize>() + self.world.as_ref().map_or(0, Mesh::bytes);
+        meshes + self.top.as_ref().map_or(0, Tree::bytes) + size_of_val(&*self.instances)
+    }
+
+    /// Asks every leaf that the ray reaches, `leaf(mesh, ray in its space, instance or none)`, until it breaks.
+    #[inline]
+    fn visit(
+        &self,
+        ray: &Ray,
+        reach: &mut Nearest,
+        mut block: impl FnMut(&Block, &Query, Option<u32>, &mut Nearest) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        if let Some(world) = &self.world {
+            world.visit(ray, reach, |b, query, reach| block(b, query, None, reach))?;
+        }
+        let Some(top) = &self.top else { return Continue(()) };
+        top.visit(&Slabs::new(ray, top.extent()), reach, |leaf, reach| {
+            let instance = &self.instances[leaf];
+            let local = Ray {
+                origin: instance.to_object.transform_point3(ray.origin),
+                direction: instance.to_object.transform_vector3(ray.direction),
+                ..*ray
+            };
+            instance.mesh.visit(&local, reach, |b, query, reach| block(b, query, Some(instance.object), reach))
+        })
+    }
+
+    /// Whether a candidate counts, by the filter if it has a say.
+    #[inline]
+    fn accepts<A: AnyHit>(&self, ray: &Ray, hit: Hit, any: &A) -> bool {
+        !(A::FILTERS && self.any_filtered && self.filtered[hit.object as usize]) || any.accepts(ray, hit)
+    }
+}
+
+impl Intersector for Scene {
+    #[inline]
+    fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
+        let mut nearest = Nearest { t: ray.t_max, hit: None };
+        let _ = self.visit(ray, &mut nearest, |block, query, instance, nearest| {
+            block.meet(query, nearest.t, |t, lane| {
+                let hit = block.hit(lane, instance);
+                if nearest.is_beyond(t, hit) && self.accepts(ray, hit, any) {
+                    *nearest = Nearest { t, hit: Some(hit) };
+                }
+                Continue(())
+            })
+        });
+        nearest.hit
+    }
+
+    #[inline]
+    fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
+        let mut reach = Nearest { t: ray.t_max, hit: None };
+        let walked =
+            self.visit(ray, &mut reach, |block, query, instance, reach| {
+                block.meet(query, reach.t, |_, lane| {
+                    if self.accepts(ray, block.hit(lane, instance), any) { Break(()) } else { Continue(()) }
+                })
+            });
+        walked.is_break()
+    }
+
+    fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+}
+
+impl Nearest {
+    /// Whether a hit at `t` is nearer; equal distances are decided by the ids, so that the tree does not matter.
+    #[inline]
+    fn is_beyond(&self, t: f32, hit: Hit) -> bool {
+        let precedes = |held: Hit| (hit.object, hit.primitive) < (held.object, held.primitive);
+        t < self.t || (t <= self.t && self.hit.is_none_or(precedes))
+    }
+}
+
+impl Mesh {
+    fn new(triangles: &[Corners], build: Build) -> Mesh {
+        let (tree, blocks) = plant::over_triangles(triangles, build);
+        Mesh { tree, blocks }
+    }
+
+    fn bytes(&self) -> usize {
+        self.tree.bytes() + size_of_val(&*self.blocks)
+    }
+
+    #[inline]
+    fn visit(
+        &self,
+        ray: &Ray,
+        reach: &mut Nearest,
+        mut block: impl FnMut(&Block, &Query, &mut Nearest) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let query = Query::new(ray);
+        self.tree.visit(&Slabs::new(ray, self.tree.extent()), reach, |leaf, reach| block(&self.blocks[leaf], &query, reach))
+    }
+}
+
+/// The triangles of an object, in its mesh's space.
+fn corners(geometry: &Geometry, object: u32) -> impl Iterator<Item = Corners> + '_ {
+    let mesh = geometry.mesh_of(object);
+    let positions = mesh.positions();
+    (0..)
+        .zip(mesh.triangles())
+        .map(move |(primitive, t)| Corners { vertices: t.map(|i| positions[i as usize]), hit: Hit { object, primitive } })
+}
+
+/// A box around a placed mesh whose corners were rounded when they were placed.
+fn widened(bounds: Bounds) -> Bounds {
+    let pad = bounds.min.abs().max(bounds.max.abs()).max_element() * (8.0 * f32::EPSILON);
+    Bounds { min: bounds.min - pad, max: bounds.max + pad }
+}

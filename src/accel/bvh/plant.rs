@@ -1,0 +1,147 @@
+//! Builds trees: obvhs makes a binary one, which is then made four-wide.
+
+use super::block::{Block, Corners, LANES};
+use super::tree::{LEAF, Node, Tree};
+use crate::accel::Build;
+use crate::geometry::Bounds;
+use glam::{Vec3A, Vec4};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::PlocBuilder;
+use obvhs::splits::split_aabbs_preset;
+use obvhs::triangle::Triangle;
+
+/// What the tests of a node cost in tests of a block: makes leaves fuller than they would be if triangles were tested one by
+/// one.
+const TRAVERSAL_COST: f32 = 3.0;
+
+/// A tree over `triangles`, of which there is at least one, and its leaves.
+pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, Box<[Block]>) {
+    let effort = effort(build);
+    let (boxes, indices) = if effort.pre_split { split(triangles) } else { whole(triangles) };
+    let bvh = binary(&boxes, indices, effort, LANES as u32);
+    let mut blocks = Vec::new();
+    let tree = widen(&bvh, |prims| {
+        let leaf: Vec<Corners> = prims.iter().map(|&i| triangles[i as usize]).collect();
+        blocks.push(Block::new(&leaf));
+        blocks.len() - 1
+    });
+    (tree, blocks.into())
+}
+
+/// A tree over `boxes`, of which there is at least one; the leaves are their indices.
+pub(super) fn over_boxes(boxes: &[Bounds], build: Build) -> Tree {
+    let boxes: Vec<Aabb> = boxes.iter().map(|b| Aabb::new(b.min.into(), b.max.into())).collect();
+    let bvh = binary(&boxes, (0..boxes.len() as u32).collect(), effort(build), 1);
+    widen(&bvh, |prims| prims[0] as usize)
+}
+
+fn effort(build: Build) -> BvhBuildParams {
+    match build {
+        Build::Fast => BvhBuildParams::very_fast_build(),
+        Build::Robust | Build::Compact => BvhBuildParams::medium_build(),
+        Build::High => BvhBuildParams::slow_build(),
+    }
+}
+
+fn whole(triangles: &[Corners]) -> (Vec<Aabb>, Vec<u32>) {
+    (triangles.iter().map(|t| Aabb::from_points(&t.vertices.map(Vec3A::from))).collect(), (0..triangles.len() as u32).collect())
+}
+
+/// Boxes around parts of large triangles.
+fn split(triangles: &[Corners]) -> (Vec<Aabb>, Vec<u32>) {
+    let (mut boxes, mut indices) = whole(triangles);
+    let areas = boxes.iter().map(Aabb::half_area);
+    let (sum, largest) = areas.fold((0.0, 0.0f32), |(sum, largest), area| (sum + f64::from(area), largest.max(area)));
+    let mean = (sum / boxes.len() as f64) as f32;
+    let triangles: Vec<Triangle> = triangles
+        .iter()
+        .map(|t| {
+            let [v0, v1, v2] = t.vertices.map(Vec3A::from);
+            Triangle { v0, v1, v2 }
+        })
+        .collect();
+    split_aabbs_preset(&mut boxes, &mut indices, &triangles, mean, largest);
+    (boxes, indices)
+}
+
+fn binary(boxes: &[Aabb], indices: Vec<u32>, effort: BvhBuildParams, most_in_leaf: u32) -> Bvh2 {
+    let mut builder = PlocBuilder::with_capacity(boxes.len());
+    let mut bvh =
+        builder.build(effort.ploc_search_distance, boxes, indices, effort.sort_precision, effort.search_depth_threshold);
+    bvh.uses_spatial_splits = effort.pre_split;
+    let mut optimizer = ReinsertionOptimizer::default();
+    optimizer.run(&mut bvh, effort.reinsertion_batch_ratio, None);
+    if most_in_leaf > 1 {
+        collapse(&mut bvh, most_in_leaf, TRAVERSAL_COST);
+        let again = effort.reinsertion_batch_ratio * effort.post_collapse_reinsertion_batch_ratio_multiplier;
+        optimizer.run(&mut bvh, again, None);
+    }
+    bvh
+}
+
+/// The four-wide tree of `bvh`; `leaf` is given the primitives of each leaf and names it.
+fn widen(bvh: &Bvh2, mut leaf: impl FnMut(&[u32]) -> usize) -> Tree {
+    let mut name = |node: &Bvh2Node| {
+        let first = node.first_index as usize;
+        LEAF | leaf(&bvh.primitive_indices[first..first + node.prim_count as usize]) as u32
+    };
+    let root = &bvh.nodes[0];
+    let extent = root.aabb().min.abs().max(root.aabb().max.abs()).max_element();
+    if root.is_leaf() {
+        return Tree::new(Vec::new(), name(root), 1, extent);
+    }
+    let mut nodes = vec![EMPTY];
+    // Binary inner nodes that become wide ones, where to, and how deep they are.
+    let (mut open, mut levels) = (vec![(root, 0, 1)], 1);
+    while let Some((binary, slot, level)) = open.pop() {
+        levels = levels.max(level);
+        for (lane, child) in descendants(bvh, binary).into_iter().flatten().enumerate() {
+            let index = if child.is_leaf() {
+                name(child)
+            } else {
+                nodes.push(EMPTY);
+                open.push((child, nodes.len() - 1, level + 1));
+                nodes.len() as u32 - 1
+            };
+            nodes[slot].set(lane, child.aabb(), index);
+        }
+    }
+    Tree::new(nodes, 0, levels, extent)
+}
+
+/// Two to four descendants of an inner node that together hold what it does: its children, the largest opened in turn.
+fn descendants<'a>(bvh: &'a Bvh2, node: &Bvh2Node) -> [Option<&'a Bvh2Node>; 4] {
+    let children = |node: &Bvh2Node| [0, 1].map(|i| &bvh.nodes[node.first_index as usize + i]);
+    let [left, right] = children(node);
+    let mut found = [Some(left), Some(right), None, None];
+    for free in 2..4 {
+        let area = |i: &usize| found[*i].map_or(0.0, |n| n.aabb().half_area());
+        let inner = (0..free).filter(|&i| found[i].is_some_and(|n| !n.is_leaf()));
+        let Some(largest) = inner.max_by(|i, j| area(i).total_cmp(&area(j))) else { break };
+        let Some(opened) = found[largest] else { break };
+        let [left, right] = children(opened);
+        (found[largest], found[free]) = (Some(left), Some(right));
+    }
+    found
+}
+
+/// A node with no children yet.
+const EMPTY: Node = {
+    let (least, most) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
+    Node { planes: [least, most, least, most, least, most], children: [LEAF; 4] }
+};
+
+impl Node {
+    fn set(&mut self, lane: usize, bounds: &Aabb, child: u32) {
+        for k in 0..3 {
+            self.planes[2 * k][lane] = bounds.min[k];
+            self.planes[2 * k + 1][lane] = bounds.max[k];
+        }
+        self.children[lane] = child;
+    }
+}

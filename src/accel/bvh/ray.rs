@@ -1,0 +1,97 @@
+//! A ray made ready for the two tests: slabs for boxes, a shear for triangles.
+//!
+//! The triangle test moves vertices so that the ray is the z axis. With u = 2⁻²⁴, M the largest |vertex − origin| of any
+//! coordinate and shear factors of at most 1, a sheared coordinate is off by at most 6uM: u·M for each of the two
+//! differences, 2u·M for the product, 2u·M for the last difference. A box test rounds a difference, a reciprocal and a
+//! product, 3uM, and the widened origin, uM. Widening every slab by 16uM therefore keeps each box that holds a triangle which
+//! the triangle test would accept; it is done to the ray's origin, where it costs nothing, and not to the boxes.
+
+use super::tree::Node;
+use crate::geometry::Ray;
+use glam::{BVec4A, Vec3, Vec4};
+
+/// Direction components below this are taken for this, so that no reciprocal overflows.
+const LEAST: f32 = 1e-37;
+
+/// Half-ulps that slabs are widened by: see the module's head.
+const WIDENING: f32 = 16.0 * 0.5 * f32::EPSILON;
+
+/// A ray as box tests want it.
+pub(super) struct Slabs {
+    /// For each axis: which plane of a box is met first, its index in [`Node::planes`].
+    first: [usize; 3],
+    near_origin: [Vec4; 3],
+    far_origin: [Vec4; 3],
+    inverse: [Vec4; 3],
+    t_min: Vec4,
+}
+
+impl Slabs {
+    /// For boxes whose coordinates are at most `extent`.
+    #[inline]
+    pub(super) fn new(ray: &Ray, extent: f32) -> Self {
+        let pad = (ray.origin.abs().max_element() + extent) * WIDENING;
+        let d = ray.direction.to_array().map(|d: f32| if d.abs() < LEAST { LEAST.copysign(d) } else { d });
+        let origin = ray.origin.to_array();
+        let shifted = |sign: f32| [0, 1, 2].map(|k| Vec4::splat(origin[k] + pad.copysign(sign * d[k])));
+        Slabs {
+            first: [0, 1, 2].map(|k| 2 * k + usize::from(d[k] < 0.0)),
+            near_origin: shifted(1.0),
+            far_origin: shifted(-1.0),
+            inverse: d.map(|d| Vec4::splat(d.recip())),
+            t_min: Vec4::splat(ray.t_min),
+        }
+    }
+
+    /// Which of a node's boxes the ray meets before `reach`, and where it enters them.
+    #[inline]
+    pub(super) fn meet(&self, node: &Node, reach: f32) -> (u32, [f32; 4]) {
+        let near = |k: usize| (node.planes[self.first[k]] - self.near_origin[k]) * self.inverse[k];
+        let far = |k: usize| (node.planes[self.first[k] ^ 1] - self.far_origin[k]) * self.inverse[k];
+        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
+        let leave = far(0).min(far(1)).min(far(2).min(Vec4::splat(reach)));
+        let met: BVec4A = enter.cmple(leave);
+        (met.bitmask(), enter.to_array())
+    }
+}
+
+/// A ray as triangle tests want it [Woop13].
+pub(super) struct Query {
+    /// Axes in an order that keeps handedness, the direction's largest last.
+    pub(super) axes: [usize; 3],
+    /// Origin along these axes.
+    pub(super) origin: [Vec4; 3],
+    /// d_x / d_z and d_y / d_z.
+    pub(super) shear: [Vec4; 2],
+    /// 1 / d_z.
+    pub(super) scale: Vec4,
+    pub(super) t_min: f32,
+}
+
+impl Query {
+    #[inline]
+    pub(super) fn new(ray: &Ray) -> Self {
+        let z = largest(ray.direction.abs());
+        let axes = [(z + 1) % 3, (z + 2) % 3, z];
+        let [dx, dy, dz] = axes.map(|k| ray.direction[k]);
+        let origin = axes.map(|k| Vec4::splat(ray.origin[k]));
+        Query {
+            axes,
+            origin,
+            shear: [Vec4::splat(dx / dz), Vec4::splat(dy / dz)],
+            scale: Vec4::splat(dz.recip()),
+            t_min: ray.t_min,
+        }
+    }
+}
+
+#[inline]
+fn largest(v: Vec3) -> usize {
+    if v.x >= v.y && v.x >= v.z {
+        0
+    } else if v.y >= v.z {
+        1
+    } else {
+        2
+    }
+}

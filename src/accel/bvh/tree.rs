@@ -1,0 +1,112 @@
+//! A four-wide tree of boxes and the walk through it.
+
+use super::Nearest;
+use super::ray::Slabs;
+use glam::Vec4;
+use std::ops::ControlFlow;
+
+/// Marks a child that is a leaf; the rest of the bits is its number.
+pub(super) const LEAF: u32 = 1 << 31;
+
+/// Entries of the stack that are kept off the heap: enough for the trees that are built in practice.
+const SHALLOW: usize = 96;
+
+/// Four children and their boxes. Where there are fewer, a box is empty and met by no ray.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Node {
+    /// Smallest x, largest x, smallest y, … of the four.
+    pub(super) planes: [Vec4; 6],
+    /// Index of a node, or of a leaf with [`LEAF`] set.
+    pub(super) children: [u32; 4],
+}
+
+/// Nodes from the root down.
+pub(super) struct Tree {
+    nodes: Box<[Node]>,
+    root: u32,
+    /// Most entries that a walk can have on its stack.
+    stack: usize,
+    /// The largest coordinate of any box.
+    extent: f32,
+}
+
+impl Tree {
+    /// A tree of `nodes` that is `levels` nodes deep, within coordinates of `extent`.
+    pub(super) fn new(nodes: Vec<Node>, root: u32, levels: usize, extent: f32) -> Self {
+        // A walk leaves at most three siblings behind at each level.
+        Tree { nodes: nodes.into(), root, stack: 3 * levels, extent }
+    }
+
+    #[inline]
+    pub(super) fn extent(&self) -> f32 {
+        self.extent
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes)
+    }
+
+    /// Calls `leaf` for the leaves that the ray reaches, roughly from near to far, until it breaks. It may shorten the reach.
+    #[inline]
+    pub(super) fn visit(
+        &self,
+        ray: &Slabs,
+        reach: &mut Nearest,
+        leaf: impl FnMut(usize, &mut Nearest) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        if self.stack <= SHALLOW {
+            self.visit_with(&mut [(0, 0.0); SHALLOW], ray, reach, leaf)
+        } else {
+            self.visit_with(&mut vec![(0, 0.0); self.stack], ray, reach, leaf)
+        }
+    }
+
+    #[inline]
+    fn visit_with(
+        &self,
+        stack: &mut [(u32, f32)],
+        ray: &Slabs,
+        reach: &mut Nearest,
+        mut leaf: impl FnMut(usize, &mut Nearest) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let mut waiting = 0;
+        let mut current = self.root;
+        loop {
+            if current & LEAF != 0 {
+                leaf((current & !LEAF) as usize, reach)?;
+            } else {
+                let node = &self.nodes[current as usize];
+                let (mut met, enter) = ray.meet(node, reach.t);
+                if met != 0 {
+                    let mut next = (u32::MAX, f32::INFINITY);
+                    let first = met.trailing_zeros() as usize;
+                    met &= met - 1;
+                    (next.0, next.1) = (node.children[first], enter[first]);
+                    while met != 0 {
+                        let lane = met.trailing_zeros() as usize;
+                        met &= met - 1;
+                        let mut other = (node.children[lane], enter[lane]);
+                        if other.1 < next.1 {
+                            std::mem::swap(&mut other, &mut next);
+                        }
+                        stack[waiting] = other;
+                        waiting += 1;
+                    }
+                    current = next.0;
+                    continue;
+                }
+            }
+            loop {
+                if waiting == 0 {
+                    return ControlFlow::Continue(());
+                }
+                waiting -= 1;
+                let (child, enter) = stack[waiting];
+                if enter <= reach.t {
+                    current = child;
+                    break;
+                }
+            }
+        }
+    }
+}
