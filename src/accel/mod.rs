@@ -5,6 +5,9 @@ pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
 mod placed;
+mod recorder;
+
+pub use recorder::{Question, Recorder};
 
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
@@ -71,6 +74,8 @@ pub enum Accel {
     Embree(embree::Scene),
     /// Pure Rust.
     Obvhs(bvh::Scene),
+    /// One of them, with its questions noted.
+    Recorded(Box<Recorder<Accel>>),
 }
 
 impl Accel {
@@ -98,6 +103,7 @@ impl Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.bytes(),
             Accel::Obvhs(scene) => scene.bytes(),
+            Accel::Recorded(recorder) => recorder.inner().bytes(),
         }
     }
 
@@ -107,6 +113,22 @@ impl Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(_) => Backend::Embree,
             Accel::Obvhs(_) => Backend::Obvhs,
+            Accel::Recorded(recorder) => recorder.inner().backend(),
+        }
+    }
+
+    /// The same backend, noting what it is asked.
+    #[must_use]
+    pub fn recorded(self) -> Accel {
+        Accel::Recorded(Box::new(Recorder::new(self)))
+    }
+
+    /// The backend that [`Accel::recorded`] was called on, and what it was asked.
+    #[must_use]
+    pub fn questions(self) -> (Accel, Vec<Question>) {
+        match self {
+            Accel::Recorded(recorder) => recorder.finish(),
+            silent => (silent, Vec::new()),
         }
     }
 }
@@ -118,6 +140,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.closest(ray, any),
             Accel::Obvhs(scene) => scene.closest(ray, any),
+            Accel::Recorded(recorder) => recorder.closest(ray, any),
         }
     }
 
@@ -127,6 +150,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.occluded(ray, any),
             Accel::Obvhs(scene) => scene.occluded(ray, any),
+            Accel::Recorded(recorder) => recorder.occluded(ray, any),
         }
     }
 
@@ -135,6 +159,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.bounds(),
             Accel::Obvhs(scene) => scene.bounds(),
+            Accel::Recorded(recorder) => recorder.bounds(),
         }
     }
 }

@@ -2,6 +2,7 @@
 //! stdout, everything else to stderr.
 
 mod args;
+mod bench;
 mod console;
 mod finish;
 mod info;
@@ -38,6 +39,9 @@ enum Command {
     Info(info::Args),
     /// Make one image or film of several films of the same picture
     Merge(merge::Args),
+    /// Measure how fast rays are traced
+    #[command(subcommand)]
+    Bench(bench::Command),
     /// Go on with a film that was stopped, or add samples to it
     Resume(resume::Args),
 }
@@ -77,6 +81,7 @@ fn execute(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(*args),
         Command::Info(args) => info::run(args),
+        Command::Bench(command) => bench::run(command),
         Command::Merge(args) => merge::run(args),
         Command::Resume(args) => resume::run(args),
     }

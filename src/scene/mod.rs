@@ -132,6 +132,17 @@ impl Scene {
         &self.hash
     }
 
+    /// The ray queries themselves, for measurements.
+    pub fn accel(&self) -> &Accel {
+        &self.accel
+    }
+
+    /// This scene with ray queries through what `change` makes of them, for measurements.
+    #[must_use]
+    pub fn with_accel(self, change: impl FnOnce(Accel) -> Accel) -> Scene {
+        Scene { accel: change(self.accel), ..self }
+    }
+
     /// Whose ray queries are used.
     pub fn backend(&self) -> Backend {
         self.accel.backend()

@@ -42,7 +42,8 @@ impl Shot {
 
 /// Builds a scene for tests.
 pub(crate) fn scene(description: Description) -> Scene {
-    Scene::build(description, &BuildOptions { build: Default::default(), threads: 1 }).expect("a valid scene")
+    Scene::build(description, &BuildOptions { backend: Default::default(), build: Default::default(), threads: 1 })
+        .expect("a valid scene")
 }
 
 /// Renders the first camera's view with a box filter.

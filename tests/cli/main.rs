@@ -2,11 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-// What renders needs a backend.
-#[cfg(feature = "embree")]
 mod end_to_end;
-#[cfg_attr(not(feature = "embree"), allow(dead_code))]
 mod run;
-#[cfg(feature = "embree")]
 mod signals;
 mod usage;
