@@ -132,6 +132,11 @@ impl Scene {
         &self.hash
     }
 
+    /// All triangles, in scene units.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
     /// The ray queries themselves, for measurements.
     pub fn accel(&self) -> &Accel {
         &self.accel

@@ -3,6 +3,8 @@
 //! Every judgement is a hypothesis test whose level is said where it is made; seeds are fixed, so a right renderer never
 //! fails by chance twice. `ETENDUE_TEST_DEEP=1` runs the long versions (`make test-deep`).
 
+#[cfg(feature = "embree")]
+mod backends;
 mod closed_forms;
 mod invariance;
 mod picture;
