@@ -29,7 +29,7 @@ def scene_file(samples, model):
 
 def render(etendue, scene, spp, output):
     # Some have an emitter too weak to see them by, so all stand in a white environment.
-    command = [etendue, "render", str(scene), "--environment", "1", "--size", f"{SIDE}x{SIDE}", "--spp", str(spp), "--quiet", "-o", str(output)]
+    command = [etendue, "render", str(scene), "--env", "1", "--size", f"{SIDE}x{SIDE}", "--spp", str(spp), "--quiet", "-o", str(output)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes the scenes that étendue is compared with its peers on, as glTF 2.0: scene.gltf and scene.bin in the folder of
-each name given, all three without a name. Needs Python 3.8 and its standard library; the output is deterministic.
+each name given, all of them without a name. Needs Python 3.8 and its standard library; the output is deterministic.
 
-    scenes/make.py                # all three
+    scenes/make.py                # all of them, in half a minute
     scenes/make.py cornell-box
 
 The numbers are those of shared/peers/scenes.py, which the reference images were rendered from. Its conventions and what
@@ -15,6 +15,7 @@ becomes of them here:
 - A mirror reflects its colour at every angle: metallicFactor 1, roughnessFactor 0, extras.etendue.fresnel "constant".
 - Glass: KHR_materials_transmission, _ior and _volume (a thickness above 0 makes it solid).
 - The horizontal field of view is the vertical one, the image being square.
+- Environments are lat-long maps about the vertical, the same picture for everyone: env.exr, named in render.toml.
 - Spheres are icospheres with the same vertices in the same order; meshes without normals are flat, as glTF says.
 """
 import json
@@ -77,6 +78,27 @@ def subdivided(points, triangles):
     return points + midpoints, split
 
 
+def terrain(waves, cells, half):
+    """A square grid whose height is a sum of waves (amplitude, frequency, angle, phase, phase of the modulation)."""
+    n = cells + 1
+    axis = [i * (2 * half / cells) - half for i in range(n)]
+    # sin(a + b) = sin a cos b + cos a sin b with a of x alone and b of y alone: products in place of 24 million sines.
+    across = []
+    for amplitude, frequency, angle, phase, modulation in waves:
+        a = [frequency * 2 * math.cos(angle) * x + phase + 0.7 * math.sin(frequency * x + modulation) for x in axis]
+        across.append(([amplitude * math.sin(t) for t in a], [amplitude * math.cos(t) for t in a]))
+    points = []
+    for y in axis:
+        row = [0.0] * n
+        for (_, frequency, angle, _, _), (sines, cosines) in zip(waves, across):
+            b = frequency * 2 * math.sin(angle) * y
+            cos, sin = math.cos(b), math.sin(b)
+            row = [z + s * cos + c * sin for z, s, c in zip(row, sines, cosines)]
+        points.extend((x, y, z) for x, z in zip(axis, row))
+    corners = [(i, i + 1, i + n + 1, i + n) for j in range(cells) for i in range(j * n, j * n + cells)]
+    return points, [(a, b, c) for a, b, c, _ in corners] + [(a, c, d) for a, _, c, d in corners], None
+
+
 # --- materials -----------------------------------------------------------------------------------------------------
 
 
@@ -112,8 +134,10 @@ def glass(ior, thickness):
 # --- scenes: (name, mesh, material) of each object, and the materials --------------------------------------------------
 
 COLOURS = {"white": diffuse(0.725, 0.71, 0.68), "red": diffuse(0.63, 0.065, 0.05), "green": diffuse(0.14, 0.45, 0.091)}
-# Looks along the peers' +Y, which is glTF's -Z, the direction of an unrotated camera: its node only moves it.
-CAMERA_ORIGIN, CAMERA_FOV = (0.0, -3.9, 1.0), 39.3
+# Origin, angle above the horizon, field of view. All look along the peers' +Y, which is glTF's -Z, the direction of an
+# unrotated camera.
+CAMERA = ((0.0, -3.9, 1.0), 0.0, 39.3)
+CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0)}
 
 ROOM = [
     ("floor", quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), "white"),
@@ -145,11 +169,78 @@ def glass_caustic():
     return ROOM + [("ball", ball, "glass"), ("light", light, "light")], materials
 
 
-SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic}
+# Angle and phase of each wave of the landscape, three an octave: numpy's default_rng(7), uniform(0, 6.28).
+WAVES = [
+    (3.925599530277309, 5.634502670088934), (4.871306134739815, 1.4143011531409169), (1.8850442692424958, 5.485915637088525),
+    (0.03306611267180927, 5.157314467443772), (5.005596012562851, 2.9386315038585664), (1.903043640425289, 1.7485128439928566),
+    (1.6005810104679026, 2.7950792009430208), (3.1685630662559467, 3.4759633710278126), (6.251741779967986, 4.97791685266237),
+    (3.9072855608905015, 6.210669727442237), (1.3521386249195615, 1.0061315726272637), (3.8467487148346335, 0.27595580999748753),
+    (0.2240721506981838, 3.2335017913042057), (2.927773839042816, 5.759813615651113), (3.951540878203546, 3.2286588206449474),
+    (3.120365174271207, 1.5543937103316376), (0.0740664804069368, 1.2082854642277507), (4.34596171913795, 1.25981022663833),
+    (2.320688030581858, 0.023451040087036988), (5.212699743154962, 0.9700155890658423), (1.6805236326605726, 5.528485926999604),
+    (3.2014862859736977, 5.320103547177659), (4.017423808399065, 4.658321549432463), (0.5745923997959268, 3.3983831982443493),
+]
+
+
+def landscape():
+    waves = [(0.13 / 2 ** (i // 3), 1.3 * 2 ** (i // 3), angle, phase, i % 3) for i, (angle, phase) in enumerate(WAVES)]
+    return [("ground", terrain(waves, 1000, 2.0), "ground")], {"ground": diffuse(0.5, 0.45, 0.4)}
+
+
+SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic,
+          "landscape": landscape}
+
+# --- environments: rows of colours from the zenith down ----------------------------------------------------------------
+
+SUN, SUN_RADIUS, SUN_IRRADIANCE = normalized((-0.55, 0.45, 0.62)), math.radians(1.2), 3.0
+
+
+def sky(width, height):
+    """A blue sky over brown ground, brighter toward +X, with a sun whose edge is hard."""
+    edge = math.cos(SUN_RADIUS)
+    sun = [c * SUN_IRRADIANCE / (2 * math.pi * (1 - edge)) for c in (1.0, 0.9, 0.75)]
+    azimuths = [(0.5 - (i + 0.5) / width) * 2 * math.pi for i in range(width)]
+    around = [(math.cos(phi), math.sin(phi)) for phi in azimuths]
+    for j in range(height):
+        theta = (j + 0.5) / height * math.pi
+        sine, z = math.sin(theta), math.cos(theta)
+        low, high = (0.25, 0.45, 0.9), (0.1, 0.25, 0.8)
+        base = [a * (1 - z) + b * z for a, b in zip(low, high)] if z > 0 else [0.12, 0.1, 0.08]
+        row = []
+        for x, y in around:
+            glow = 1 + 0.5 * x * max(0.0, 1 - abs(z))
+            in_sun = sine * x * SUN[0] + sine * y * SUN[1] + z * SUN[2] > edge
+            row.append(sun if in_sun else [c * glow for c in base])
+        yield row
+
+
+def exr(width, height, rows):
+    """An OpenEXR file of R, G and B in 32-bit floats, not compressed."""
+    def attribute(name, kind, value):
+        return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
+
+    float32, window = 2, struct.pack("<4i", 0, 0, width - 1, height - 1)
+    channels = b"".join(c + b"\0" + struct.pack("<iB3xii", float32, 0, 1, 1) for c in (b"B", b"G", b"R")) + b"\0"
+    header = struct.pack("<2i", 20000630, 2) + b"".join([
+        attribute("channels", "chlist", channels), attribute("compression", "compression", b"\0"),
+        attribute("dataWindow", "box2i", window), attribute("displayWindow", "box2i", window),
+        attribute("lineOrder", "lineOrder", b"\0"), attribute("pixelAspectRatio", "float", struct.pack("<f", 1.0)),
+        attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0.0, 0.0)),
+        attribute("screenWindowWidth", "float", struct.pack("<f", 1.0))]) + b"\0"
+    size = 12 * width
+    first = len(header) + 8 * height
+    out = [header, struct.pack(f"<{height}Q", *(first + y * (8 + size) for y in range(height)))]
+    for y, row in enumerate(rows):
+        lanes = (color[lane] for lane in (2, 1, 0) for color in row)
+        out.append(struct.pack(f"<2i{3 * width}f", y, size, *lanes))
+    return b"".join(out)
+
+
+ENVIRONMENTS = {"landscape": (1024, 512, sky)}
 
 # --- glTF --------------------------------------------------------------------------------------------------------------
 
-FLOAT, UNSIGNED_SHORT = 5126, 5123
+FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 
 
@@ -179,9 +270,10 @@ class Buffer:
 
     def indices(self, triangles):
         flat = [i for t in triangles for i in t]
-        assert max(flat) < 65535, "65535 restarts a primitive and larger indices need 32 bits"
-        packed = struct.pack(f"<{len(flat)}H", *flat)
-        return self.add(packed, ELEMENT_ARRAY_BUFFER, componentType=UNSIGNED_SHORT, count=len(flat), type="SCALAR")
+        # 65535 restarts a primitive.
+        code, component = ("H", UNSIGNED_SHORT) if max(flat) < 65535 else ("I", UNSIGNED_INT)
+        packed = struct.pack(f"<{len(flat)}{code}", *flat)
+        return self.add(packed, ELEMENT_ARRAY_BUFFER, componentType=component, count=len(flat), type="SCALAR")
 
     def primitive(self, mesh, material):
         positions, triangles, normals = mesh
@@ -196,8 +288,10 @@ def document(name, objects, materials):
     buffer, order = Buffer(), list(materials)
     meshes = [{"name": n, "primitives": [buffer.primitive(mesh, order.index(material))]} for n, mesh, material in objects]
     nodes = [{"name": n, "mesh": i} for i, (n, _, _) in enumerate(objects)]
-    nodes.append({"name": "camera", "camera": 0, "translation": list(to_gltf(CAMERA_ORIGIN))})
-    lens = {"yfov": math.radians(CAMERA_FOV), "aspectRatio": 1.0, "znear": 0.001}
+    origin, pitch, fov = CAMERAS.get(name, CAMERA)
+    turn = {"rotation": [math.sin(pitch / 2), 0.0, 0.0, math.cos(pitch / 2)]} if pitch else {}
+    nodes.append({"name": "camera", "camera": 0, "translation": list(to_gltf(origin)), **turn})
+    lens = {"yfov": math.radians(fov), "aspectRatio": 1.0, "znear": 0.001}
     return {
         "asset": {"version": "2.0", "generator": "etendue scenes/make.py"},
         "extensionsUsed": sorted({e for m in materials.values() for e in m.get("extensions", {})}),
@@ -224,6 +318,9 @@ def main(names):
         folder.mkdir(exist_ok=True)
         (folder / "scene.bin").write_bytes(binary)
         (folder / "scene.gltf").write_text(json.dumps(gltf, indent=2) + "\n", encoding="utf-8")
+        if name in ENVIRONMENTS:
+            width, height, picture = ENVIRONMENTS[name]
+            (folder / "env.exr").write_bytes(exr(width, height, picture(width, height)))
         triangles = sum(len(mesh[1]) for _, mesh, _ in objects)
         print(f"{folder / 'scene.gltf'}: {triangles} triangles, {len(binary)} bytes")
 

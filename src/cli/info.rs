@@ -47,9 +47,9 @@ struct Memory {
 /// Describes.
 pub(super) fn run(args: Args) -> Result<()> {
     let choices = args.scene.choices()?;
-    let early = choices.settings(None)?;
+    let (early, surroundings) = (choices.settings(None)?, choices.surroundings()?);
     let threads = startup::start_threads(args.threads.threads)?;
-    let stage = Stage::open(&args.scene.scene, early.environment, &early.build_options(threads))?;
+    let stage = Stage::open(&args.scene.scene, surroundings, &early.build_options(threads))?;
     let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
     let document = Document {
         path: stage.path.display().to_string(),

@@ -44,8 +44,8 @@ pub(super) fn run(args: Args) -> Result<()> {
 
 /// Instance and material numbers are not in films: they come from the scene, which must be the same.
 fn ids(provenance: &Provenance) -> Result<images::Ids> {
-    let (path, settings) = (&provenance.scene.path, &provenance.settings);
-    let stage = Stage::open(path, settings.environment, &settings.build_options(rayon::current_num_threads()))?;
+    let (path, surroundings, settings) = (&provenance.scene.path, provenance.scene.surroundings.clone(), &provenance.settings);
+    let stage = Stage::open(path, surroundings, &settings.build_options(rayon::current_num_threads()))?;
     if stage.scene.hash() != provenance.scene.hash {
         return Err(Error::usage(format!("{} is not the scene of these films any more", path.display())));
     }

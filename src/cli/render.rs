@@ -51,12 +51,12 @@ pub(super) fn run(args: Args) -> Result<()> {
     let selection = args.share.shard.or(args.share.passes).unwrap_or_default();
     let plan = choices.plan(selection)?;
     // Mistakes that do not need the scene are told before it is loaded.
-    let (look, early) = (choices.look()?, choices.settings(None)?);
+    let (look, early, surroundings) = (choices.look()?, choices.settings(None)?, choices.surroundings()?);
     let outputs = args.output.outputs(&picture_name(&args.scene.scene), selection)?;
     args.output.check(&outputs)?;
     say_rounding(console, &choices, plan, early.replicates);
     let threads = startup::start_threads(args.threads.threads)?;
-    let stage = Stage::open(&args.scene.scene, early.environment, &early.build_options(threads))?;
+    let stage = Stage::open(&args.scene.scene, surroundings, &early.build_options(threads))?;
     let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
     let provenance = Provenance::new(&stage, settings, plan, look);
     warn(console, &provenance);

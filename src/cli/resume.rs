@@ -3,7 +3,7 @@
 use super::args::{OutputArgs, StrictArgs, ThreadArgs};
 use super::{Console, finish, progress, startup};
 use crate::error::{Error, Result};
-use crate::render::{Budget, Outputs, Plan, Selection, Session, Stage, Stop, checkpoint, round_spp};
+use crate::render::{Budget, Environment, Outputs, Plan, Selection, Session, Stage, Stop, Surroundings, checkpoint, round_spp};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `resume`.
@@ -20,6 +20,9 @@ pub(super) struct Args {
     /// The scene, if it is not where it was
     #[arg(long, value_name = "PATH")]
     scene: Option<PathBuf>,
+    /// The environment's file, if it is not where it was
+    #[arg(long, value_name = "FILE")]
+    env: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
     #[command(flatten)]
@@ -39,16 +42,29 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.output.check(&outputs)?;
     let threads = startup::start_threads(args.threads.threads)?;
     let path = args.scene.unwrap_or_else(|| provenance.scene.path.clone());
-    let stage = Stage::open(&path, provenance.settings.environment, &provenance.settings.build_options(threads))?;
+    let surroundings = surroundings(provenance.scene.surroundings.take(), args.env)?;
+    let stage = Stage::open(&path, surroundings, &provenance.settings.build_options(threads))?;
     if args.strict.strict {
         stage.refuse_ignored()?;
     }
     provenance.scene.path = std::path::absolute(&path).unwrap_or(path);
+    provenance.scene.surroundings = stage.surroundings.as_ref().map(Surroundings::absolute);
     let mut session = Session::resume(&stage, provenance, film).map_err(|e| e.context(args.film_file.display()))?;
     console.note(&format!("{} samples per pixel so far", session.film().passes().len()));
     let ended = progress::run(&mut session, console, outputs.film.as_deref())?;
     let files = finish::Files { outputs: &outputs, report: args.output.report.as_deref() };
     finish::session(&session, &stage, ended, files, args.strict, console)
+}
+
+/// What was around the scene, its file where it is now.
+fn surroundings(recorded: Option<Surroundings>, moved: Option<PathBuf>) -> Result<Option<Surroundings>> {
+    match (recorded, moved) {
+        (Some(Surroundings { environment: Environment::File(_), rotation, scale }), Some(path)) => {
+            Ok(Some(Surroundings { environment: Environment::File(path), rotation, scale }))
+        }
+        (_, Some(_)) => Err(Error::usage("the film's scene has no environment from a file: --env has nothing to replace")),
+        (recorded, None) => Ok(recorded),
+    }
 }
 
 /// What is wanted now.

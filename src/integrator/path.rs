@@ -130,13 +130,12 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     /// What arrives from outside the scene.
     #[inline]
     fn background(&self, walk: &Walk) -> Spectrum {
-        let lights = self.scene.lights();
-        let Some(index) = lights.sky() else { return Spectrum::ZERO };
-        let Light::Sky(sky) = &lights.all()[index] else { return Spectrum::ZERO };
+        let Some((index, environment)) = self.scene.lights().environment() else { return Spectrum::ZERO };
         if self.transparent && matches!(walk.departure, Departure::Camera) {
             return Spectrum::ZERO;
         }
-        walk.beta * sky.radiance * self.share_of_hit(&walk.departure, index, || sky.pdf().value())
+        let (radiance, pdf) = environment.along(walk.ray.direction);
+        walk.beta * radiance * self.share_of_hit(&walk.departure, index, || pdf.value())
     }
 
     /// Light from one sampled light, scattered at `point`.

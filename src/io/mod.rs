@@ -1,6 +1,8 @@
 //! Files: what étendue reads and writes.
 
 pub mod atomic;
+pub mod environment;
 pub mod exr;
 pub mod gltf;
+pub mod hdr;
 pub mod png;

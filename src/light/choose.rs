@@ -1,6 +1,6 @@
 //! Which light to sample: by power, with a floor.
 
-use super::{Light, Receiver};
+use super::{Environment, Light, Receiver};
 use crate::sampling::{Discrete, Distribution, Pdf};
 
 /// Share of the choice that is uniform over all lights with power: a weak lamp close by must not be lost beside a strong one,
@@ -12,7 +12,7 @@ const FLOOR: f64 = 0.05;
 pub struct Lights {
     lights: Vec<Light>,
     by_power: Option<Distribution>,
-    sky: Option<usize>,
+    environment: Option<usize>,
 }
 
 impl Lights {
@@ -22,8 +22,8 @@ impl Lights {
         let shining = powers.iter().filter(|&&p| p > 0.0).count();
         let floor = FLOOR * powers.iter().sum::<f64>() / shining.max(1) as f64;
         let by_power = Distribution::new(powers.iter().map(|&p| if p > 0.0 { p + floor } else { 0.0 }));
-        let sky = lights.iter().position(|l| matches!(l, Light::Sky(_)));
-        Lights { lights, by_power, sky }
+        let environment = lights.iter().position(|l| matches!(l, Light::Environment(_)));
+        Lights { lights, by_power, environment }
     }
 
     /// Every light, in the order they were given.
@@ -31,10 +31,12 @@ impl Lights {
         &self.lights
     }
 
-    /// Index of the uniform environment, if there is one.
+    /// The light that rays find which leave the scene, and its index; `None` if there is none.
     #[inline]
-    pub fn sky(&self) -> Option<usize> {
-        self.sky
+    pub fn environment(&self) -> Option<(usize, &Environment)> {
+        let index = self.environment?;
+        let Light::Environment(environment) = &self.lights[index] else { return None };
+        Some((index, environment))
     }
 
     /// A light for the point `at`, and the probability of having chosen it; `None` if there is no light.

@@ -5,11 +5,15 @@
 
 mod area;
 mod choose;
+mod environment;
+mod lat_long;
 mod punctual;
 mod sky;
 
 pub use area::{AreaLight, Coverage, Emission};
 pub use choose::Lights;
+pub use environment::Environment;
+pub use lat_long::LatLong;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 pub use sky::Sky;
 
@@ -76,8 +80,8 @@ pub enum Light {
     Directional(DirectionalLight),
     /// An emitting triangle.
     Area(AreaLight),
-    /// The same radiance from every direction.
-    Sky(Sky),
+    /// What surrounds the scene.
+    Environment(Environment),
 }
 
 impl Light {
@@ -89,7 +93,7 @@ impl Light {
             Light::Spot(light) => light.sample_toward(at.p),
             Light::Directional(light) => Some(light.sample()),
             Light::Area(light) => light.sample_toward(at.p, u),
-            Light::Sky(light) => Some(light.sample(u)),
+            Light::Environment(light) => light.sample(u),
         }
     }
 
@@ -100,7 +104,7 @@ impl Light {
             Light::Spot(light) => light.power(),
             Light::Directional(light) => light.power(radius),
             Light::Area(light) => light.power(),
-            Light::Sky(light) => light.power(radius),
+            Light::Environment(light) => light.power(radius),
         }
     }
 

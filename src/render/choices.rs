@@ -2,7 +2,7 @@
 //! same names mean the same in both places and the command line wins field by field.
 
 use super::plan::round_spp;
-use super::{Aov, Budget, Environment, Plan, Selection, Settings, Size, Stop, Window};
+use super::{Aov, Budget, Environment, Plan, Selection, Settings, Size, Stop, Surroundings, Window};
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
@@ -62,12 +62,19 @@ pub struct Choices {
     /// Limit each sample to this radiance: less noise, but the image is biased (darker)
     #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
     pub clamp: Option<f32>,
-    /// Leave the background out and write coverage as alpha
+    /// Hide the environment, map or not, from the camera and write coverage as alpha: it still lights the scene
     #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
     pub transparent: Option<bool>,
-    /// Radiance where nothing is hit, instead of the scene's own: one number or R,G,B
-    #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
-    pub environment: Option<Environment>,
+    /// What surrounds the scene instead of its own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)
+    #[arg(long, alias = "environment", value_name = "RADIANCE|FILE", allow_negative_numbers = true)]
+    #[serde(alias = "environment")]
+    pub env: Option<Environment>,
+    /// Turn the map about the up axis, counter-clockwise seen from above [default: 0]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    pub env_rotation: Option<f64>,
+    /// Multiply the radiance of --env [default: 1]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    pub env_scale: Option<f32>,
     /// Exposure of PNG images, in stops [default: 0]
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
     pub exposure: Option<f32>,
@@ -90,10 +97,16 @@ impl Choices {
     ///
     /// # Errors
     /// A file that cannot be read or says something étendue does not know, with the line.
+    ///
+    /// Relative paths in it are seen from its folder.
     pub fn beside(scene: &Path) -> Result<Choices> {
         let path = scene.with_file_name("render.toml");
         match std::fs::read_to_string(&path) {
-            Ok(text) => Choices::parse(&text).map_err(|e| e.context(path.display())),
+            Ok(text) => {
+                let choices = Choices::parse(&text).map_err(|e| e.context(path.display()))?;
+                let folder = path.parent().unwrap_or(Path::new(""));
+                Ok(Choices { env: choices.env.map(|env| env.from_folder(folder)), ..choices })
+            }
             Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(Choices::default()),
             // A scene path that leads through a file: the scene loader says so better.
             Err(cause) if cause.kind() == std::io::ErrorKind::NotADirectory => Ok(Choices::default()),
@@ -115,6 +128,8 @@ impl Choices {
     /// These choices, and those of `fallback` where there is none.
     pub fn or(self, fallback: Choices) -> Choices {
         let stops_here = self.spp.is_some() || self.time.is_some();
+        // Rotation and scale belong to the environment that they were written beside.
+        let surrounds_here = self.env.is_some();
         Choices {
             method: self.method.or(fallback.method),
             spp: if stops_here { self.spp } else { fallback.spp },
@@ -132,7 +147,9 @@ impl Choices {
             aovs: self.aovs.or(fallback.aovs),
             clamp: self.clamp.or(fallback.clamp),
             transparent: self.transparent.or(fallback.transparent),
-            environment: self.environment.or(fallback.environment),
+            env: self.env.or(fallback.env),
+            env_rotation: self.env_rotation.or(fallback.env_rotation.filter(|_| !surrounds_here)),
+            env_scale: self.env_scale.or(fallback.env_scale.filter(|_| !surrounds_here)),
             exposure: self.exposure.or(fallback.exposure),
             curve: self.curve.or(fallback.curve),
         }
@@ -163,8 +180,15 @@ impl Choices {
             aovs,
             clamp: self.clamp.map(positive).transpose()?,
             transparent: self.transparent.unwrap_or(false),
-            environment: self.environment,
         })
+    }
+
+    /// The environment chosen, if any.
+    ///
+    /// # Errors
+    /// A rotation without a map, a scale without an environment, values out of range.
+    pub fn surroundings(&self) -> Result<Option<Surroundings>> {
+        Surroundings::chosen(self.env.as_ref(), self.env_rotation, self.env_scale)
     }
 
     /// The plan chosen, for that share of the passes.
@@ -246,7 +270,9 @@ mod tests {
 
     #[test]
     fn wrong_values_in_a_file_are_refused_like_those_on_the_line() {
-        for text in ["size = \"0x4\"", "environment = -1.0", "spp = -4", "spp = 4\ntime = \"1s\"", "aov = [\"beauty\"]"] {
+        for text in
+            ["size = \"0x4\"", "env = -1.0", "env = \"sky.png\"", "spp = -4", "spp = 4\ntime = \"1s\"", "aov = [\"beauty\"]"]
+        {
             assert!(Choices::parse(text).is_err(), "{text}");
         }
         for text in ["replicates = 0", "replicates = 1000", "clamp = 0.0", "clamp = inf", "size = \"4x4\"\ncrop = \"0,0,5,4\""] {
@@ -257,9 +283,28 @@ mod tests {
 
     #[test]
     fn environments_may_be_numbers_arrays_or_text() {
-        for text in ["environment = 0.5", "environment = [0.5, 0.5, 0.5]", "environment = \"0.5\""] {
-            assert_eq!(Choices::parse(text).unwrap().environment.map(Environment::rgb), Some([0.5; 3]), "{text}");
+        for text in ["env = 0.5", "env = [0.5, 0.5, 0.5]", "env = \"0.5\"", "environment = 0.5"] {
+            assert_eq!(Choices::parse(text).unwrap().env, Some(Environment::Radiance([0.5; 3])), "{text}");
         }
+    }
+
+    #[test]
+    fn another_environment_leaves_rotation_and_scale_behind() {
+        let file = || Choices::parse("env = \"sky.hdr\"\nenv-rotation = 30\nenv-scale = 2.0").unwrap();
+        let line =
+            |env: Option<&str>| Choices { env: env.map(|e| e.parse().unwrap()), env_scale: Some(3.0), ..Choices::default() };
+        let placed = |choices: Choices| choices.surroundings().unwrap().map(|s| (s.rotation, s.scale));
+        assert_eq!(placed(Choices::default().or(file())), Some((30.0, 2.0)));
+        assert_eq!(placed(line(None).or(file())), Some((30.0, 3.0)));
+        assert_eq!(placed(line(Some("1")).or(file())), Some((0.0, 3.0)));
+    }
+
+    #[test]
+    fn paths_in_a_file_are_seen_from_its_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("render.toml"), "env = \"maps/sky.hdr\"").unwrap();
+        let choices = Choices::beside(&folder.path().join("scene.gltf")).unwrap();
+        assert_eq!(choices.env, Some(Environment::File(folder.path().join("maps/sky.hdr"))));
     }
 
     #[test]

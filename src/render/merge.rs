@@ -75,6 +75,7 @@ mod tests {
                 program: Program::current(),
                 scene: SceneRecord {
                     path: "scene.gltf".into(),
+                    surroundings: None,
                     hash: "a".into(),
                     ignored: vec![],
                     warnings: vec![],

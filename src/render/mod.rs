@@ -19,6 +19,7 @@ mod report;
 mod session;
 mod settings;
 mod stage;
+mod surroundings;
 mod text;
 
 pub use aov::Aov;
@@ -33,4 +34,5 @@ pub use report::Report;
 pub use session::{Ended, Session};
 pub use settings::Settings;
 pub use stage::Stage;
-pub use text::{Budget, Environment, Size, Window};
+pub use surroundings::{Environment, Surroundings};
+pub use text::{Budget, Size, Window};

@@ -1,6 +1,6 @@
 //! Where a film comes from: enough to continue it, to refuse to mix it with another, and to say so in the image.
 
-use super::{Look, Plan, Settings, Stage};
+use super::{Look, Plan, Settings, Stage, Surroundings};
 use crate::error::{Error, Result};
 use crate::integrator::{self, PassReport};
 use std::path::PathBuf;
@@ -21,6 +21,8 @@ pub struct Program {
 pub struct SceneRecord {
     /// Where it was.
     pub path: PathBuf,
+    /// What was put around it; a file of it where it was.
+    pub surroundings: Option<Surroundings>,
     /// Hash of its content.
     pub hash: String,
     /// What it uses and étendue ignores.
@@ -102,6 +104,7 @@ impl Provenance {
         let scene = SceneRecord {
             // Another process, in another folder, may resume.
             path: std::path::absolute(&stage.path).unwrap_or_else(|_| stage.path.clone()),
+            surroundings: stage.surroundings.as_ref().map(Surroundings::absolute),
             hash: stage.scene.hash().to_owned(),
             ignored: stage.info.ignored.clone(),
             warnings: stage.info.warnings.clone(),

@@ -1,7 +1,7 @@
 //! What decides the pixels of a pass. How many passes there are, on how many threads and into which file does not, so
 //! that films of different runs can be continued and merged.
 
-use super::{Aov, Environment};
+use super::Aov;
 use crate::accel::{Backend, Build};
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{Method, Options};
@@ -40,10 +40,8 @@ pub struct Settings {
     pub aovs: Vec<Aov>,
     /// Limit of a sample's radiance.
     pub clamp: Option<f32>,
-    /// Whether the background is left out.
+    /// Whether the environment is hidden from the camera.
     pub transparent: bool,
-    /// Environment in place of the scene's own.
-    pub environment: Option<Environment>,
 }
 
 impl Settings {
@@ -94,7 +92,7 @@ mod tests {
 
     #[test]
     fn settings_survive_json_and_keep_their_hash() {
-        let settings = Settings { clamp: Some(0.1), environment: Some("0.1,0.2,0.3".parse().unwrap()), ..settings() };
+        let settings = Settings { clamp: Some(0.1), ..settings() };
         let back: Settings = serde_json::from_value(serde_json::json!(settings)).unwrap();
         assert_eq!(back, settings);
         assert_eq!(back.hash(), settings.hash());

@@ -1,11 +1,10 @@
 //! A scene loaded and built, with what that took.
 
-use super::Environment;
+use super::Surroundings;
 use super::machine::Stopwatch;
 use crate::error::{Error, Result};
 use crate::io::gltf;
 use crate::scene::{BuildOptions, Scene, SceneInfo};
-use crate::spectrum::Spectrum;
 use std::path::{Path, PathBuf};
 
 /// A scene that is ready to be rendered.
@@ -14,6 +13,8 @@ pub struct Stage {
     pub scene: Scene,
     /// Where it came from.
     pub path: PathBuf,
+    /// What was put around it.
+    pub surroundings: Option<Surroundings>,
     /// What is in it.
     pub info: SceneInfo,
     /// Seconds that reading and decoding took.
@@ -27,16 +28,16 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Loads and builds the scene at `path`, with `environment` instead of its own if given. Call it from outside the
+    /// Loads and builds the scene at `path`, with `surroundings` instead of its own if given. Call it from outside the
     /// rayon pool, which the caller has set up with as many threads as `options` say.
     ///
     /// # Errors
-    /// A scene that cannot be read or is invalid.
-    pub fn open(path: &Path, environment: Option<Environment>, options: &BuildOptions) -> Result<Stage> {
+    /// A scene or an environment that cannot be read or is invalid.
+    pub fn open(path: &Path, surroundings: Option<Surroundings>, options: &BuildOptions) -> Result<Stage> {
         let loading = Stopwatch::start();
         let mut description = gltf::load(path)?;
-        if let Some(environment) = environment {
-            description.environment = Some(Spectrum::from_rgb(environment.rgb()));
+        if let Some(surroundings) = &surroundings {
+            surroundings.surround(&mut description)?;
         }
         let building = Stopwatch::start();
         let load_seconds = loading.wall().as_secs_f64();
@@ -45,6 +46,7 @@ impl Stage {
         Ok(Stage {
             info,
             path: path.to_owned(),
+            surroundings,
             load_seconds,
             build_seconds: building.wall().as_secs_f64(),
             threads: options.threads,

@@ -1,4 +1,4 @@
-//! Values as people write them, on the command line and in `render.toml` alike: `640x480`, `0,0,64,64`, `5m`, `1,0.9,0.8`.
+//! Values as people write them, on the command line and in `render.toml` alike: `640x480`, `0,0,64,64`, `5m`.
 
 use crate::film::Crop;
 use std::str::FromStr;
@@ -26,20 +26,6 @@ pub struct Window(pub Crop);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(try_from = "String")]
 pub struct Budget(pub Duration);
-
-/// Radiance from every direction where nothing is hit: one number, or linear red, green, blue.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(try_from = "EnvironmentText", into = "[f32; 3]")]
-pub struct Environment([f32; 3]);
-
-/// The forms an environment takes in a file.
-#[derive(serde::Deserialize)]
-#[serde(untagged)]
-enum EnvironmentText {
-    Grey(f32),
-    Rgb([f32; 3]),
-    Text(String),
-}
 
 impl FromStr for Size {
     type Err = String;
@@ -73,51 +59,6 @@ impl FromStr for Budget {
     fn from_str(text: &str) -> Result<Self, String> {
         let length = humantime::parse_duration(text).map_err(|e| format!("'{text}' is not a time such as 30s or 5m: {e}"))?;
         if length.is_zero() { Err("a time budget must be above zero".into()) } else { Ok(Budget(length)) }
-    }
-}
-
-impl Environment {
-    /// Linear red, green and blue.
-    pub fn rgb(self) -> [f32; 3] {
-        self.0
-    }
-
-    fn checked(rgb: [f32; 3]) -> Result<Self, String> {
-        if rgb.iter().all(|v| v.is_finite() && *v >= 0.0) {
-            Ok(Environment(rgb))
-        } else {
-            Err("an environment's radiance must be finite and not negative".into())
-        }
-    }
-}
-
-impl FromStr for Environment {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match numbers::<f32>(text).as_deref() {
-            Some(&[grey]) => Environment::checked([grey; 3]),
-            Some(&[r, g, b]) => Environment::checked([r, g, b]),
-            _ => Err(format!("'{text}' is not a radiance: write one number or R,G,B")),
-        }
-    }
-}
-
-impl From<Environment> for [f32; 3] {
-    fn from(environment: Environment) -> Self {
-        environment.0
-    }
-}
-
-impl TryFrom<EnvironmentText> for Environment {
-    type Error = String;
-
-    fn try_from(text: EnvironmentText) -> Result<Self, String> {
-        match text {
-            EnvironmentText::Grey(v) => Environment::checked([v; 3]),
-            EnvironmentText::Rgb(rgb) => Environment::checked(rgb),
-            EnvironmentText::Text(text) => text.parse(),
-        }
     }
 }
 
@@ -177,15 +118,6 @@ mod tests {
         assert_eq!("1h 30m".parse(), Ok(Budget(Duration::from_secs(5400))));
         for wrong in ["", "0s", "30", "fast"] {
             assert!(wrong.parse::<Budget>().is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn environments_are_finite_and_not_negative() {
-        assert_eq!("0.5".parse::<Environment>().map(Environment::rgb), Ok([0.5; 3]));
-        assert_eq!("1, 2, 3".parse::<Environment>().map(Environment::rgb), Ok([1.0, 2.0, 3.0]));
-        for wrong in ["-1", "inf", "NaN", "1,2", ""] {
-            assert!(wrong.parse::<Environment>().is_err(), "{wrong}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Discrete distributions.
 
 use super::{Discrete, Pdf};
+use crate::numeric::BELOW_ONE;
 
 /// Chooses an index with probability proportional to its weight by monotone inversion of the cumulative sum, which keeps
 /// neighbouring numbers on neighbouring indices (alias tables do not).
@@ -55,6 +56,14 @@ impl Distribution {
     pub fn sample(&self, u: f32) -> (usize, Pdf<Discrete>) {
         let i = self.upper.partition_point(|&c| c <= u);
         (i, self.pmf(i))
+    }
+
+    /// The index at `u` in [0, 1), and where in its interval `u` lies: a number in [0, 1) that is uniform again.
+    #[inline]
+    pub fn sample_within(&self, u: f32) -> (usize, f32) {
+        let (i, pmf) = self.sample(u);
+        let lower = if i == 0 { 0.0 } else { self.upper[i - 1] };
+        (i, ((u - lower) / pmf.value()).min(BELOW_ONE))
     }
 }
 

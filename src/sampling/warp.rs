@@ -1,4 +1,5 @@
-//! Area-preserving maps from the unit square to disks, spheres and triangles, each with its density and its inverse.
+//! Maps from the unit square to disks, spheres and triangles that preserve area, each with its density and its inverse, and
+//! one from the unit interval to a linear density.
 //! All are continuous and measure-preserving, so that stratified and Metropolis samples keep their structure: a disk is
 //! filled concentrically [Shirley97], a triangle by folding the square [Heitz19].
 
@@ -108,6 +109,16 @@ pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
 pub fn uniform_triangle_inverse(b: [f32; 2]) -> [f32; 2] {
     let sum = b[0] + b[1];
     (if b[0] < b[1] { [2.0 * b[0], sum] } else { [sum, 2.0 * b[1]] }).map(into_unit)
+}
+
+/// A number of the unit interval whose density runs linearly between values proportional to `a` at 0 and `b` at 1 (neither
+/// negative, not both zero): 2 lerp(a, b, x) / (a + b).
+#[inline]
+pub fn linear(u: f32, [a, b]: [f32; 2]) -> f32 {
+    let (a, b) = (a / (a + b), b / (a + b));
+    // The root of the quadratic that does not cancel; 0 / 0 where the density begins at 0 and so does u.
+    let denominator = a + (a * a + u * (b * b - a * a)).max(0.0).sqrt();
+    if denominator > 0.0 { into_unit(u / denominator) } else { 0.0 }
 }
 
 /// The angle of (x, y) in turns, 0 to 1 without 1.

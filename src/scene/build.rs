@@ -10,7 +10,7 @@ use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::{Bsdf, Lobes};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Hit, MediumId};
-use crate::light::{AreaLight, DirectionalLight, Light, Lights, PointLight, Sky, SpotLight};
+use crate::light::{AreaLight, DirectionalLight, Environment, LatLong, Light, Lights, PointLight, Sky, SpotLight};
 use crate::spectrum::Spectrum;
 use glam::DVec3;
 use std::sync::Arc;
@@ -32,12 +32,12 @@ impl Scene {
     ///
     /// # Errors
     /// A scene error that names what is wrong: nothing to see, a mesh with bad indices or positions; or the backend's error.
-    pub fn build(description: Description, options: &BuildOptions) -> Result<Scene> {
+    pub fn build(mut description: Description, options: &BuildOptions) -> Result<Scene> {
         let start = Instant::now();
         let hash = description::hash::of(&description);
         let (min, max) = world_box(&description)?;
         let rebase = Rebase::of_box(min, max);
-        let mut warnings = Vec::new();
+        let mut warnings = std::mem::take(&mut description.warnings);
         if description.cameras.is_empty() {
             warnings.push("the file has no camera: everything is framed automatically".to_owned());
         }
@@ -47,20 +47,23 @@ impl Scene {
         let (geometry, mut objects) = assemble(&description, &rebase, &materials)?;
         let mut lights = area_lights(&geometry, &mut objects, &materials);
         lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
-        let sky = description.environment.or_else(|| {
+        let environment = description.environment.or_else(|| {
             let dark = lights.iter().all(|l| l.power(1.0) <= 0.0);
             if dark {
                 warnings.push("the file has no light: a uniform white environment of radiance 1 is added".to_owned());
             }
-            dark.then_some(Spectrum::ONE)
+            dark.then_some(description::Environment::Uniform(Spectrum::ONE))
         });
-        lights.extend(sky.filter(|s| !s.is_black()).map(|radiance| Light::Sky(Sky { radiance })));
+        let environment = environment.and_then(surroundings);
+        let environment_bytes = environment.as_ref().map_or(0, Environment::bytes);
+        lights.extend(environment.map(Light::Environment));
         let prepare_seconds = start.elapsed().as_secs_f64();
         let accel = Accel::build(&geometry, options.backend, options.build, options.threads)?;
         let radius = ((max - min).length() * 0.5 * rebase.scale) as f32;
         let features = features(&geometry, &objects, &materials, &lights, &media);
         let mut info = census(&geometry, &materials, lights.len(), features);
         info.instances = description.instances.len();
+        info.texture_bytes += environment_bytes;
         info.ignored = description.ignored;
         info.warnings = warnings;
         (info.centre, info.scale) = (rebase.centre, rebase.scale);
@@ -138,6 +141,17 @@ fn punctual(light: &description::PunctualLight, rebase: &Rebase) -> Light {
         PunctualKind::Point => Light::Point(point),
         PunctualKind::Spot { inner, outer } => Light::Spot(SpotLight::new(point, -backward, inner, outer)),
         PunctualKind::Directional => Light::Directional(DirectionalLight { toward: backward, irradiance: light.intensity }),
+    }
+}
+
+/// The light of the environment; `None` if it is black.
+fn surroundings(environment: description::Environment) -> Option<Environment> {
+    match environment {
+        description::Environment::Uniform(radiance) if radiance.is_black() => None,
+        description::Environment::Uniform(radiance) => Some(Environment::Uniform(Sky { radiance })),
+        description::Environment::Map { map, scale, rotation } => {
+            LatLong::new(map, scale, rotation).map(|map| Environment::Map(Box::new(map)))
+        }
     }
 }
 

@@ -17,7 +17,7 @@ pub struct SceneInfo {
     pub lights: usize,
     /// Distinct images in use.
     pub images: usize,
-    /// Bytes of decoded images.
+    /// Bytes of decoded images, the environment's with its table among them.
     pub texture_bytes: usize,
     /// Bytes of meshes.
     pub geometry_bytes: usize,
@@ -27,7 +27,7 @@ pub struct SceneInfo {
     pub features: Vec<String>,
     /// What the file uses and étendue does not.
     pub ignored: Vec<String>,
-    /// What was made up because the file does not say it.
+    /// What was made up because the file does not say it, or changed because it cannot be used.
     pub warnings: Vec<String>,
     /// The point of the file that is the origin of the scene's own coordinates.
     pub centre: glam::DVec3,

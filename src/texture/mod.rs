@@ -1,8 +1,10 @@
 //! Textures: decoded images, and how a material looks them up.
 
 mod image;
+mod radiance_map;
 
 pub use image::{Image, Texels};
+pub use radiance_map::RadianceMap;
 
 use glam::{Affine2, Vec2};
 use std::sync::Arc;

@@ -33,12 +33,12 @@ struct Document {
 /// Measures.
 pub(super) fn run(args: Args) -> Result<()> {
     let choices = args.scene.choices()?;
-    let early = choices.settings(None)?;
+    let (early, surroundings) = (choices.settings(None)?, choices.surroundings()?);
     let threads = startup::start_threads(args.threads.threads)?;
     let backends = args.backends.as_deref().unwrap_or(Backend::AVAILABLE);
     let subject = |&backend: &Backend| {
         let early = Settings { backend, ..early.clone() };
-        let stage = Stage::open(&args.scene.scene, early.environment, &early.build_options(threads))?;
+        let stage = Stage::open(&args.scene.scene, surroundings.clone(), &early.build_options(threads))?;
         let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
         RayBench::new(stage, Settings { backend, ..settings })
     };

@@ -3,7 +3,7 @@
 pub(in crate::scene) mod hash;
 
 use crate::spectrum::Spectrum;
-use crate::texture::{Image, Texture};
+use crate::texture::{Image, RadianceMap, Texture};
 use glam::{DAffine3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -22,10 +22,28 @@ pub struct Description {
     pub lights: Vec<PunctualLight>,
     /// Cameras in file order.
     pub cameras: Vec<Camera>,
-    /// Radiance that arrives from every direction where nothing is hit.
-    pub environment: Option<Spectrum>,
+    /// What arrives where nothing is hit.
+    pub environment: Option<Environment>,
     /// What the file uses and étendue does not, one sentence each, without repeats.
     pub ignored: Vec<String>,
+    /// What was changed or is doubtful, one sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Light from outside the scene.
+#[derive(Debug, Clone)]
+pub enum Environment {
+    /// The same radiance from every direction.
+    Uniform(Spectrum),
+    /// A latitude-longitude map around the up axis, +y; see [`crate::light::LatLong`].
+    Map {
+        /// Its texels.
+        map: Arc<RadianceMap>,
+        /// What their radiance is multiplied by.
+        scale: f32,
+        /// How far it is turned about the up axis, in degrees, counter-clockwise seen from above.
+        rotation: f64,
+    },
 }
 
 /// A mesh: one or more primitives.

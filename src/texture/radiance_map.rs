@@ -1,0 +1,49 @@
+//! A picture of all directions: the texels of a latitude-longitude map.
+
+/// Linear radiance in latitude-longitude layout, three 32-bit numbers a texel. The first row is the zenith's.
+pub struct RadianceMap {
+    width: u32,
+    height: u32,
+    texels: Vec<[f32; 3]>,
+}
+
+/// Size and content hash, never the texels.
+impl std::fmt::Debug for RadianceMap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let hash = blake3::hash(bytemuck::cast_slice(&self.texels)).to_hex();
+        write!(f, "RadianceMap({}x{} {hash})", self.width, self.height)
+    }
+}
+
+impl RadianceMap {
+    /// The largest radiance that a texel may have: sums and squares of shares of it stay far inside f32.
+    pub const BRIGHTEST: f32 = 1.0e30;
+
+    /// A map of `width` × `height` texels, row by row from the zenith, linear Rec. 709.
+    ///
+    /// # Panics
+    /// If a side is 0, the number of texels is another, or one is not between 0 and [`RadianceMap::BRIGHTEST`].
+    pub fn new(width: u32, height: u32, texels: Vec<[f32; 3]>) -> Self {
+        let count = texels.len();
+        assert!(width > 0 && height > 0 && count == width as usize * height as usize, "{count} texels for {width}x{height}");
+        assert!(texels.iter().flatten().all(|x| (0.0..=Self::BRIGHTEST).contains(x)), "a texel out of range");
+        RadianceMap { width, height, texels }
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width as usize, self.height as usize]
+    }
+
+    /// The texels of row `y`.
+    #[inline]
+    pub fn row(&self, y: usize) -> &[[f32; 3]] {
+        let width = self.width as usize;
+        &self.texels[y * width..(y + 1) * width]
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        std::mem::size_of_val(&self.texels[..])
+    }
+}
