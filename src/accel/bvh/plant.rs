@@ -5,7 +5,6 @@ use super::tree::{LEAF, Node, Tree};
 use crate::accel::Build;
 use crate::geometry::Bounds;
 use glam::{Vec3A, Vec4};
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -14,6 +13,7 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
+use obvhs::{Boundable, BvhBuildParams};
 
 /// What the tests of a node cost in tests of a block: makes leaves fuller than they would be if triangles were tested one by
 /// one.
@@ -22,8 +22,12 @@ const TRAVERSAL_COST: f32 = 3.0;
 /// A tree over `triangles`, of which there is at least one, and its leaves.
 pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, Box<[Block]>) {
     let effort = effort(build);
-    let (boxes, indices) = if effort.pre_split { split(triangles) } else { whole(triangles) };
-    let bvh = binary(&boxes, indices, effort, LANES as u32);
+    let bvh = if effort.pre_split {
+        let (boxes, indices) = split(triangles);
+        binary(&boxes, indices, effort, LANES as u32)
+    } else {
+        binary(triangles, every(triangles), effort, LANES as u32)
+    };
     let mut blocks = Vec::new();
     let tree = widen(&bvh, |prims| {
         let leaf: Vec<Corners> = prims.iter().map(|&i| triangles[i as usize]).collect();
@@ -36,7 +40,7 @@ pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, Box<
 /// A tree over `boxes`, of which there is at least one; the leaves are their indices.
 pub(super) fn over_boxes(boxes: &[Bounds], build: Build) -> Tree {
     let boxes: Vec<Aabb> = boxes.iter().map(|b| Aabb::new(b.min.into(), b.max.into())).collect();
-    let bvh = binary(&boxes, (0..boxes.len() as u32).collect(), effort(build), 1);
+    let bvh = binary(&boxes, every(&boxes), effort(build), 1);
     widen(&bvh, |prims| prims[0] as usize)
 }
 
@@ -48,13 +52,20 @@ fn effort(build: Build) -> BvhBuildParams {
     }
 }
 
-fn whole(triangles: &[Corners]) -> (Vec<Aabb>, Vec<u32>) {
-    (triangles.iter().map(|t| Aabb::from_points(&t.vertices.map(Vec3A::from))).collect(), (0..triangles.len() as u32).collect())
+impl Boundable for Corners {
+    fn aabb(&self) -> Aabb {
+        Aabb::from_points(&self.vertices.map(Vec3A::from))
+    }
+}
+
+/// The indices of all of `items`.
+fn every<T>(items: &[T]) -> Vec<u32> {
+    (0..items.len() as u32).collect()
 }
 
 /// Boxes around parts of large triangles.
 fn split(triangles: &[Corners]) -> (Vec<Aabb>, Vec<u32>) {
-    let (mut boxes, mut indices) = whole(triangles);
+    let (mut boxes, mut indices): (Vec<Aabb>, _) = (triangles.iter().map(Boundable::aabb).collect(), every(triangles));
     let areas = boxes.iter().map(Aabb::half_area);
     let (sum, largest) = areas.fold((0.0, 0.0f32), |(sum, largest), area| (sum + f64::from(area), largest.max(area)));
     let mean = (sum / boxes.len() as f64) as f32;
@@ -69,7 +80,7 @@ fn split(triangles: &[Corners]) -> (Vec<Aabb>, Vec<u32>) {
     (boxes, indices)
 }
 
-fn binary(boxes: &[Aabb], indices: Vec<u32>, effort: BvhBuildParams, most_in_leaf: u32) -> Bvh2 {
+fn binary<B: Boundable>(boxes: &[B], indices: Vec<u32>, effort: BvhBuildParams, most_in_leaf: u32) -> Bvh2 {
     let mut builder = PlocBuilder::with_capacity(boxes.len());
     let mut bvh =
         builder.build(effort.ploc_search_distance, boxes, indices, effort.sort_precision, effort.search_depth_threshold);
