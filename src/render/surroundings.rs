@@ -131,6 +131,15 @@ impl Surroundings {
         Surroundings { environment, ..*self }
     }
 
+    /// The same surroundings for reports, a file by its name alone.
+    pub(super) fn without_folder(&self) -> Self {
+        let environment = match &self.environment {
+            Environment::File(path) => Environment::File(path.file_name().unwrap_or_default().into()),
+            radiance => radiance.clone(),
+        };
+        Surroundings { environment, ..*self }
+    }
+
     /// Reads what must be read and puts it around `description`.
     ///
     /// # Errors

@@ -4,6 +4,7 @@
 //! fails by chance twice. `ETENDUE_TEST_DEEP=1` runs the long versions (`make test-deep`).
 
 mod closed_forms;
+mod environments;
 mod invariance;
 mod picture;
 mod references;

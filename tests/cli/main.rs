@@ -5,6 +5,8 @@
 // What renders needs a backend.
 #[cfg(feature = "embree")]
 mod end_to_end;
+#[cfg(feature = "embree")]
+mod environments;
 #[cfg_attr(not(feature = "embree"), allow(dead_code))]
 mod run;
 #[cfg(feature = "embree")]
