@@ -50,7 +50,7 @@ impl Environment {
     }
 
     /// The same environment, its path seen from `folder` if it is relative.
-    pub(super) fn from_folder(self, folder: &Path) -> Self {
+    pub(super) fn seen_from(self, folder: &Path) -> Self {
         match self {
             Environment::File(path) => Environment::File(folder.join(path)),
             radiance => radiance,
