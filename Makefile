@@ -35,7 +35,7 @@ test-deep: setup scenes ## all tests, those that render for minutes included
 bench: build ## time to error against other renderers, and start-up time (see bench/versus.sh)
 	bench/versus.sh
 
-scenes: ## write the glTF files of scenes/ anew
+scenes: ## write the files of scenes/ anew
 	scenes/make.py
 
 doc: setup ## the documentation of the code, target/doc/etendue/index.html

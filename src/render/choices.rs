@@ -105,7 +105,7 @@ impl Choices {
             Ok(text) => {
                 let choices = Choices::parse(&text).map_err(|e| e.context(path.display()))?;
                 let folder = path.parent().unwrap_or(Path::new(""));
-                Ok(Choices { env: choices.env.map(|env| env.from_folder(folder)), ..choices })
+                Ok(Choices { env: choices.env.map(|env| env.seen_from(folder)), ..choices })
             }
             Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(Choices::default()),
             // A scene path that leads through a file: the scene loader says so better.

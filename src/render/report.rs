@@ -2,7 +2,7 @@
 //! the EXR image as `etendue.` attributes (`etendue.render.wall_seconds`, …).
 
 use super::provenance::Program;
-use super::{Outputs, Plan, Provenance, Settings, Stage, machine};
+use super::{Outputs, Plan, Provenance, Settings, Stage, Surroundings, machine};
 use crate::film::{Film, ImageError};
 use crate::integrator::{Guards, InvalidSample};
 use crate::io::exr::{self, Attribute, Layer};
@@ -42,6 +42,7 @@ struct Machine {
 struct Scene {
     file: String,
     hash: String,
+    environment: Option<Surroundings>,
     camera: String,
     ignored: Vec<String>,
     warnings: Vec<String>,
@@ -181,6 +182,7 @@ impl Scene {
         Scene {
             file: record.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             hash: record.hash.clone(),
+            environment: record.surroundings.as_ref().map(Surroundings::without_folder),
             camera: provenance.settings.camera.clone().unwrap_or_else(|| "0".into()),
             ignored: record.ignored.clone(),
             warnings: record.warnings.clone(),

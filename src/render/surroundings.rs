@@ -50,7 +50,7 @@ impl Environment {
     }
 
     /// The same environment, its path seen from `folder` if it is relative.
-    pub(super) fn from_folder(self, folder: &Path) -> Self {
+    pub(super) fn seen_from(self, folder: &Path) -> Self {
         match self {
             Environment::File(path) => Environment::File(folder.join(path)),
             radiance => radiance,
@@ -126,6 +126,15 @@ impl Surroundings {
     pub fn absolute(&self) -> Self {
         let environment = match &self.environment {
             Environment::File(path) => Environment::File(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
+            radiance => radiance.clone(),
+        };
+        Surroundings { environment, ..*self }
+    }
+
+    /// The same surroundings for reports, a file by its name alone.
+    pub(super) fn without_folder(&self) -> Self {
+        let environment = match &self.environment {
+            Environment::File(path) => Environment::File(path.file_name().unwrap_or_default().into()),
             radiance => radiance.clone(),
         };
         Surroundings { environment, ..*self }

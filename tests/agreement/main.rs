@@ -6,6 +6,7 @@
 #[cfg(feature = "embree")]
 mod backends;
 mod closed_forms;
+mod environments;
 mod invariance;
 mod picture;
 mod references;

@@ -1,6 +1,7 @@
 //! Reading scene files: real ones, small ones made here, and broken ones.
 
 mod defects;
+mod environments;
 mod geometry;
 mod hierarchy;
 mod materials;

@@ -14,6 +14,7 @@ mod quadrature;
 mod random;
 
 mod distributions;
+mod environments;
 mod furnace;
 mod identities;
 mod inverses;
