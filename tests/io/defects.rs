@@ -20,7 +20,10 @@ fn what_does_not_fit_names_the_accessor() {
     assert!(with("byteOffset", json!(u64::MAX)).starts_with(prefix));
     assert!(with("type", json!("VEC2")).starts_with(&format!("{prefix}it has elements of kind Vec2")));
     assert!(with("type", json!("MAT2")).starts_with(prefix));
-    assert!(with("componentType", json!(5125)).starts_with(&format!("{prefix}component type U32 is not for vertices")));
+    assert!(
+        with("componentType", json!(5125))
+            .starts_with(&format!("{prefix}component type U32, not normalised, is not for POSITION"))
+    );
     assert_eq!(with("bufferView", json!(7)), "accessors[0].bufferView refers to something that does not exist");
 }
 
