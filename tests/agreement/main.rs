@@ -7,4 +7,5 @@ mod closed_forms;
 mod invariance;
 mod picture;
 mod references;
+mod sides;
 mod studio;

@@ -1,5 +1,6 @@
 //! Reading scene files: real ones, small ones made here, and broken ones.
 
+mod bounds;
 mod defects;
 mod geometry;
 mod hierarchy;
