@@ -56,7 +56,7 @@ fn parts_at_places_are_bounded_and_so_are_lights() {
     let nodes = |file: &mut File, count: usize| file.json["nodes"] = Value::Array(vec![json!({ "mesh": 0 }); count]);
     let mut parts = repeated(3, 2000, |_| json!({}));
     nodes(&mut parts, 2000);
-    assert_eq!(parts.error(), TOO_MUCH);
+    assert!(parts.error().ends_with(TOO_MUCH), "{}", parts.error());
     nodes(&mut parts, 100);
     assert_eq!(parts.load().expect("a valid file").instances.len(), 100);
     let mut lights = File::mesh(&long(3000), |_| json!({ "material": 0 }));

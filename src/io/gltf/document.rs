@@ -2,7 +2,7 @@
 
 use super::budget::Budget;
 use super::buffer::{self, Buffer};
-use super::glb;
+use super::{glb, instancing};
 use crate::error::{Error, Result};
 use ::gltf::json::validation::{Error as Defect, Validate};
 use ::gltf::json::{self, Root};
@@ -13,7 +13,8 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// The extensions that are read. KHR_mesh_quantization is what checked component types give by themselves.
-pub(super) const READ_EXTENSIONS: [&str; 9] = [
+pub(super) const READ_EXTENSIONS: [&str; 10] = [
+    instancing::NAME,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",

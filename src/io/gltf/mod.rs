@@ -18,6 +18,7 @@ mod extras;
 mod glb;
 mod graph;
 mod image;
+mod instancing;
 mod light;
 mod material;
 mod notes;
@@ -27,7 +28,7 @@ mod texture;
 mod topology;
 mod vertex;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::description::{Description, Instance, Material, Mesh};
 use document::{Document, name_or};
 use graph::Placement;
@@ -109,8 +110,8 @@ impl Loader<'_> {
         let transform = placement.transform;
         if let Some(mesh) = node.mesh {
             if let Some(mesh) = self.mesh(mesh.value(), out)? {
-                self.document.budget.spend(out.meshes[mesh].primitives.len(), BYTES_A_PART)?;
-                out.instances.push(Instance { name: name_or(&node.name, "node", placement.node), mesh, transform });
+                let name = name_or(&node.name, "node", placement.node);
+                self.copies(placement, &name, mesh, out).map_err(|e| e.context(format!("node '{name}'")))?;
             }
         }
         if let Some(index) = node.camera {
@@ -118,6 +119,24 @@ impl Loader<'_> {
         }
         if let Some(punctual) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
             out.lights.push(light::load(self.document, punctual.light, transform, &mut self.notes)?);
+        }
+        Ok(())
+    }
+
+    /// Adds the instances of `mesh` that the node at `placement` stands for.
+    fn copies(&mut self, placement: &Placement, name: &str, mesh: usize, out: &mut Description) -> Result<()> {
+        let cost = size_of::<Instance>() + name.len() + BYTES_A_PART * out.meshes[mesh].primitives.len();
+        for place in instancing::places(self.document, placement.node)? {
+            let transform = placement.transform * place;
+            if !transform.is_finite() {
+                return Err(Error::scene(format!("{} has a transform that is not finite", instancing::NAME)));
+            }
+            if graph::is_singular(&transform.matrix3) {
+                self.notes.add(format!("copies of node '{name}' are scaled to zero and are left out"));
+                continue;
+            }
+            self.document.budget.spend(1, cost)?;
+            out.instances.push(Instance { name: name.to_owned(), mesh, transform });
         }
         Ok(())
     }
