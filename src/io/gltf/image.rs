@@ -21,7 +21,7 @@ const LARGEST_IMAGE: u64 = 1 << 31;
 const LARGEST_TOTAL: u64 = 1 << 34;
 /// Deflate makes at most 258 bytes of two bits [RFC1951 §3.2.5].
 const MOST_DEFLATE: u64 = 1032;
-/// JPEG takes a bit at least for the DC coefficient of a block of 8 × 8 texels, even if progressive [T.81 §G.1.2].
+/// JPEG takes a bit at least for the DC coefficient of a block of 8 × 8 texels, even if progressive [T81 §G.1.2.1].
 const MOST_TEXELS_A_BYTE: u64 = 8 * 64;
 
 /// Decodes the images with these indices, in this order. Entries that mean the same bytes share one image.
