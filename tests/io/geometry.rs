@@ -227,3 +227,20 @@ fn quantised_texture_coordinates_may_be_whole_numbers() {
     });
     assert_eq!(file.primitive().uvs[0], Some([[0.0, 127.0], [-128.0, 5.0], [1.0, 2.0]].map(Vec2::from).to_vec()));
 }
+
+/// Vertex 0 is not used, so that vertex 3 is the third that is kept; it is displaced, and so is vertex 0.
+#[test]
+fn sparse_elements_find_their_vertices_among_those_that_are_used() {
+    let file = File::mesh(&QUAD, |f| {
+        let places = f.view(&[0, 3]);
+        let values = f.view(bytemuck::cast_slice(&[[7.0f32; 3], [8.0, 9.0, 1.0]]));
+        f.json["accessors"][0]["sparse"] = json!({
+            "count": 2,
+            "indices": { "bufferView": places, "componentType": 5121 },
+            "values": { "bufferView": values },
+        });
+        json!({ "indices": f.accessor(5121, "SCALAR", 3, &[1, 2, 3]) })
+    });
+    let displaced = Vec3::new(8.0, 9.0, 1.0);
+    assert_eq!(file.primitive().positions, [Vec3::from(QUAD[1]), Vec3::from(QUAD[2]), displaced]);
+}
