@@ -3,7 +3,7 @@ CARGO ?= cargo
 export PATH := $(PATH):$(HOME)/.cargo/bin
 SHELL := bash
 
-.PHONY: help setup build demo test test-deep bench scenes doc deny
+.PHONY: help setup build demo test test-deep bench fuzz scenes doc deny
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -34,6 +34,14 @@ test-deep: setup scenes ## all tests, those that render for minutes included
 
 bench: build ## time to error against other renderers, and start-up time (see bench/versus.sh)
 	bench/versus.sh
+
+# Needs cargo-fuzz and a nightly toolchain; FUZZ_SECONDS for each of the four targets. New finds go to fuzz/artifacts/.
+FUZZ_SECONDS ?= 900
+fuzz: setup ## fuzz the readers of glTF, film, EXR and render.toml, a quarter of an hour each (FUZZ_SECONDS)
+	for target in gltf film exr config; do \
+	  mkdir -p fuzz/work/$$target && $(CARGO) +nightly fuzz run --fuzz-dir fuzz $$target fuzz/work/$$target fuzz/corpus/$$target \
+	    fuzz/regressions/$$target -- -dict=fuzz/gltf.dict -max_len=16384 -rss_limit_mb=2048 -malloc_limit_mb=512 -timeout=10 \
+	    -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 
 scenes: ## write the files of scenes/ anew
 	scenes/make.py

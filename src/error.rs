@@ -90,7 +90,8 @@ impl Error {
         self
     }
 
-    /// The sentence and its chain of causes on one line.
+    /// The sentence and its chain of causes on one line: names from files may hold line breaks and terminal codes, which
+    /// become spaces.
     pub fn chain(&self) -> String {
         let mut line = self.message.clone();
         let mut cause = std::error::Error::source(self);
@@ -98,6 +99,6 @@ impl Error {
             line.push_str(&format!(": {c}"));
             cause = c.source();
         }
-        line
+        line.replace(char::is_control, " ")
     }
 }

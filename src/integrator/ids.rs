@@ -9,7 +9,7 @@ use rayon::prelude::*;
 pub fn ids(scene: &Scene, camera: &Camera, layout: &Layout) -> [Vec<f32>; 2] {
     let at = |index: usize| {
         let [x, y] = layout.pixel(index);
-        let point = scene.intersect(&camera.ray([x as f32 + 0.5, y as f32 + 0.5]));
+        let point = scene.seen(camera.ray([x as f32 + 0.5, y as f32 + 0.5]));
         point.map_or([-1.0; 2], |p| scene.ids(&p).map(|id| id as f32))
     };
     let both: Vec<[f32; 2]> = (0..layout.pixels()).into_par_iter().map(at).collect();

@@ -67,22 +67,33 @@ impl<'a> Walk<'a> {
     }
 
     /// Follows the current edge to the surface at its end; `None` where it leaves the scene. A blended surface is met with
-    /// probability alpha and passed otherwise.
+    /// probability alpha and passed otherwise; one that the camera does not see is passed by its rays.
     #[inline(always)] // a call would copy the point through memory: a tenth of the time of a simple scene
     pub fn arrive(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
-        let point = if self.scene.features().blends { self.past_blends(sampler, tally) } else { self.scene.intersect(&self.ray) };
+        let point = if self.scene.features().blends {
+            self.past(sampler, tally)
+        } else {
+            let point = self.scene.intersect(&self.ray);
+            if point.as_ref().is_some_and(|p| self.unseen(p)) { self.past(sampler, tally) } else { point }
+        };
         self.absorb(point.as_ref().map_or(f32::INFINITY, |p| p.t));
         tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
         point
     }
 
+    /// Whether the current edge is the camera's and does not see the surface at `point`.
+    #[inline]
+    fn unseen(&self, point: &SurfacePoint) -> bool {
+        matches!(self.departure, Departure::Camera) && self.scene.culled(point, self.ray.direction)
+    }
+
     /// The first surface that does not let the edge pass; the edge then begins behind those that did.
     #[cold]
-    fn past_blends(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
+    fn past(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
         let mut u = sampler.u1(self.depth, Slot::Event);
         for _ in 0..LONGEST {
             let point = self.scene.intersect(&self.ray)?;
-            let alpha = self.scene.coverage(&point);
+            let alpha = if self.unseen(&point) { 0.0 } else { self.scene.coverage(&point) };
             if u < alpha {
                 return Some(point);
             }

@@ -114,7 +114,11 @@ impl Choices {
         }
     }
 
-    fn parse(text: &str) -> Result<Choices> {
+    /// The choices that the text of a `render.toml` makes.
+    ///
+    /// # Errors
+    /// A usage error with the line if it says something étendue does not know.
+    pub fn parse(text: &str) -> Result<Choices> {
         let choices: Choices = toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
             Error::usage(format!("line {line}: {}", e.message().replace('\n', " ")))

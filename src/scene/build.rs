@@ -42,8 +42,8 @@ impl Scene {
             warnings.push("the file has no camera: everything is framed automatically".to_owned());
         }
         let mut media = Vec::new();
-        let materials: Vec<Material> =
-            description.materials.iter().map(|m| Material::new(m.clone(), interior(m, &rebase, &mut media))).collect();
+        let compile = |m: &description::Material| Ok(Material::new(m.clone(), interior(m, &rebase, &mut media)?));
+        let materials = description.materials.iter().map(compile).collect::<Result<Vec<Material>>>()?;
         let (geometry, mut objects) = assemble(&description, &rebase, &materials)?;
         let mut lights = area_lights(&geometry, &mut objects, &materials);
         lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
@@ -76,14 +76,24 @@ impl Scene {
     }
 }
 
-/// The box around all placed positions, in the file's world.
+/// A box around all placed positions, in the file's world: the smallest if no mesh stands at several places, else one around
+/// the boxes of those that do.
 fn world_box(description: &Description) -> Result<(DVec3, DVec3)> {
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut uses = vec![0usize; description.meshes.len()];
+    description.instances.iter().for_each(|i| uses[i.mesh] += 1);
+    let mut boxes: Vec<Option<Vec<DVec3>>> = vec![None; description.meshes.len()];
     for instance in &description.instances {
-        let positions = description.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions);
-        for p in positions.map(|p| instance.transform.transform_point3(p.as_dvec3())) {
-            min = min.min(p);
-            max = max.max(p);
+        let positions = description.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions).map(|p| p.as_dvec3());
+        let mut include = |p: DVec3| {
+            let placed = instance.transform.transform_point3(p);
+            min = min.min(placed);
+            max = max.max(placed);
+        };
+        if uses[instance.mesh] == 1 {
+            positions.for_each(include);
+        } else {
+            boxes[instance.mesh].get_or_insert_with(|| corners(positions)).iter().for_each(|&p| include(p));
         }
     }
     if min.cmple(max).all() && min.is_finite() && max.is_finite() {
@@ -95,11 +105,19 @@ fn world_box(description: &Description) -> Result<(DVec3, DVec3)> {
     }
 }
 
+/// The corners of the box around `positions`; none if there are none.
+fn corners(positions: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    positions.for_each(|p| (min, max) = (min.min(p), max.max(p)));
+    let corner = |i: u32| DVec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max, min);
+    if min.x <= max.x { (0..8).map(corner).collect() } else { Vec::new() }
+}
+
 /// The medium inside a material; equal media are shared.
-fn interior(material: &description::Material, rebase: &Rebase, media: &mut Vec<Absorption>) -> MediumId {
-    let Some(volume) = &material.volume else { return MediumId::VACUUM };
+fn interior(material: &description::Material, rebase: &Rebase, media: &mut Vec<Absorption>) -> Result<MediumId> {
+    let Some(volume) = &material.volume else { return Ok(MediumId::VACUUM) };
     if material.transmission <= 0.0 || !volume.attenuation_distance.is_finite() {
-        return MediumId::VACUUM;
+        return Ok(MediumId::VACUUM);
     }
     // White light has the attenuation colour after the attenuation distance.
     let distance = (volume.attenuation_distance * rebase.scale) as f32;
@@ -108,7 +126,8 @@ fn interior(material: &description::Material, rebase: &Rebase, media: &mut Vec<A
         media.push(Absorption(sigma));
         media.len() - 1
     });
-    MediumId(id as u16)
+    let id = u16::try_from(id).ok().map(MediumId).filter(|&id| id != MediumId::VACUUM);
+    id.ok_or_else(|| Error::scene(format!("the scene has more than {} volumes of different absorption", u16::MAX)))
 }
 
 /// Makes each emitting triangle a light, and notes in `objects` where those of each object begin.
@@ -173,6 +192,7 @@ fn features(
     Features {
         masks: holes(|m| matches!(m, description::AlphaMode::Mask { .. })),
         blends: holes(|m| matches!(m, description::AlphaMode::Blend)),
+        culled: used(&Material::is_culled),
         media: !media.is_empty(),
         textures: used(&Material::has_surface_textures),
         normal_maps: used(&|m| m.source.normal_texture.is_some()),

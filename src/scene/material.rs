@@ -20,6 +20,8 @@ pub(super) struct Material {
     emission_texture: Option<Arc<Texture>>,
     /// What is inside an object of this material.
     pub(super) interior: MediumId,
+    /// See [`Material::is_culled`].
+    culled: bool,
 }
 
 /// Where textures are looked up: coordinates of both sets and the vertex colour.
@@ -39,7 +41,9 @@ impl Material {
     pub(super) fn new(source: description::Material, interior: MediumId) -> Self {
         let nowhere = Coordinates { uvs: [Vec2::ZERO; 2], color: Vec4::ONE };
         let emission_texture = emission_map(&source).cloned().map(Arc::new);
-        let mut material = Material { source, constant: None, emission_texture, interior };
+        let mut material = Material { source, constant: None, emission_texture, interior, culled: false };
+        let m = &material.source;
+        material.culled = !m.double_sided && material.emission().is_black() && m.transmission <= 0.0;
         if !material.has_surface_textures() {
             material.constant = Some(material.resolve(&nowhere));
         }
@@ -105,6 +109,12 @@ impl Material {
             AlphaMode::Mask { cutoff } => varies || self.source.alpha < cutoff,
             AlphaMode::Blend => varies || self.source.alpha < 1.0,
         }
+    }
+
+    /// Whether the camera sees through its back: single-sided, without light of its own or through it.
+    #[inline]
+    pub(super) fn is_culled(&self) -> bool {
+        self.culled
     }
 
     /// Radiance factor of the emission, textures apart.

@@ -43,6 +43,8 @@ pub struct Features {
     pub masks: bool,
     /// Some surface blends by alpha.
     pub blends: bool,
+    /// Some surface is not there for the camera when seen from behind.
+    pub culled: bool,
     /// Some object absorbs light inside.
     pub media: bool,
     /// Some material looks textures up.
@@ -67,6 +69,7 @@ impl Features {
         [
             ("alpha-mask", self.masks),
             ("alpha-blend", self.blends),
+            ("single-sided", self.culled),
             ("absorption", self.media),
             ("textures", self.textures),
             ("normal-maps", self.normal_maps),

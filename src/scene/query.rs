@@ -44,6 +44,25 @@ impl Scene {
         SurfacePoint::new(&self.geometry, hit?, ray)
     }
 
+    /// Whether the camera does not see the surface that a ray of its own in `direction` meets at `point`: the back of a
+    /// single-sided material, unless it emits or transmits light. glTF wants such faces culled [glTF20 §3.9.5]; all other
+    /// rays meet both sides, so that rooms stay closed and shadows whole. Connections to the camera obey the same rule.
+    #[inline]
+    pub fn culled(&self, point: &SurfacePoint, direction: Vec3) -> bool {
+        self.features.culled && direction.dot(point.ng) > 0.0 && self.material_of(point.hit).1.is_culled()
+    }
+
+    /// The first surface that a ray of the camera meets and is not [`Scene::culled`]; blended ones whatever their alpha.
+    pub fn seen(&self, mut ray: Ray) -> Option<SurfacePoint> {
+        loop {
+            let point = self.intersect(&ray)?;
+            if !self.culled(&point, ray.direction) {
+                return Some(point);
+            }
+            ray = point.spawn(ray.direction);
+        }
+    }
+
     /// Share of light that the surface at `point` stops: 1 unless its material blends by alpha.
     #[inline]
     pub fn coverage(&self, point: &SurfacePoint) -> f32 {

@@ -1,7 +1,7 @@
 //! Decoded images.
 
 use super::Encoding;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 /// Stored texels, row by row from the top.
 #[derive(Debug)]
@@ -17,6 +17,9 @@ pub struct Image {
     width: u32,
     height: u32,
     texels: Texels,
+    /// What many materials may ask of one image, computed once.
+    hash: OnceLock<blake3::Hash>,
+    means: [OnceLock<[f32; 4]>; 2],
 }
 
 /// Size and content hash, never the texels.
@@ -26,7 +29,8 @@ impl std::fmt::Debug for Image {
             Texels::Rgba8(t) => bytemuck::cast_slice(t),
             Texels::Rgba16(t) => bytemuck::cast_slice(t),
         };
-        write!(f, "Image({}x{} {})", self.width, self.height, blake3::hash(bytes).to_hex())
+        let hash = self.hash.get_or_init(|| blake3::hash(bytes));
+        write!(f, "Image({}x{} {})", self.width, self.height, hash.to_hex())
     }
 }
 
@@ -48,7 +52,7 @@ impl Image {
             Texels::Rgba16(t) => t.len(),
         };
         assert!(width > 0 && height > 0 && count == width as usize * height as usize, "{count} texels for {width}x{height}");
-        Image { width, height, texels }
+        Image { width, height, texels, hash: OnceLock::new(), means: Default::default() }
     }
 
     /// Width and height.
@@ -84,6 +88,10 @@ impl Image {
 
     /// The mean linear value of all texels.
     pub fn mean(&self, encoding: Encoding) -> [f32; 4] {
+        *self.means[encoding as usize].get_or_init(|| self.sum_up(encoding))
+    }
+
+    fn sum_up(&self, encoding: Encoding) -> [f32; 4] {
         let mut sum = [0.0f64; 4];
         for y in 0..self.height {
             for x in 0..self.width {

@@ -10,4 +10,5 @@ mod environments;
 mod invariance;
 mod picture;
 mod references;
+mod sides;
 mod studio;

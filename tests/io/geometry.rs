@@ -156,3 +156,91 @@ fn quantised_positions_are_read_though_the_extension_is_required() {
     let description = File::triangle(required).load().expect("a valid file");
     assert!(description.ignored.is_empty());
 }
+
+/// A triangle whose `attribute`, of `shape`, has components of `component`: nine bytes each, all zero but the last bit.
+fn with_type(attribute: &str, shape: &str, component: u32, normalized: bool) -> File {
+    File::mesh(&TRIANGLE, |f| {
+        let accessor = f.accessor(component, shape, 3, &[0; 3 * 4 * 4]);
+        f.json["accessors"][accessor]["normalized"] = json!(normalized);
+        json!({ "attributes": { attribute: accessor } })
+    })
+}
+
+/// The table of KHR_mesh_quantization and, for colours, that of the specification.
+#[test]
+fn every_attribute_has_the_types_of_the_table_and_no_others() {
+    let [i8, u8, i16, u16, u32, f32] = [5120, 5121, 5122, 5123, 5125, 5126];
+    let integers = [(i8, false), (i8, true), (u8, false), (u8, true), (i16, false), (i16, true), (u16, false), (u16, true)];
+    let signed_units = [(i8, true), (i16, true)];
+    let unsigned_units = [(u8, true), (u16, true)];
+    for (attribute, shape, allowed) in [
+        ("POSITION", "VEC3", &integers[..]),
+        ("NORMAL", "VEC3", &signed_units[..]),
+        ("TANGENT", "VEC4", &signed_units[..]),
+        ("TEXCOORD_0", "VEC2", &integers[..]),
+        ("TEXCOORD_1", "VEC2", &integers[..]),
+        ("COLOR_0", "VEC4", &unsigned_units[..]),
+    ] {
+        for (component, normalized) in integers.into_iter().chain([(u32, false), (u32, true), (f32, false)]) {
+            let mut file = with_type(attribute, shape, component, normalized);
+            // Tangents are looked at where there are normals.
+            if attribute == "TANGENT" {
+                let normals = file.accessor(f32, "VEC3", 3, &[0; 36]);
+                file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(normals);
+            }
+            let right = component == f32 || allowed.contains(&(component, normalized));
+            assert_eq!(file.load().is_ok(), right, "{attribute} {component} {normalized}");
+            if !right {
+                assert!(file.error().ends_with(&format!("is not for {attribute}")), "{}", file.error());
+            }
+        }
+    }
+}
+
+#[test]
+fn quantised_normals_and_tangents_have_their_values() {
+    let normals: [i8; 12] = [0, 0, 127, 0, 127, 0, 0, 0, 0, -128, 0, 0];
+    let tangents: [i16; 12] = [32767, 0, 0, 32767, 0, 0, -32768, -32767, -32767, 0, 0, -1];
+    let file = File::mesh(&TRIANGLE, |f| {
+        let normal = f.accessor(5120, "VEC3", 3, bytemuck::cast_slice(&normals));
+        let view = f.json["accessors"][normal]["bufferView"].as_u64().expect("a view") as usize;
+        f.json["bufferViews"][view]["byteStride"] = json!(4);
+        let tangent = f.accessor(5122, "VEC4", 3, bytemuck::cast_slice(&tangents));
+        [normal, tangent].into_iter().for_each(|a| f.json["accessors"][a]["normalized"] = json!(true));
+        json!({ "attributes": { "NORMAL": normal, "TANGENT": tangent } })
+    });
+    let primitive = file.primitive();
+    assert_eq!(primitive.normals, Some(vec![Vec3::Z, Vec3::X, Vec3::NEG_Y]));
+    let tangents = [Vec3::X.extend(1.0), Vec3::NEG_Z.extend(-1.0), Vec3::NEG_X.extend(-1.0)];
+    assert_eq!(primitive.tangents, Some(tangents.to_vec()));
+}
+
+/// Bytes and shorts as they are, not normalised, as texture coordinates that a KHR_texture_transform scales down.
+#[test]
+fn quantised_texture_coordinates_may_be_whole_numbers() {
+    let uvs: [i8; 12] = [0, 127, 0, 0, -128, 5, 0, 0, 1, 2, 0, 0];
+    let file = File::mesh(&TRIANGLE, |f| {
+        let uv = f.accessor(5120, "VEC2", 3, bytemuck::cast_slice(&uvs));
+        let view = f.json["accessors"][uv]["bufferView"].as_u64().expect("a view") as usize;
+        f.json["bufferViews"][view]["byteStride"] = json!(4);
+        json!({ "attributes": { "TEXCOORD_0": uv } })
+    });
+    assert_eq!(file.primitive().uvs[0], Some([[0.0, 127.0], [-128.0, 5.0], [1.0, 2.0]].map(Vec2::from).to_vec()));
+}
+
+/// Vertex 0 is not used, so that vertex 3 is the third that is kept; it is displaced, and so is vertex 0.
+#[test]
+fn sparse_elements_find_their_vertices_among_those_that_are_used() {
+    let file = File::mesh(&QUAD, |f| {
+        let places = f.view(&[0, 3]);
+        let values = f.view(bytemuck::cast_slice(&[[7.0f32; 3], [8.0, 9.0, 1.0]]));
+        f.json["accessors"][0]["sparse"] = json!({
+            "count": 2,
+            "indices": { "bufferView": places, "componentType": 5121 },
+            "values": { "bufferView": values },
+        });
+        json!({ "indices": f.accessor(5121, "SCALAR", 3, &[1, 2, 3]) })
+    });
+    let displaced = Vec3::new(8.0, 9.0, 1.0);
+    assert_eq!(file.primitive().positions, [Vec3::from(QUAD[1]), Vec3::from(QUAD[2]), displaced]);
+}

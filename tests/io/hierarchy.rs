@@ -129,3 +129,62 @@ fn punctual_lights_keep_their_numbers() {
     assert_eq!(description.ignored.len(), 1);
     assert!(description.ignored[0].contains("range"));
 }
+
+/// A triangle whose node, moved by (1, 0, 0), stands for two copies.
+fn copies(attributes: impl FnOnce(&mut File) -> Value) -> File {
+    let mut file = File::triangle(json!({ "extensionsRequired": ["EXT_mesh_gpu_instancing"] }));
+    let attributes = attributes(&mut file);
+    file.json["nodes"][0]["translation"] = json!([1, 0, 0]);
+    file.json["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+    file
+}
+
+#[test]
+fn instances_of_the_extension_stand_below_their_node() {
+    let file = copies(|f| {
+        let moves = f.accessor(5126, "VEC3", 2, bytemuck::cast_slice(&[0.0f32, 0.0, 0.0, 0.0, 2.0, 0.0]));
+        // None, then a quarter turn around z in normalised bytes, whose length is not quite 1.
+        let turns = f.accessor(5120, "VEC4", 2, bytemuck::cast_slice(&[0i8, 0, 0, 127, 0, 0, 90, 90]));
+        f.json["accessors"][turns]["normalized"] = json!(true);
+        let sizes = f.accessor(5126, "VEC3", 2, bytemuck::cast_slice(&[1.0f32, 1.0, 1.0, 3.0, 1.0, 1.0]));
+        json!({ "TRANSLATION": moves, "ROTATION": turns, "SCALE": sizes })
+    });
+    let scene = file.load().expect("a valid file");
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 2));
+    let at = |copy: usize| scene.instances[copy].transform.transform_point3(DVec3::X);
+    assert_eq!(at(0), DVec3::new(2.0, 0.0, 0.0));
+    // Scaled, then turned, then moved; sines of 45 degrees in f64.
+    assert!((at(1) - DVec3::new(1.0, 5.0, 0.0)).length() < 8.0 * f64::EPSILON, "{}", at(1));
+}
+
+#[test]
+fn defects_of_the_extension_are_errors() {
+    let error = |attributes: fn(&mut File) -> Value| copies(attributes).error();
+    let differing = error(|f| {
+        let two = f.accessor(5126, "VEC3", 2, &[0; 24]);
+        json!({ "TRANSLATION": two, "SCALE": 0 })
+    });
+    assert_eq!(differing, "node 'n': EXT_mesh_gpu_instancing has 2 elements of one attribute and 3 of another");
+    assert!(error(|_| json!({ "TRANSLATION": 77 })).ends_with("TRANSLATION of EXT_mesh_gpu_instancing: it does not exist"));
+    assert!(error(|_| json!({ "ROTATION": 0 })).contains("4 components"));
+    let zero = error(|f| json!({ "ROTATION": f.accessor(5126, "VEC4", 1, &[0; 16]) }));
+    assert!(zero.contains("rotation 0 of EXT_mesh_gpu_instancing is not a unit quaternion"), "{zero}");
+    let bytes = error(|f| json!({ "SCALE": f.accessor(5120, "VEC3", 1, &[1; 3]) }));
+    assert!(bytes.contains("component type that is not for it"), "{bytes}");
+    let flat = copies(|f| json!({ "SCALE": f.accessor(5126, "VEC3", 1, &[0; 12]) })).load().expect("a valid file");
+    assert_eq!(flat.ignored, ["copies of node 'n' are scaled to zero and are left out"]);
+}
+
+/// A million copies of what takes no bytes in the file, for each of many nodes.
+#[test]
+fn copies_without_data_are_bounded() {
+    let mut file = copies(|f| {
+        f.view(&[0; 1 << 16]);
+        let zeros = json!({ "componentType": 5126, "type": "VEC3", "count": 1 << 16 });
+        json!({ "TRANSLATION": crate::support::push(&mut f.json["accessors"], zeros) })
+    });
+    assert_eq!(file.load().expect("a valid file").instances.len(), 1 << 16);
+    let node = file.json["nodes"][0].clone();
+    file.json["nodes"] = Value::Array(vec![node; 100]);
+    assert!(file.error().ends_with("64 times its size"), "{}", file.error());
+}

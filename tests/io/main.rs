@@ -1,5 +1,7 @@
 //! Reading scene files: real ones, small ones made here, and broken ones.
 
+mod bounds;
+mod corpus;
 mod defects;
 mod environments;
 mod geometry;

@@ -115,6 +115,54 @@ fn samplers_and_transforms_are_read_and_only_used_images_are_decoded() {
 }
 
 #[test]
+fn every_mode_of_a_sampler_is_read() {
+    let texture = |sampler: Value| {
+        let mut file = file(json!({ "emissiveTexture": { "index": 1 } }));
+        file.json["samplers"][0] = sampler;
+        file.load().expect("a valid file").materials.remove(0).emission_texture.expect("a texture")
+    };
+    let wraps =
+        [(json!(33071), Wrap::Clamp), (json!(33648), Wrap::Mirror), (json!(10497), Wrap::Repeat), (Value::Null, Wrap::Repeat)];
+    for (s, in_u) in &wraps {
+        for (t, in_v) in &wraps {
+            let mut sampler = json!({});
+            [("wrapS", s), ("wrapT", t)].into_iter().filter(|(_, w)| !w.is_null()).for_each(|(k, w)| sampler[k] = w.clone());
+            assert_eq!(texture(sampler).wrap, [*in_u, *in_v]);
+        }
+    }
+    // Magnification decides; without it minification does, of which only what is no mipmap is left.
+    for (min, without_mag) in [
+        (9728, Filter::Nearest),
+        (9729, Filter::Linear),
+        (9984, Filter::Nearest),
+        (9985, Filter::Linear),
+        (9986, Filter::Nearest),
+        (9987, Filter::Linear),
+    ] {
+        assert_eq!(texture(json!({ "minFilter": min })).filter, without_mag, "{min}");
+        assert_eq!(texture(json!({ "minFilter": min, "magFilter": 9728 })).filter, Filter::Nearest);
+        assert_eq!(texture(json!({ "minFilter": min, "magFilter": 9729 })).filter, Filter::Linear);
+    }
+}
+
+#[test]
+fn sixteen_bits_have_the_curve_of_eight() {
+    use etendue::texture::{Image, Texels};
+    let eight = Image::new(256, 1, Texels::Rgba8((0..=255).map(|i| [i, i, i, i]).collect()));
+    let sixteen = Image::new(256, 1, Texels::Rgba16((0..=255u16).map(|i| [i * 257; 4]).collect()));
+    for encoding in [Encoding::Srgb, Encoding::Linear] {
+        for x in 0..256 {
+            let (a, b) = (eight.texel(x, 0, encoding), sixteen.texel(x, 0, encoding));
+            // i/255 and 257 i/65535 are one number, each rounded once; the curve's slope is at most 2.3, and alpha has none.
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2.5 * f32::EPSILON), "{x}: {a:?} {b:?}");
+        }
+    }
+    // IEC 61966-2-1 at 32768/65535, in double precision; two roundings of the argument at a slope below 1.
+    let half = Image::new(1, 1, Texels::Rgba16(vec![[32768; 4]])).texel(0, 0, Encoding::Srgb);
+    assert!((half[0] - 0.214_048_2).abs() < 2e-7 && half[3] > 0.5, "{half:?}");
+}
+
+#[test]
 fn images_keep_their_depth() {
     let image = |index: usize| {
         let material = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": index } } });
@@ -168,7 +216,7 @@ fn a_png_that_claims_to_be_huge_is_refused_by_its_header() {
 }
 
 /// The checksum of PNG chunks.
-fn crc32(bytes: &[u8]) -> u32 {
+pub(crate) fn crc32(bytes: &[u8]) -> u32 {
     let bit = |crc: u32, _| if crc & 1 == 1 { 0xEDB8_8320 ^ (crc >> 1) } else { crc >> 1 };
     !bytes.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), bit))
 }

@@ -6,24 +6,59 @@ use crate::error::{Error, Result};
 use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse::Sparse};
 use ::gltf::json::validation::Checked;
 
+/// Which elements of an accessor are read.
+#[derive(Clone, Copy)]
+pub(super) enum Wanted<'a> {
+    /// Every one.
+    All,
+    /// Those with these indices, which ascend.
+    These(&'a [u32]),
+}
+
+impl Wanted<'_> {
+    fn len(self, count: usize) -> usize {
+        if let Wanted::These(indices) = self { indices.len() } else { count }
+    }
+
+    /// Where element `index` stands among those that are read.
+    fn place(self, index: u32) -> Option<usize> {
+        match self {
+            Wanted::All => Some(index as usize),
+            Wanted::These(indices) => indices.binary_search(&index).ok(),
+        }
+    }
+}
+
 impl Document {
-    /// The elements of accessor `index`, each of `N` components, as floats: normalised integers between 0 or −1 and 1,
-    /// others as they are.
+    /// The wanted elements of accessor `index`, each of `N` components, as floats: normalised integers between 0 or −1 and
+    /// 1, others as they are.
     ///
     /// # Errors
-    /// A scene error that names the accessor if it is of another shape, or its bytes are not there.
-    pub(super) fn floats<const N: usize>(&self, index: usize) -> Result<Vec<[f32; N]>> {
+    /// A scene error that names the accessor if it is of another shape, its bytes are not there, or the budget is spent.
+    ///
+    /// # Panics
+    /// If a wanted index is not below [`Document::elements_of`].
+    pub(super) fn floats<const N: usize>(&self, index: usize, wanted: Wanted) -> Result<Vec<[f32; N]>> {
         let read = |accessor: &Accessor| {
-            let (kind, shape) = kind_and_shape(accessor)?;
-            if (shape.multiplicity(), is_matrix(shape)) != (N, false) {
-                return Err(Error::scene(format!("it has elements of kind {shape:?} where {N} components are needed")));
-            }
+            let kind = vector::<N>(accessor)?;
             let component = float_decoder(kind, accessor.normalized)
                 .ok_or_else(|| Error::scene(format!("component type {kind:?} is not for vertices")))?;
             let size = kind.size();
-            self.read(accessor, size * N, [0.0; N], |e| std::array::from_fn(|c| component(&e[c * size..][..size])))
+            self.read(accessor, size * N, [0.0; N], wanted, |e| std::array::from_fn(|c| component(&e[c * size..][..size])))
         };
         self.accessor(index).and_then(read).map_err(|e| e.context(format!("accessor {index}")))
+    }
+
+    /// How many elements accessor `index` has, if they have `N` components and their bytes are there.
+    ///
+    /// # Errors
+    /// A scene error that names the accessor otherwise.
+    pub(super) fn elements_of<const N: usize>(&self, index: usize) -> Result<usize> {
+        let count = |accessor: &Accessor| {
+            let size = vector::<N>(accessor)?.size() * N;
+            self.elements(accessor, size)?.map_or_else(|| self.count_without_bytes(accessor.count.0), |e| Ok(e.count))
+        };
+        self.accessor(index).and_then(count).map_err(|e| e.context(format!("accessor {index}")))
     }
 
     /// The elements of accessor `index` as vertex indices.
@@ -34,14 +69,14 @@ impl Document {
         let read = |accessor: &Accessor| {
             let (kind, shape) = kind_and_shape(accessor)?;
             match (index_decoder(kind), shape) {
-                (Some(decode), Type::Scalar) => self.read(accessor, kind.size(), 0, decode),
+                (Some(decode), Type::Scalar) => self.read(accessor, kind.size(), 0, Wanted::All, decode),
                 _ => Err(Error::scene(format!("{kind:?} {shape:?} elements are not for indices"))),
             }
         };
         self.accessor(index).and_then(read).map_err(|e| e.context(format!("accessor {index}")))
     }
 
-    /// Component type and shape of accessor `index`.
+    /// Accessor `index`.
     ///
     /// # Errors
     /// A scene error if there is no such accessor.
@@ -49,33 +84,61 @@ impl Document {
         self.root.accessors.get(index).ok_or_else(|| Error::scene("it does not exist"))
     }
 
-    fn read<T: Copy>(&self, accessor: &Accessor, size: usize, zero: T, decode: impl Fn(&[u8]) -> T) -> Result<Vec<T>> {
-        let mut elements = match accessor.buffer_view {
-            Some(view) => {
-                let offset = accessor.byte_offset.unwrap_or_default().0;
-                let stride = self.root.buffer_views[view.value()].byte_stride.map_or(size, |s| s.0);
-                elements(self.view(view.value())?, offset, stride, size, accessor.count.0)?.map(&decode).collect()
-            }
-            None => vec![zero; self.count_without_bytes(accessor.count.0)?],
-        };
-        if let Some(sparse) = &accessor.sparse {
-            self.displace(sparse, &mut elements, size, decode).map_err(|e| e.context("its sparse part"))?;
-        }
-        Ok(elements)
+    /// The bytes of an accessor's elements of `size` bytes each; `None` if all are zero.
+    fn elements(&self, accessor: &Accessor, size: usize) -> Result<Option<Elements<'_>>> {
+        let Some(view) = accessor.buffer_view else { return Ok(None) };
+        let offset = accessor.byte_offset.unwrap_or_default().0;
+        let stride = self.root.buffer_views[view.value()].byte_stride.map_or(size, |s| s.0);
+        Elements::new(self.view(view.value())?, offset, stride, size, accessor.count.0).map(Some)
     }
 
-    /// Overwrites the elements that a sparse accessor gives anew.
-    fn displace<T>(&self, sparse: &Sparse, into: &mut [T], size: usize, decode: impl Fn(&[u8]) -> T) -> Result<()> {
+    fn read<T: Copy>(
+        &self,
+        accessor: &Accessor,
+        size: usize,
+        zero: T,
+        wanted: Wanted,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>> {
+        let bytes = self.elements(accessor, size)?;
+        let count = bytes.as_ref().map_or_else(|| self.count_without_bytes(accessor.count.0), |e| Ok(e.count))?;
+        self.budget.spend(wanted.len(count), size_of::<T>())?;
+        let mut read = match (&bytes, wanted) {
+            (Some(bytes), Wanted::All) => (0..count).map(|i| decode(bytes.at(i))).collect(),
+            (Some(bytes), Wanted::These(indices)) => indices.iter().map(|&i| decode(bytes.at(i as usize))).collect(),
+            (None, _) => vec![zero; wanted.len(count)],
+        };
+        if let Some(sparse) = &accessor.sparse {
+            self.displace(sparse, &mut read, count, size, wanted, decode).map_err(|e| e.context("its sparse part"))?;
+        }
+        Ok(read)
+    }
+
+    /// Overwrites the wanted ones of the elements that a sparse accessor of `count` elements gives anew.
+    fn displace<T>(
+        &self,
+        sparse: &Sparse,
+        into: &mut [T],
+        count: usize,
+        size: usize,
+        wanted: Wanted,
+        decode: impl Fn(&[u8]) -> T,
+    ) -> Result<()> {
         let invalid = || Error::scene("its indices have a component type that is not for indices");
         let Checked::Valid(kind) = sparse.indices.component_type else { return Err(invalid()) };
         let index = index_decoder(kind.0).ok_or_else(invalid)?;
-        let tight = |view, offset, size| elements(self.view(view)?, offset, size, size, sparse.count.0);
-        let places = tight(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, kind.0.size())?;
+        let tight = |view, offset, size| Elements::new(self.view(view)?, offset, size, size, sparse.count.0);
+        let indices = tight(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, kind.0.size())?;
         let values = tight(sparse.values.buffer_view.value(), sparse.values.byte_offset.0, size)?;
-        let count = into.len();
-        for (place, value) in places.map(index).zip(values) {
-            let element = into.get_mut(place as usize);
-            *element.ok_or_else(|| Error::scene(format!("index {place} is out of range ({count} elements)")))? = decode(value);
+        self.budget.spend(indices.count, kind.0.size() + size)?;
+        for i in 0..indices.count {
+            let element = index(indices.at(i));
+            if element as usize >= count {
+                return Err(Error::scene(format!("index {element} is out of range ({count} elements)")));
+            }
+            if let Some(place) = wanted.place(element) {
+                into[place] = decode(values.at(i));
+            }
         }
         Ok(())
     }
@@ -89,20 +152,41 @@ impl Document {
     }
 }
 
-/// `count` slices of `size` bytes, `stride` apart.
-fn elements(bytes: &[u8], offset: u64, stride: usize, size: usize, count: u64) -> Result<impl Iterator<Item = &[u8]>> {
-    if stride < size {
-        return Err(Error::scene(format!("a stride of {stride} bytes is less than an element ({size} bytes)")));
+/// Slices of `size` bytes, `stride` apart, of which the last ends within `bytes`.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    offset: usize,
+    stride: usize,
+    size: usize,
+    count: usize,
+}
+
+impl<'a> Elements<'a> {
+    fn new(bytes: &'a [u8], offset: u64, stride: usize, size: usize, count: u64) -> Result<Self> {
+        if stride < size {
+            return Err(Error::scene(format!("a stride of {stride} bytes is less than an element ({size} bytes)")));
+        }
+        let length = count.checked_sub(1).map_or(Some(0), |gaps| gaps.checked_mul(stride as u64)?.checked_add(size as u64));
+        let end = length.and_then(|length| length.checked_add(offset)).unwrap_or(u64::MAX);
+        if end > bytes.len() as u64 {
+            let have = bytes.len();
+            return Err(Error::scene(format!("{count} elements end at byte {end} of a buffer view of {have} bytes")));
+        }
+        // Both fit, as they are not above a slice's length.
+        Ok(Elements { bytes, offset: offset as usize, stride, size, count: count as usize })
     }
-    let length = count.checked_sub(1).map_or(Some(0), |gaps| gaps.checked_mul(stride as u64)?.checked_add(size as u64));
-    let end = length.and_then(|length| length.checked_add(offset)).unwrap_or(u64::MAX);
-    if end > bytes.len() as u64 {
-        let have = bytes.len();
-        return Err(Error::scene(format!("{count} elements end at byte {end} of a buffer view of {have} bytes")));
+
+    fn at(&self, index: usize) -> &'a [u8] {
+        &self.bytes[self.offset + index * self.stride..][..self.size]
     }
-    // Both fit, as they are not above a slice's length.
-    let (offset, count) = (offset as usize, count as usize);
-    Ok((0..count).map(move |i| &bytes[offset + i * stride..][..size]))
+}
+
+/// The component type of an accessor whose elements have `N` components.
+fn vector<const N: usize>(accessor: &Accessor) -> Result<ComponentType> {
+    match kind_and_shape(accessor)? {
+        (kind, shape) if shape.multiplicity() == N && !is_matrix(shape) => Ok(kind),
+        (_, shape) => Err(Error::scene(format!("it has elements of kind {shape:?} where {N} components are needed"))),
+    }
 }
 
 fn kind_and_shape(accessor: &Accessor) -> Result<(ComponentType, Type)> {
@@ -116,7 +200,7 @@ fn is_matrix(shape: Type) -> bool {
     matches!(shape, Type::Mat2 | Type::Mat3 | Type::Mat4)
 }
 
-/// The exact bytes that a component of that type takes; shorter slices cannot come from [`elements`].
+/// The exact bytes that a component of that type takes; shorter slices cannot come from [`Elements`].
 fn exactly<const N: usize>(bytes: &[u8]) -> [u8; N] {
     std::array::from_fn(|i| bytes[i])
 }

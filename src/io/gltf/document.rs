@@ -1,6 +1,8 @@
 //! The parsed, validated JSON of a file, with its buffers.
 
-use super::{glb, resource};
+use super::budget::Budget;
+use super::buffer::{self, Buffer};
+use super::{glb, instancing};
 use crate::error::{Error, Result};
 use ::gltf::json::validation::{Error as Defect, Validate};
 use ::gltf::json::{self, Root};
@@ -11,7 +13,8 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// The extensions that are read. KHR_mesh_quantization is what checked component types give by themselves.
-pub(super) const READ_EXTENSIONS: [&str; 9] = [
+pub(super) const READ_EXTENSIONS: [&str; 10] = [
+    instancing::NAME,
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -29,9 +32,11 @@ pub(super) struct Document {
     /// The same JSON, with numbers in f64 where `root` has f32.
     pub(super) raw: Value,
     /// The bytes of each buffer; `None` where neither a URI nor the binary chunk gives any.
-    pub(super) buffers: Vec<Option<Vec<u8>>>,
-    /// Bytes of the file and its buffers.
+    buffers: Vec<Option<Buffer>>,
+    /// Bytes of the file and of what its buffers refer to, shared bytes once.
     pub(super) size: usize,
+    /// What it may still unfold to.
+    pub(super) budget: Budget,
     /// The directory that relative URIs start from.
     pub(super) base: PathBuf,
     /// Whether the file has animations.
@@ -54,9 +59,9 @@ impl Document {
         let mut root = Root::deserialize(&raw).map_err(|e| Error::scene("the glTF is not valid").because(located(e, text)))?;
         forget_skins(&mut root);
         validate(&root)?;
-        let buffers = read_buffers(&root, base, binary)?;
-        let size = file.len() + buffers.iter().flatten().map(Vec::len).sum::<usize>();
-        Ok(Document { root, raw, buffers, size, base: base.to_path_buf(), animated })
+        let buffers = buffer::read_all(&root, base, binary)?;
+        let size = file.len() + buffer::size(&buffers);
+        Ok(Document { root, raw, buffers, size, budget: Budget::of(size), base: base.to_path_buf(), animated })
     }
 
     /// The bytes of a buffer view.
@@ -66,7 +71,7 @@ impl Document {
     pub(super) fn view(&self, index: usize) -> Result<&[u8]> {
         let view = self.root.buffer_views.get(index).ok_or_else(|| Error::scene(format!("there is no buffer view {index}")))?;
         let buffer = view.buffer.value();
-        let Some(bytes) = self.buffers.get(buffer).and_then(Option::as_ref) else {
+        let Some(bytes) = self.buffers.get(buffer).and_then(Option::as_ref).map(Buffer::bytes) else {
             return Err(Error::scene(format!("buffer view {index}: buffer {buffer} has no data")));
         };
         let offset = view.byte_offset.unwrap_or_default().0;
@@ -80,10 +85,17 @@ impl Document {
     }
 }
 
-/// The name, or one made up from what the thing is and its index.
+/// The name, or one made up from what the thing is and its index. Names end up in many sentences: long ones are cut, and
+/// what is no character becomes a space.
 pub(super) fn name_or(name: &Option<String>, what: &str, index: usize) -> String {
-    name.clone().filter(|n| !n.is_empty()).unwrap_or_else(|| format!("{what} {index}"))
+    match name {
+        Some(name) if !name.is_empty() => name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect(),
+        _ => format!("{what} {index}"),
+    }
 }
+
+/// Characters of a name.
+const LONGEST_NAME: usize = 256;
 
 /// `N` numbers in f64 from a JSON array.
 pub(super) fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
@@ -196,22 +208,4 @@ fn sentence_end(defect: Defect) -> &'static str {
         Defect::Oversize => "is too large for this machine",
         Defect::Unsupported => "is not supported",
     }
-}
-
-fn read_buffers(root: &Root, base: &Path, binary: Option<&[u8]>) -> Result<Vec<Option<Vec<u8>>>> {
-    let read = |(index, buffer): (usize, &json::Buffer)| {
-        let claimed = buffer.byte_length.0;
-        let mut bytes = match (&buffer.uri, binary) {
-            (Some(uri), _) => resource::read_uri(base, uri, claimed)?,
-            (None, Some(binary)) if index == 0 => binary.to_vec(),
-            (None, _) => return Ok(None),
-        };
-        if (bytes.len() as u64) < claimed {
-            return Err(Error::scene(format!("it claims {claimed} bytes and has {}", bytes.len())));
-        }
-        bytes.truncate(usize::try_from(claimed).unwrap_or(usize::MAX));
-        Ok(Some(bytes))
-    };
-    let named = |item: (usize, _)| read(item).map_err(|e| e.context(format!("buffer {}", item.0)));
-    root.buffers.iter().enumerate().map(named).collect()
 }

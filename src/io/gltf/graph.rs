@@ -85,7 +85,7 @@ fn local_transform(node: &Value) -> Result<DAffine3> {
 }
 
 /// Files round quaternions to f32, which would scale the node by as much.
-fn unit_quaternion(xyzw: [f64; 4]) -> Option<DQuat> {
+pub(super) fn unit_quaternion(xyzw: [f64; 4]) -> Option<DQuat> {
     DVec4::from(xyzw).try_normalize().map(DQuat::from_vec4)
 }
 
@@ -98,6 +98,6 @@ fn affine(matrix: &DMat4) -> Result<DAffine3> {
 }
 
 /// Whether no inverse can be computed.
-fn is_singular(matrix: &DMat3) -> bool {
+pub(super) fn is_singular(matrix: &DMat3) -> bool {
     !matrix.determinant().recip().is_finite()
 }

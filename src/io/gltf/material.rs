@@ -46,7 +46,7 @@ fn images<'a>(document: &Document, slots: impl Iterator<Item = &'a Slot>) -> Res
     used.sort_unstable();
     used.dedup();
     let decoded = image::decode(document, &used)?;
-    Ok(used.into_iter().zip(decoded.into_iter().map(Arc::new)).collect())
+    Ok(used.into_iter().zip(decoded).collect())
 }
 
 /// A material of the file with what is needed to read it.

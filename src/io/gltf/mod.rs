@@ -10,12 +10,15 @@
 //! Limits: the scene as modelled, without animation, skinning or morphing; two texture coordinate sets; no mipmaps.
 
 mod accessor;
+mod budget;
+mod buffer;
 mod camera;
 mod document;
 mod extras;
 mod glb;
 mod graph;
 mod image;
+mod instancing;
 mod light;
 mod material;
 mod notes;
@@ -25,8 +28,8 @@ mod texture;
 mod topology;
 mod vertex;
 
-use crate::error::Result;
-use crate::scene::description::{Description, Instance, Mesh};
+use crate::error::{Error, Result};
+use crate::scene::description::{Description, Instance, Material, Mesh};
 use document::{Document, name_or};
 use graph::Placement;
 use notes::Notes;
@@ -40,8 +43,15 @@ use std::path::Path;
 /// valid, or requires an extension that is not supported.
 pub fn load(path: &Path) -> Result<Description> {
     let bytes = resource::read_file(path, u64::MAX)?;
-    let base = path.parent().unwrap_or(Path::new(""));
-    Document::parse(&bytes, base).and_then(|document| describe(&document)).map_err(|e| e.context(path.display()))
+    parse(&bytes, path.parent().unwrap_or(Path::new(""))).map_err(|e| e.context(path.display()))
+}
+
+/// Reads the scene in the contents of a `.gltf` or `.glb` file, whose relative URIs start from `base`, as [`load`] does.
+///
+/// # Errors
+/// As [`load`], without the path.
+pub fn parse(file: &[u8], base: &Path) -> Result<Description> {
+    Document::parse(file, base).and_then(|document| describe(&document))
 }
 
 fn describe(document: &Document) -> Result<Description> {
@@ -52,7 +62,22 @@ fn describe(document: &Document) -> Result<Description> {
         loader.place(&placement, &mut out)?;
     }
     let (materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
+    afford_lights(document, &out, &materials)?;
     Ok(Description { materials, images, ignored: loader.notes.into_sentences(), ..out })
+}
+
+/// What a part of a mesh at a place takes in a scene: an object and an instance in the ray-tracing structure.
+const BYTES_A_PART: usize = 128;
+/// What a triangle that emits takes at each place: it is a light.
+const BYTES_A_LIGHT: usize = 256;
+
+/// Emitting triangles are not shared by instances.
+fn afford_lights(document: &Document, out: &Description, materials: &[Material]) -> Result<()> {
+    let emits: Vec<bool> = materials.iter().map(|m| m.unlit || !m.emission.is_black()).collect();
+    for part in out.instances.iter().flat_map(|i| &out.meshes[i.mesh].primitives).filter(|p| emits[p.material]) {
+        document.budget.spend(part.triangles.len(), BYTES_A_LIGHT)?;
+    }
+    Ok(())
 }
 
 /// Materials in the order in which they are first used; `None` is glTF's default material.
@@ -85,7 +110,8 @@ impl Loader<'_> {
         let transform = placement.transform;
         if let Some(mesh) = node.mesh {
             if let Some(mesh) = self.mesh(mesh.value(), out)? {
-                out.instances.push(Instance { name: name_or(&node.name, "node", placement.node), mesh, transform });
+                let name = name_or(&node.name, "node", placement.node);
+                self.copies(placement, &name, mesh, out).map_err(|e| e.context(format!("node '{name}'")))?;
             }
         }
         if let Some(index) = node.camera {
@@ -93,6 +119,24 @@ impl Loader<'_> {
         }
         if let Some(punctual) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
             out.lights.push(light::load(self.document, punctual.light, transform, &mut self.notes)?);
+        }
+        Ok(())
+    }
+
+    /// Adds the instances of `mesh` that the node at `placement` stands for.
+    fn copies(&mut self, placement: &Placement, name: &str, mesh: usize, out: &mut Description) -> Result<()> {
+        let cost = size_of::<Instance>() + name.len() + BYTES_A_PART * out.meshes[mesh].primitives.len();
+        for place in instancing::places(self.document, placement.node)? {
+            let transform = placement.transform * place;
+            if !transform.is_finite() {
+                return Err(Error::scene(format!("{} has a transform that is not finite", instancing::NAME)));
+            }
+            if graph::is_singular(&transform.matrix3) {
+                self.notes.add(format!("copies of node '{name}' are scaled to zero and are left out"));
+                continue;
+            }
+            self.document.budget.spend(1, cost)?;
+            out.instances.push(Instance { name: name.to_owned(), mesh, transform });
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! Mesh primitives: their vertices and triangles.
 
+use super::accessor::Wanted;
 use super::document::Document;
 use super::notes::Notes;
 use super::{topology, vertex};
@@ -7,11 +8,15 @@ use crate::error::{Error, Result};
 use crate::scene::description::Primitive;
 use ::gltf::json;
 use glam::{Vec2, Vec3, Vec4};
-use json::accessor::{ComponentType, Type};
+use json::accessor::{Accessor, ComponentType, Type};
 use json::mesh::Semantic;
 use json::validation::Checked;
 
-/// Loads one primitive of `mesh`, with material 0; `None` if it shows nothing, and a note says why.
+/// Bytes that one index takes until its triangle is made: itself, and up to three in a strip.
+const BYTES_AN_INDEX: usize = 4 * size_of::<u32>();
+
+/// Loads one primitive of `mesh`, with material 0 and only those vertices that its triangles use: exporters let many
+/// primitives share one long accessor. `None` if it shows nothing, and a note says why.
 ///
 /// # Errors
 /// A scene error if an accessor is not valid, an index is out of range or a value is not finite.
@@ -21,112 +26,150 @@ pub(super) fn load(
     mesh: &str,
     notes: &mut Notes,
 ) -> Result<Option<Primitive>> {
-    let attributes = Attributes { document, source };
-    let Some(positions) = attributes.find(Semantic::Positions) else {
+    let Some(positions) = find(source, Semantic::Positions) else {
         notes.add(format!("mesh '{mesh}' has a part without positions, which is left out"));
         return Ok(None);
     };
-    let positions: Vec<Vec3> = attributes.finite(positions)?.into_iter().map(Vec3::from).collect();
-    let Some(triangles) = triangles(document, source, positions.len())? else {
+    let vertices = document.elements_of::<3>(positions)?;
+    let indices = indices(document, source, vertices)?;
+    let Checked::Valid(mode) = source.mode else { return Err(Error::scene("the primitive mode is not valid")) };
+    let Some(mut triangles) = topology::triangles(mode, &indices) else {
         notes.add(format!("mesh '{mesh}' has points or lines, which are left out"));
         return Ok(None);
     };
-    attributes.note_unread(notes);
+    note_unread(source, notes);
     if triangles.is_empty() {
         notes.add(format!("mesh '{mesh}' has a part without triangles, which is left out"));
         return Ok(None);
     }
-    attributes.assemble(positions, triangles, mesh, notes).map(|p| Some(without_unused(p)))
+    let used = renumber(&mut triangles, vertices);
+    Attributes { document, source, vertices, used }.assemble(triangles, mesh, notes).map(Some)
 }
 
-/// The triangles, or `None` for points and lines.
-fn triangles(document: &Document, source: &json::mesh::Primitive, vertices: usize) -> Result<Option<Vec<[u32; 3]>>> {
-    let Checked::Valid(mode) = source.mode else { return Err(Error::scene("the primitive mode is not valid")) };
+/// The accessor of an attribute.
+fn find(source: &json::mesh::Primitive, semantic: Semantic) -> Option<usize> {
+    source.attributes.get(&Checked::Valid(semantic)).map(|a| a.value())
+}
+
+/// The vertices in the order in which they make triangles, each below `vertices`.
+fn indices(document: &Document, source: &json::mesh::Primitive, vertices: usize) -> Result<Vec<u32>> {
     let count = u32::try_from(vertices).map_err(|_| Error::scene("there are more than 2^32 vertices"))?;
     let indices = match source.indices {
         Some(accessor) => document.indices(accessor.value())?,
-        None => (0..count).collect(),
+        None => {
+            document.budget.spend(vertices, BYTES_AN_INDEX)?;
+            (0..count).collect()
+        }
     };
-    if let Some(bad) = indices.iter().find(|&&i| i >= count) {
-        return Err(Error::scene(format!("index {bad} is out of range, there are {count} vertices")));
+    document.budget.spend(indices.len(), BYTES_AN_INDEX)?;
+    match indices.iter().find(|&&i| i >= count) {
+        Some(bad) => Err(Error::scene(format!("index {bad} is out of range, there are {count} vertices"))),
+        None => Ok(indices),
     }
-    Ok(topology::triangles(mode, &indices))
+}
+
+/// The vertices that `triangles` use, ascending; the triangles then name them by their place in that list.
+fn renumber(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
+    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    if used.len() < vertices {
+        for index in triangles.iter_mut().flatten() {
+            *index = used.partition_point(|&u| u < *index) as u32;
+        }
+    }
+    used
 }
 
 struct Attributes<'a> {
     document: &'a Document,
     source: &'a json::mesh::Primitive,
+    /// How many vertices every attribute must have.
+    vertices: usize,
+    /// Those that are read, ascending.
+    used: Vec<u32>,
 }
 
 impl Attributes<'_> {
-    /// The accessor of an attribute.
-    fn find(&self, semantic: Semantic) -> Option<usize> {
-        self.source.attributes.get(&Checked::Valid(semantic)).map(|a| a.value())
-    }
-
-    fn finite<const N: usize>(&self, accessor: usize) -> Result<Vec<[f32; N]>> {
-        let elements = self.document.floats(accessor)?;
-        if vertex::all_finite(&elements) {
-            return Ok(elements);
-        }
-        Err(Error::scene(format!("accessor {accessor} has a value that is not finite")))
-    }
-
-    fn assemble(&self, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, mesh: &str, notes: &mut Notes) -> Result<Primitive> {
-        let vertices = positions.len();
-        let normals = self.of_each(Semantic::Normals, vertices, |a| self.document.floats(a))?;
-        let normals = normals.map(|n| vertex::unit_normals(&n, &positions, &triangles));
+    fn assemble(&self, triangles: Vec<[u32; 3]>, mesh: &str, notes: &mut Notes) -> Result<Primitive> {
+        let positions = self.finite(Semantic::Positions)?.unwrap_or_default();
+        let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from).collect();
+        let normals = self.floats(Semantic::Normals)?.map(|n| vertex::unit_normals(&n, &positions, &triangles));
         // Without normals the specification wants flat ones, and given tangents ignored.
         let tangents = match &normals {
-            Some(normals) => self
-                .of_each(Semantic::Tangents, vertices, |a| self.document.floats(a))?
-                .map(|t| vertex::unit_tangents(&t, normals)),
+            Some(normals) => self.floats(Semantic::Tangents)?.map(|t| vertex::unit_tangents(&t, normals)),
             None => None,
         };
-        let uvs = [self.uvs(0, vertices)?, self.uvs(1, vertices)?];
-        let colors = self.of_each(Semantic::Colors(0), vertices, |a| self.colors(a))?;
-        let colors = colors.map(|c| within_unit(c, mesh, notes));
+        let uvs = [self.uvs(0)?, self.uvs(1)?];
+        let colors = self.colors()?.map(|c| within_unit(c, mesh, notes));
         Ok(Primitive { positions, triangles, normals, tangents, uvs, colors, material: 0 })
     }
 
-    /// An attribute's elements, of which there must be one a vertex.
-    fn of_each<T>(&self, semantic: Semantic, vertices: usize, read: impl Fn(usize) -> Result<Vec<T>>) -> Result<Option<Vec<T>>> {
-        let Some(accessor) = self.find(semantic) else { return Ok(None) };
-        let elements = read(accessor)?;
-        if elements.len() != vertices {
-            return Err(Error::scene(format!("accessor {accessor} has {} elements for {vertices} vertices", elements.len())));
-        }
-        Ok(Some(elements))
-    }
-
-    fn uvs(&self, set: u32, vertices: usize) -> Result<Option<Vec<Vec2>>> {
-        let uvs = self.of_each(Semantic::TexCoords(set), vertices, |a| self.finite(a))?;
-        Ok(uvs.map(|uvs| uvs.into_iter().map(Vec2::from).collect()))
-    }
-
-    fn colors(&self, index: usize) -> Result<Vec<Vec4>> {
+    /// An attribute at the vertices that are used, of which the file must have one a vertex.
+    fn floats<const N: usize>(&self, semantic: Semantic) -> Result<Option<Vec<[f32; N]>>> {
+        let Some(index) = find(self.source, semantic.clone()) else { return Ok(None) };
         let accessor = self.document.accessor(index)?;
-        if !accessor.normalized && !matches!(&accessor.component_type, Checked::Valid(t) if t.0 == ComponentType::F32) {
-            return Err(Error::scene(format!("accessor {index}: integer colours must be normalised")));
+        if accessor.count.0 != self.vertices as u64 {
+            let (has, vertices) = (accessor.count.0, self.vertices);
+            return Err(Error::scene(format!("accessor {index} has {has} elements for {vertices} vertices")));
         }
-        if accessor.type_ == Checked::Valid(Type::Vec3) {
-            return Ok(self.finite(index)?.into_iter().map(|c| Vec3::from(c).extend(1.0)).collect());
-        }
-        Ok(self.finite(index)?.into_iter().map(Vec4::from).collect())
+        check_type(&semantic, accessor).map_err(|e| e.context(format!("accessor {index}")))?;
+        self.document.floats(index, Wanted::These(&self.used)).map(Some)
     }
 
-    fn note_unread(&self, notes: &mut Notes) {
-        for semantic in self.source.attributes.keys() {
-            match semantic {
-                Checked::Valid(Semantic::TexCoords(set @ 2..)) => notes.add(format!("texture coordinate set {set} is not read")),
-                Checked::Valid(Semantic::Colors(set @ 1..)) => notes.add(format!("vertex colour set {set} is not read")),
-                Checked::Valid(Semantic::Joints(_)) => notes.add("skins are not posed: the meshes are shown as modelled"),
-                _ => {}
-            }
+    fn finite<const N: usize>(&self, semantic: Semantic) -> Result<Option<Vec<[f32; N]>>> {
+        let elements = self.floats(semantic.clone())?;
+        if elements.as_ref().is_none_or(|e| vertex::all_finite(e)) {
+            return Ok(elements);
         }
-        if self.source.targets.as_ref().is_some_and(|t| !t.is_empty()) {
-            notes.add("morph targets are not read: the meshes are shown as modelled");
+        let accessor = find(self.source, semantic).unwrap_or_default();
+        Err(Error::scene(format!("accessor {accessor} has a value that is not finite")))
+    }
+
+    fn uvs(&self, set: u32) -> Result<Option<Vec<Vec2>>> {
+        Ok(self.finite(Semantic::TexCoords(set))?.map(|uvs| uvs.into_iter().map(Vec2::from).collect()))
+    }
+
+    fn colors(&self) -> Result<Option<Vec<Vec4>>> {
+        let semantic = Semantic::Colors(0);
+        let accessor = find(self.source, semantic.clone()).and_then(|index| self.document.accessor(index).ok());
+        if accessor.is_some_and(|a| a.type_ == Checked::Valid(Type::Vec3)) {
+            let colors = self.finite(semantic)?;
+            return Ok(colors.map(|c| c.into_iter().map(|c| Vec3::from(c).extend(1.0)).collect()));
         }
+        Ok(self.finite(semantic)?.map(|c| c.into_iter().map(Vec4::from).collect()))
+    }
+}
+
+/// Whether an attribute may have components of that type [glTF20 §3.7.2.1 and KHR_mesh_quantization].
+fn check_type(semantic: &Semantic, accessor: &Accessor) -> Result<()> {
+    use ComponentType::{F32, I8, I16, U8, U16, U32};
+    let Checked::Valid(kind) = accessor.component_type else { return Ok(()) };
+    let allowed = match (semantic, kind.0) {
+        (_, F32) => true,
+        (_, U32) => false,
+        (Semantic::Normals | Semantic::Tangents, I8 | I16) | (Semantic::Colors(_), U8 | U16) => accessor.normalized,
+        (Semantic::Normals | Semantic::Tangents, U8 | U16) | (Semantic::Colors(_), I8 | I16) => false,
+        _ => true,
+    };
+    if allowed {
+        return Ok(());
+    }
+    let (kind, how) = (kind.0, if accessor.normalized { "normalised" } else { "not normalised" });
+    Err(Error::scene(format!("component type {kind:?}, {how}, is not for {}", semantic.to_string())))
+}
+
+fn note_unread(source: &json::mesh::Primitive, notes: &mut Notes) {
+    for semantic in source.attributes.keys() {
+        match semantic {
+            Checked::Valid(Semantic::TexCoords(set @ 2..)) => notes.add(format!("texture coordinate set {set} is not read")),
+            Checked::Valid(Semantic::Colors(set @ 1..)) => notes.add(format!("vertex colour set {set} is not read")),
+            Checked::Valid(Semantic::Joints(_)) => notes.add("skins are not posed: the meshes are shown as modelled"),
+            _ => {}
+        }
+    }
+    if source.targets.as_ref().is_some_and(|t| !t.is_empty()) {
+        notes.add("morph targets are not read: the meshes are shown as modelled");
     }
 }
 
@@ -136,30 +179,4 @@ fn within_unit(colors: Vec<Vec4>, mesh: &str, notes: &mut Notes) -> Vec<Vec4> {
         notes.add(format!("mesh '{mesh}' has vertex colours outside 0 to 1, which are clamped"));
     }
     clamped
-}
-
-/// The primitive with only those vertices that its triangles use, in their order: exporters let many primitives share one
-/// long accessor, and each would otherwise keep a copy of all of it.
-fn without_unused(mut primitive: Primitive) -> Primitive {
-    let mut places: Vec<Option<u32>> = vec![None; primitive.positions.len()];
-    primitive.triangles.iter().flatten().for_each(|&i| places[i as usize] = Some(0));
-    let kept: Vec<usize> = (0..places.len()).filter(|&i| places[i].is_some()).collect();
-    if kept.len() == places.len() {
-        return primitive;
-    }
-    kept.iter().zip(0..).for_each(|(&vertex, place)| places[vertex] = Some(place));
-    primitive.triangles.iter_mut().flatten().for_each(|i| *i = places[*i as usize].unwrap_or_default());
-    Primitive {
-        positions: gather(&primitive.positions, &kept),
-        triangles: primitive.triangles,
-        normals: primitive.normals.map(|a| gather(&a, &kept)),
-        tangents: primitive.tangents.map(|a| gather(&a, &kept)),
-        uvs: primitive.uvs.map(|set| set.map(|a| gather(&a, &kept))),
-        colors: primitive.colors.map(|a| gather(&a, &kept)),
-        material: primitive.material,
-    }
-}
-
-fn gather<T: Copy>(elements: &[T], places: &[usize]) -> Vec<T> {
-    places.iter().map(|&i| elements[i]).collect()
 }

@@ -3,7 +3,7 @@
 use crate::error::{Error, Kind, Result};
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The first `limit` bytes, or all if there are fewer, of a regular file: reading a device or a pipe might never end.
 ///
@@ -33,6 +33,14 @@ pub(super) fn read_uri(base: &Path, uri: &str, limit: u64) -> Result<Vec<u8>> {
         Some(other) => Err(Error::scene(format!("the URI scheme '{other}:' is not supported; refer to files by relative paths"))),
         None => read_file(&base.join(relative_path(uri)?), limit),
     }
+}
+
+/// The file that a relative URI means, the same path for all that mean the same one; `None` for data and what is not there.
+pub(super) fn file_of(base: &Path, uri: &str) -> Option<PathBuf> {
+    if scheme(uri).is_some() {
+        return None;
+    }
+    std::fs::canonicalize(base.join(relative_path(uri).ok()?)).ok()
 }
 
 fn read_data(uri: &str) -> Result<Vec<u8>> {

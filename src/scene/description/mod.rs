@@ -144,7 +144,7 @@ pub struct Material {
     pub emission_texture: Option<Texture>,
     /// Use of alpha.
     pub alpha_mode: AlphaMode,
-    /// Whether the back emits too; both sides always scatter.
+    /// Whether the back emits too, and the camera sees it; both sides always scatter.
     pub double_sided: bool,
     /// KHR_materials_specular's strength; 0 is exactly Lambert.
     pub specular: f32,

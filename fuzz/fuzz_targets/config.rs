@@ -1,0 +1,13 @@
+//! Any text as a render.toml.
+
+#![no_main]
+
+use etendue::render::Choices;
+use etendue_fuzz::check;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|text: &str| {
+    if let Err(error) = Choices::parse(text) {
+        check(&error);
+    }
+});
