@@ -5,6 +5,7 @@
 
 mod closed_forms;
 mod invariance;
+mod moved;
 mod picture;
 mod references;
 mod studio;
