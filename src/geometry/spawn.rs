@@ -4,6 +4,11 @@ use crate::geometry::Ray;
 use crate::numeric::BELOW_ONE;
 use glam::Vec3;
 
+/// What a backend's arithmetic may be off by at the far end of a segment, in units of its longest coordinate: a triangle test
+/// moves vertices to the ray's origin and shears them (6 half ulps of the distance in each coordinate), divides and scales
+/// heights (6 more).
+const FAR_END: f32 = 12.0 * 0.5 * f32::EPSILON;
+
 /// `p` moved along the normal `ng` to the side of `toward` by `error`, which covers the rounding of the sum too.
 #[inline]
 fn offset(p: Vec3, error: f32, ng: Vec3, toward: Vec3) -> Vec3 {
@@ -25,7 +30,8 @@ pub fn spawn_ray(p: Vec3, error: f32, ng: Vec3, direction: Vec3) -> Ray {
 pub fn spawn_segment(p: Vec3, error: f32, ng: Vec3, to: Vec3, to_error: f32, to_ng: Vec3) -> Ray {
     let toward = to - p;
     let origin = offset(p, error, ng, toward);
-    let end = if to_error > 0.0 { offset(to, to_error, to_ng, -toward) } else { to };
+    let far = FAR_END * toward.abs().max_element();
+    let end = if to_error > 0.0 { offset(to, to_error + far, to_ng, -toward) } else { to };
     let mut ray = Ray::new(origin, end - origin);
     ray.t_max = BELOW_ONE;
     ray

@@ -5,4 +5,5 @@ mod brute_force;
 mod edge_cases;
 mod filters;
 mod scenes;
+mod segments;
 mod watertight;

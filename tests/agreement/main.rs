@@ -8,6 +8,7 @@ mod backends;
 mod closed_forms;
 mod environments;
 mod invariance;
+mod moved;
 mod picture;
 mod references;
 mod sides;

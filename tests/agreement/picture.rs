@@ -16,7 +16,11 @@ pub(crate) const LEVEL: f64 = 1e-4;
 /// Replicates: enough for a standard error of blocks whose pixels are pooled.
 const REPLICATES: u32 = 4;
 
+/// Family-wise level of the blocks of pictures that must be equal but for rounding (the figure).
+pub(crate) const BLOCK_LEVEL: f64 = 1e-3;
+
 /// A square picture: mean and squared standard error of each lane of each pixel.
+#[derive(Clone)]
 pub(crate) struct Picture {
     pub(crate) side: usize,
     pub(crate) mean: Vec<f64>,
@@ -81,6 +85,13 @@ pub(crate) struct Block {
     pub(crate) variance: f64,
 }
 
+impl Block {
+    /// Standard errors between this and `other`.
+    pub(crate) fn z(self, other: Block) -> f64 {
+        (self.mean - other.mean) / (self.variance + other.variance).sqrt().max(f64::MIN_POSITIVE)
+    }
+}
+
 impl Picture {
     /// Means of `n` × `n` square blocks, each lane on its own.
     pub(crate) fn blocks(&self, n: usize) -> Vec<Block> {
@@ -112,7 +123,12 @@ impl Picture {
 
 /// The two-sided z limit for `tests` tests at the family-wise [`LEVEL`] (Šidák).
 pub(crate) fn limit(tests: usize) -> f64 {
-    let each = sidak_level(LEVEL, tests as u64);
+    limit_at(LEVEL, tests)
+}
+
+/// The two-sided z limit for `tests` tests at the family-wise level `level` (Šidák).
+pub(crate) fn limit_at(level: f64, tests: usize) -> f64 {
+    let each = sidak_level(level, tests as u64);
     Normal::new(0.0, 1.0).expect("standard").inverse_cdf(1.0 - each / 2.0)
 }
 
@@ -123,9 +139,9 @@ pub(crate) fn agree(a: &Picture, b: &Picture, n: usize) -> Result<(), String> {
     let mut pairs: Vec<_> = a.blocks(n).into_iter().zip(b.blocks(n)).collect();
     pairs.push((a.overall(), b.overall()));
     let limit = limit(pairs.len());
-    let z = |(a, b): &(Block, Block)| (a.mean - b.mean) / (a.variance + b.variance).sqrt().max(f64::MIN_POSITIVE);
-    let worst = pairs.iter().map(|p| z(p).abs()).fold(0.0, f64::max);
-    let overall = z(&pairs[pairs.len() - 1]);
+    let worst = pairs.iter().map(|(a, b)| a.z(*b).abs()).fold(0.0, f64::max);
+    let (a, b) = pairs[pairs.len() - 1];
+    let overall = a.z(b);
     if worst <= limit { Ok(()) } else { Err(format!("largest |z| {worst:.2} > {limit:.2}; image mean: z {overall:.2}")) }
 }
 
