@@ -99,7 +99,9 @@ fn the_landscape_has_the_right_mean() {
     let Some(reference) = reference(&shared.join("peers/references/S7.exr"), 1.54e-4) else { return };
     let path = project("scenes/landscape/scene.gltf");
     let surroundings = Choices::beside(&path).and_then(|choices| choices.surroundings()).expect("its environment");
-    let stage = Stage::open(&path, surroundings, Default::default(), 2).expect("a valid scene: run `make scenes`");
+    let stage =
+        Stage::open(&path, surroundings, &BuildOptions { backend: Default::default(), build: Default::default(), threads: 2 })
+            .expect("a valid scene: run `make scenes`");
     for method in [Method::Path, Method::PathNee] {
         let picture = render(&stage.scene, Shot { depth: Some(64), ..Shot::new(method, 256, 256) });
         let ratio = picture.overall().mean / reference.overall().mean - 1.0;
