@@ -15,6 +15,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::hint::black_box;
 
+const MILLION: f64 = 1e6;
+
 /// Questions that one task replays.
 const CHUNK: usize = 4096;
 
@@ -89,12 +91,12 @@ impl RayBench {
     pub fn round(&mut self) {
         let clock = Stopwatch::start();
         let rays = self.render_pass(1 + self.render.len() as u64);
-        self.render.push(rays as f64 / clock.wall().as_secs_f64() * 1e-6);
+        self.render.push(rays as f64 / MILLION / clock.wall().as_secs_f64());
         let clock = Stopwatch::start();
         let accel = self.stage.scene.accel();
         let hits: usize = self.questions.par_chunks(CHUNK).map(|chunk| chunk.iter().filter(|q| q.ask(accel)).count()).sum();
         black_box(hits);
-        self.raw.push(self.questions.len() as f64 / clock.wall().as_secs_f64() * 1e-6);
+        self.raw.push(self.questions.len() as f64 / MILLION / clock.wall().as_secs_f64());
     }
 
     /// What the rounds so far say.
