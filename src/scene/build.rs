@@ -1,6 +1,7 @@
 //! From a description to a scene: rebasing, baking, compiling, building.
 
 use super::assemble::assemble;
+use super::extent::Extent;
 use super::description::{self, Description, PunctualKind};
 use super::material::Material;
 use super::rebase::Rebase;
@@ -8,11 +9,10 @@ use super::view::Views;
 use super::{Absorption, Features, ObjectInfo, Scene, SceneInfo};
 use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::{Bsdf, Lobes};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{Geometry, Hit, MediumId};
 use crate::light::{AreaLight, DirectionalLight, Light, Lights, PointLight, Sky, SpotLight};
 use crate::spectrum::Spectrum;
-use glam::DVec3;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -35,8 +35,8 @@ impl Scene {
     pub fn build(description: Description, options: &BuildOptions) -> Result<Scene> {
         let start = Instant::now();
         let hash = description::hash::of(&description);
-        let (min, max) = world_box(&description)?;
-        let rebase = Rebase::of_box(min, max);
+        let extent = Extent::of(&description)?;
+        let rebase = Rebase::new(extent.detail, extent.radius());
         let mut warnings = Vec::new();
         if description.cameras.is_empty() {
             warnings.push("the file has no camera: everything is framed automatically".to_owned());
@@ -57,7 +57,7 @@ impl Scene {
         lights.extend(sky.filter(|s| !s.is_black()).map(|radiance| Light::Sky(Sky { radiance })));
         let prepare_seconds = start.elapsed().as_secs_f64();
         let accel = Accel::build(&geometry, options.backend, options.build, options.threads)?;
-        let radius = ((max - min).length() * 0.5 * rebase.scale) as f32;
+        let radius = (extent.radius() * rebase.scale) as f32;
         let features = features(&geometry, &objects, &materials, &lights, &media);
         let mut info = census(&geometry, &materials, lights.len(), features);
         info.instances = description.instances.len();
@@ -67,28 +67,9 @@ impl Scene {
         info.prepare_seconds = prepare_seconds;
         info.accel_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
         info.accel_bytes = accel.bytes();
-        let views = Views::new(description.cameras, min, max);
+        let views = Views::new(description.cameras, extent.min, extent.max);
         let lights = Lights::new(lights, radius);
         Ok(Scene { geometry, objects, materials, media, lights, accel, rebase, radius, features, views, info, hash })
-    }
-}
-
-/// The box around all placed positions, in the file's world.
-fn world_box(description: &Description) -> Result<(DVec3, DVec3)> {
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for instance in &description.instances {
-        let positions = description.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions);
-        for p in positions.map(|p| instance.transform.transform_point3(p.as_dvec3())) {
-            min = min.min(p);
-            max = max.max(p);
-        }
-    }
-    if min.cmple(max).all() && min.is_finite() && max.is_finite() {
-        Ok((min, max))
-    } else if min.x > max.x {
-        Err(Error::scene("the scene has no triangles"))
-    } else {
-        Err(Error::scene("the scene has positions that are not finite"))
     }
 }
 

@@ -1,0 +1,111 @@
+//! Where a scene is, how large, and where its detail lies, in the file's world.
+
+use super::description::{Description, Instance, Primitive};
+use crate::error::{Error, Result};
+use glam::DVec3;
+
+/// Triangles that the centre of detail is computed from, about; of more an even choice stands for all.
+const SAMPLE: usize = 1 << 20;
+
+/// The box around a scene and its centre of detail.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent {
+    pub(super) min: DVec3,
+    pub(super) max: DVec3,
+    /// Where the sum over triangles of (distance / size)² is least, size being the longest edge: what f32 loses of a triangle
+    /// is proportional to that ratio. The mean of the triangles' centres, each weighted by 1 / size².
+    pub(super) detail: DVec3,
+}
+
+impl Extent {
+    /// The extent of `description`.
+    ///
+    /// # Errors
+    /// A scene error if there is no triangle or a position is not finite.
+    pub(super) fn of(description: &Description) -> Result<Extent> {
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for (instance, primitive) in parts(description) {
+            for p in primitive.positions.iter().map(|p| instance.transform.transform_point3(p.as_dvec3())) {
+                min = min.min(p);
+                max = max.max(p);
+            }
+        }
+        if min.cmple(max).all() && min.is_finite() && max.is_finite() {
+            Ok(Extent { min, max, detail: centre_of_detail(description, (min + max) * 0.5) })
+        } else if min.x > max.x {
+            Err(Error::scene("the scene has no triangles"))
+        } else {
+            Err(Error::scene("the scene has positions that are not finite"))
+        }
+    }
+
+    /// Half the diagonal of the box.
+    pub(super) fn radius(&self) -> f64 {
+        (self.max - self.min).length() * 0.5
+    }
+}
+
+fn parts(description: &Description) -> impl Iterator<Item = (&Instance, &Primitive)> {
+    description.instances.iter().flat_map(|i| description.meshes[i.mesh].primitives.iter().map(move |p| (i, p)))
+}
+
+/// See [`Extent::detail`]; `middle`, to which offsets are taken, where no triangle has a size.
+fn centre_of_detail(description: &Description, middle: DVec3) -> DVec3 {
+    let count: usize = parts(description).map(|(_, p)| p.triangles.len()).sum();
+    let step = count / SAMPLE + 1;
+    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+    for (instance, primitive) in parts(description) {
+        for corners in primitive.triangles.iter().step_by(step) {
+            // Indices are checked later, when meshes are made.
+            let [Some(a), Some(b), Some(c)] = corners.map(|i| primitive.positions.get(i as usize)) else { continue };
+            let [a, b, c] = [a, b, c].map(|p| instance.transform.transform_point3(p.as_dvec3()) - middle);
+            let size2 = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+            let weight = size2.recip();
+            if weight.is_finite() {
+                sum += (a + b + c) * (weight / 3.0);
+                total += weight;
+            }
+        }
+    }
+    let offset = sum / total;
+    if offset.is_finite() { middle + offset } else { middle }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::description::Mesh;
+    use glam::{DAffine3, Vec3};
+
+    fn triangle(size: f32) -> Mesh {
+        let positions = vec![Vec3::ZERO, Vec3::X * size, Vec3::Y * size];
+        let primitive = Primitive { positions, triangles: vec![[0, 1, 2]], ..Primitive::default() };
+        Mesh { name: String::new(), primitives: vec![primitive] }
+    }
+
+    fn extent(placed: &[(f32, f64)]) -> Extent {
+        let mut scene = Description::default();
+        for (mesh, &(size, x)) in placed.iter().enumerate() {
+            scene.meshes.push(triangle(size));
+            scene.instances.push(Instance {
+                name: String::new(),
+                mesh,
+                transform: DAffine3::from_translation(DVec3::X * x),
+            });
+        }
+        Extent::of(&scene).expect("triangles")
+    }
+
+    #[test]
+    fn the_origin_lies_beside_the_gem_and_not_between_it_and_the_sun() {
+        let e = extent(&[(1e-3, 3.0), (1.0, 4.0), (1e6, 1e8)]);
+        assert!(e.detail.x - 3.0 < 1e-3 && e.radius() > 4e7, "{e:?}");
+        let alike = extent(&[(1.0, -10.0), (1.0, 10.0)]);
+        assert!((alike.detail.x - 1.0 / 3.0).abs() < 1e-12, "{alike:?}"); // a third of an edge beside the corner; rounding
+    }
+
+    #[test]
+    fn a_scene_of_points_has_its_middle() {
+        assert!(extent(&[(0.0, 1.0), (0.0, 3.0)]).detail.x == 2.0);
+    }
+}
