@@ -4,7 +4,10 @@
 //! fails by chance twice. `ETENDUE_TEST_DEEP=1` runs the long versions (`make test-deep`).
 
 mod closed_forms;
+mod enclosures;
+mod hard_cases;
 mod invariance;
+mod lamps;
 mod moved;
 mod picture;
 mod references;
