@@ -1,8 +1,8 @@
 //! From a description to a scene: rebasing, baking, compiling, building.
 
 use super::assemble::assemble;
-use super::extent::Extent;
 use super::description::{self, Description, PunctualKind};
+use super::extent::Extent;
 use super::material::Material;
 use super::rebase::Rebase;
 use super::view::Views;

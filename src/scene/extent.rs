@@ -87,11 +87,7 @@ mod tests {
         let mut scene = Description::default();
         for (mesh, &(size, x)) in placed.iter().enumerate() {
             scene.meshes.push(triangle(size));
-            scene.instances.push(Instance {
-                name: String::new(),
-                mesh,
-                transform: DAffine3::from_translation(DVec3::X * x),
-            });
+            scene.instances.push(Instance { name: String::new(), mesh, transform: DAffine3::from_translation(DVec3::X * x) });
         }
         Extent::of(&scene).expect("triangles")
     }

@@ -88,9 +88,8 @@ impl Block {
     #[inline]
     fn parameter(&self, query: &Query, lane: usize) -> f32 {
         let axis = |of: &[Vec4; 3], k: usize| f64::from(of[k][lane]);
-        let vertex = |v: usize| {
-            DVec3::from_array(from_fn(|k| f64::from(self.vertices[v][query.axes[k]][lane]) - axis(&query.origin, k)))
-        };
+        let vertex =
+            |v: usize| DVec3::from_array(from_fn(|k| f64::from(self.vertices[v][query.axes[k]][lane]) - axis(&query.origin, k)));
         let (a, b, c) = (vertex(0), vertex(1), vertex(2));
         let normal = (b - a).cross(c - a);
         let height = normal.dot(a) / normal.dot(query.direction) * query.direction.z;
