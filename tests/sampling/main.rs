@@ -17,6 +17,7 @@ mod distributions;
 mod furnace;
 mod identities;
 mod inverses;
+mod lights;
 mod models;
 mod shading;
 mod warps;
