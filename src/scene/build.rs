@@ -41,6 +41,13 @@ impl Scene {
         if description.cameras.is_empty() {
             warnings.push("the file has no camera: everything is framed automatically".to_owned());
         }
+        if extent.spoilt > 0 {
+            warnings.push(format!(
+                "about {} triangles are too small for where they are: single precision moves their vertices by more than a \
+                 hundredth of their size (detail in two places far apart?)",
+                extent.spoilt
+            ));
+        }
         let mut media = Vec::new();
         let materials: Vec<Material> =
             description.materials.iter().map(|m| Material::new(m.clone(), interior(m, &rebase, &mut media))).collect();

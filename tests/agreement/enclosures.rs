@@ -73,6 +73,24 @@ fn parallel_planes_exchange_light() {
     }
 }
 
+/// Walls of any reflectance ρ that emit 1 − ρ, and a mirror and a glass ball that emit nothing: radiance is 1 everywhere
+/// (Kirchhoff).
+#[test]
+fn a_room_in_thermal_equilibrium_shows_nothing() {
+    for &backend in Backend::AVAILABLE {
+        let mut room = Description::default();
+        add_room(&mut room, &matte(0.5, 0.5));
+        for (wall, reflectance) in room.materials.iter_mut().zip([0.0, 0.1, 0.3, 0.5, 0.7, 0.9]) {
+            *wall = matte(reflectance, 1.0 - reflectance);
+        }
+        Ball::new(3, 0.3).add(&mut room, DVec3::new(0.3, 0.4, -0.5), metal(1.0, 0.0));
+        Ball::new(3, 0.3).add(&mut room, DVec3::new(-0.4, -0.3, -0.5), glass(0.0));
+        let room = scene_under(backend, inside(room));
+        let picture = render(&room, Shot::new(Method::Path, 32, if deep() { 16_384 } else { 256 }));
+        expect(&picture, about(1.0, ROUNDING), if deep() { 2e-3 } else { 0.02 }, &format!("equilibrium, {backend:?}"));
+    }
+}
+
 /// Radiance over the square of the index is what stays: a camera inside glass of index 1.5 in a room of radiance 1 sees 1.5².
 /// From near the middle of a ball no ray is totally reflected; rough faces lose α² at such angles.
 #[test]
