@@ -37,7 +37,7 @@ fn between(irradiances: [f64; 2]) -> [f64; 2] {
 /// is more light.
 #[test]
 fn a_sphere_gives_the_irradiance_of_its_disk() {
-    let (levels, spp) = if deep() { (7, 16_384) } else { (5, 256) };
+    let (levels, spp) = if deep() { (7, 8192) } else { (5, 256) };
     let (radius, centre) = (0.3, DVec3::new(0.5, 1.0, -0.3));
     let (d2, cos) = (centre.length_squared(), centre.y / centre.length());
     for &backend in Backend::AVAILABLE {
