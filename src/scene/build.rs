@@ -2,6 +2,7 @@
 
 use super::assemble::assemble;
 use super::description::{self, Description, PunctualKind};
+use super::extent::Extent;
 use super::material::Material;
 use super::rebase::Rebase;
 use super::view::Views;
@@ -12,7 +13,6 @@ use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Hit, MediumId};
 use crate::light::{AreaLight, DirectionalLight, Environment, LatLong, Light, Lights, PointLight, Sky, SpotLight};
 use crate::spectrum::Spectrum;
-use glam::DVec3;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -35,11 +35,18 @@ impl Scene {
     pub fn build(mut description: Description, options: &BuildOptions) -> Result<Scene> {
         let start = Instant::now();
         let hash = description::hash::of(&description);
-        let (min, max) = world_box(&description)?;
-        let rebase = Rebase::of_box(min, max);
+        let extent = Extent::of(&description)?;
+        let rebase = Rebase::new(extent.detail, extent.radius());
         let mut warnings = std::mem::take(&mut description.warnings);
         if description.cameras.is_empty() {
             warnings.push("the file has no camera: everything is framed automatically".to_owned());
+        }
+        if extent.spoilt > 0 {
+            warnings.push(format!(
+                "about {} triangles are too small for where they are: single precision moves their vertices by more than a \
+                 hundredth of their size (detail in two places far apart?)",
+                extent.spoilt
+            ));
         }
         let mut media = Vec::new();
         let compile = |m: &description::Material| Ok(Material::new(m.clone(), interior(m, &rebase, &mut media)?));
@@ -59,7 +66,7 @@ impl Scene {
         lights.extend(environment.map(Light::Environment));
         let prepare_seconds = start.elapsed().as_secs_f64();
         let accel = Accel::build(&geometry, options.backend, options.build, options.threads)?;
-        let radius = ((max - min).length() * 0.5 * rebase.scale) as f32;
+        let radius = (extent.radius() * rebase.scale) as f32;
         let features = features(&geometry, &objects, &materials, &lights, &media);
         let mut info = census(&geometry, &materials, lights.len(), features);
         info.instances = description.instances.len();
@@ -70,47 +77,10 @@ impl Scene {
         info.prepare_seconds = prepare_seconds;
         info.accel_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
         info.accel_bytes = accel.bytes();
-        let views = Views::new(description.cameras, min, max);
+        let views = Views::new(description.cameras, extent.min, extent.max);
         let lights = Lights::new(lights, radius);
         Ok(Scene { geometry, objects, materials, media, lights, accel, rebase, radius, features, views, info, hash })
     }
-}
-
-/// A box around all placed positions, in the file's world: the smallest if no mesh stands at several places, else one around
-/// the boxes of those that do.
-fn world_box(description: &Description) -> Result<(DVec3, DVec3)> {
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let mut uses = vec![0usize; description.meshes.len()];
-    description.instances.iter().for_each(|i| uses[i.mesh] += 1);
-    let mut boxes: Vec<Option<Vec<DVec3>>> = vec![None; description.meshes.len()];
-    for instance in &description.instances {
-        let positions = description.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions).map(|p| p.as_dvec3());
-        let mut include = |p: DVec3| {
-            let placed = instance.transform.transform_point3(p);
-            min = min.min(placed);
-            max = max.max(placed);
-        };
-        if uses[instance.mesh] == 1 {
-            positions.for_each(include);
-        } else {
-            boxes[instance.mesh].get_or_insert_with(|| corners(positions)).iter().for_each(|&p| include(p));
-        }
-    }
-    if min.cmple(max).all() && min.is_finite() && max.is_finite() {
-        Ok((min, max))
-    } else if min.x > max.x {
-        Err(Error::scene("the scene has no triangles"))
-    } else {
-        Err(Error::scene("the scene has positions that are not finite"))
-    }
-}
-
-/// The corners of the box around `positions`; none if there are none.
-fn corners(positions: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    positions.for_each(|p| (min, max) = (min.min(p), max.max(p)));
-    let corner = |i: u32| DVec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max, min);
-    if min.x <= max.x { (0..8).map(corner).collect() } else { Vec::new() }
 }
 
 /// The medium inside a material; equal media are shared.

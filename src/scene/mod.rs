@@ -4,6 +4,7 @@
 mod assemble;
 mod build;
 pub mod description;
+mod extent;
 mod info;
 mod material;
 mod query;

@@ -6,8 +6,11 @@
 #[cfg(feature = "embree")]
 mod backends;
 mod closed_forms;
+mod enclosures;
 mod environments;
+mod hard_cases;
 mod invariance;
+mod lamps;
 mod moved;
 mod picture;
 mod references;

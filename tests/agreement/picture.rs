@@ -1,7 +1,8 @@
 //! Rendered pictures with their errors, and the tests they are put to.
 
+use etendue::accel::Backend;
 use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
-use etendue::integrator::{self, Method, Options};
+use etendue::integrator::{self, Guards, Method, Options, PassReport};
 use etendue::parallel::Cancel;
 use etendue::sampling::SamplerKind;
 use etendue::scene::description::Description;
@@ -46,12 +47,23 @@ impl Shot {
 
 /// Builds a scene for tests.
 pub(crate) fn scene(description: Description) -> Scene {
-    Scene::build(description, &BuildOptions { backend: Default::default(), build: Default::default(), threads: 1 })
-        .expect("a valid scene")
+    scene_under(Backend::default(), description)
 }
 
-/// Renders the first camera's view with a box filter.
+/// Builds a scene whose rays `backend` answers.
+pub(crate) fn scene_under(backend: Backend, description: Description) -> Scene {
+    Scene::build(description, &BuildOptions { backend, build: Default::default(), threads: 1 }).expect("a valid scene")
+}
+
+/// Renders the first camera's view with a box filter; no guard may fire.
 pub(crate) fn render(scene: &Scene, shot: Shot) -> Picture {
+    let (picture, guards) = render_guarded(scene, shot);
+    assert_eq!(guards, Guards::default(), "a guard fired");
+    picture
+}
+
+/// As [`render`], and how often each guard fired.
+pub(crate) fn render_guarded(scene: &Scene, shot: Shot) -> (Picture, Guards) {
     let options = Options {
         seed: shot.seed,
         sampler: shot.sampler,
@@ -67,15 +79,17 @@ pub(crate) fn render(scene: &Scene, shot: Shot) -> Picture {
     let mut film = Film::new(layout.clone(), REPLICATES, shot.seed, prelude.units);
     let integrator = integrator::build(shot.method, scene, camera, &options);
     let mut pass_film = PassFilm::new(&layout);
+    let mut total = PassReport::default();
     for pass in 0..shot.spp {
         pass_film.clear();
         let report = integrator.run_pass(pass, &Cancel::new(), &mut pass_film).expect("not cancelled");
-        assert_eq!(report.guards, Default::default(), "a guard fired in pass {pass}");
+        total.absorb(report);
         film.commit(pass, &pass_film);
     }
     let mean = film.mean(Plane::Color).into_iter().map(f64::from).collect();
     let error = film.standard_error().expect("replicates");
-    Picture { side: shot.side as usize, mean, variance: error.into_iter().map(|e| f64::from(e).powi(2)).collect() }
+    let variance = error.into_iter().map(|e| f64::from(e).powi(2)).collect();
+    (Picture { side: shot.side as usize, mean, variance }, total.guards)
 }
 
 /// Mean over some pixels and the variance of that mean.
@@ -143,6 +157,28 @@ pub(crate) fn agree(a: &Picture, b: &Picture, n: usize) -> Result<(), String> {
     let (a, b) = pairs[pairs.len() - 1];
     let overall = a.z(b);
     if worst <= limit { Ok(()) } else { Err(format!("largest |z| {worst:.2} > {limit:.2}; image mean: z {overall:.2}")) }
+}
+
+/// Whether the image mean lies between `range`, which a bound says it must, at [`LEVEL`].
+pub(crate) fn verdict(picture: &Picture, range: [f64; 2]) -> Result<(), String> {
+    let Block { mean, variance } = picture.overall();
+    let slack = limit(1) * variance.sqrt();
+    let right = (range[0] - slack..=range[1] + slack).contains(&mean);
+    if right { Ok(()) } else { Err(format!("{mean} is not in {range:?} ± {slack:e}")) }
+}
+
+/// [`verdict`] must be in favour, and against the picture made brighter or darker by the share `planted`.
+pub(crate) fn expect(picture: &Picture, range: [f64; 2], planted: f64, what: &str) {
+    println!("{what}: {} in {range:?}, standard error {:.1e}", picture.overall().mean, picture.overall().variance.sqrt());
+    verdict(picture, range).unwrap_or_else(|e| panic!("{what}: {e}"));
+    for wrong in [1.0 + planted, 1.0 - planted] {
+        assert!(verdict(&picture.clone().times(wrong), range).is_err(), "{what}: {wrong} times as bright is not convicted");
+    }
+}
+
+/// The range of numbers within the share `by` of `x`.
+pub(crate) fn about(x: f64, by: f64) -> [f64; 2] {
+    [x * (1.0 - by), x * (1.0 + by)]
 }
 
 /// Whether the long versions run.

@@ -1,10 +1,11 @@
 //! Scenes made for tests.
 
 use etendue::scene::description::{
-    Camera, Description, Instance, Material, Mesh, Primitive, Projection, PunctualKind, PunctualLight,
+    Camera, Description, Instance, Material, Mesh, MetalFresnel, Primitive, Projection, PunctualKind, PunctualLight, Volume,
 };
 use etendue::spectrum::Spectrum;
 use glam::{DAffine3, DVec3, Vec3};
+use std::collections::HashMap;
 
 /// A Lambertian material.
 pub(crate) fn matte(reflectance: f32, emission: f32) -> Material {
@@ -63,4 +64,77 @@ pub(crate) fn point_light(position: DVec3, intensity: f32) -> PunctualLight {
         intensity: Spectrum::splat(intensity),
         transform: DAffine3::from_translation(position),
     }
+}
+
+/// `camera` with a vertical field of view of `yfov` radians.
+pub(crate) fn narrow(camera: Camera, yfov: f64) -> Camera {
+    Camera { projection: Projection::Perspective { yfov, aspect: None }, ..camera }
+}
+
+/// A perfect reflector of `reflectance` at every angle, of perceptual roughness `roughness` (α is its square).
+pub(crate) fn metal(reflectance: f32, roughness: f32) -> Material {
+    let base = matte(reflectance, 0.0);
+    Material { metallic: 1.0, specular: 1.0, roughness, metal_fresnel: MetalFresnel::Constant, ..base }
+}
+
+/// Clear solid glass of index 1.5 and perceptual roughness `roughness`.
+pub(crate) fn glass(roughness: f32) -> Material {
+    let volume = Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: Spectrum::ONE });
+    Material { specular: 1.0, transmission: 1.0, roughness, volume, ..matte(1.0, 0.0) }
+}
+
+/// A polyhedron inscribed in a sphere around the origin, fronts outward.
+pub(crate) struct Ball {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl Ball {
+    /// An octahedron whose faces are split in four `levels` times, in a sphere of `radius`.
+    pub(crate) fn new(levels: u32, radius: f32) -> Self {
+        let mut positions = vec![Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+        let mut triangles: Vec<[u32; 3]> =
+            vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+        for _ in 0..levels {
+            triangles = split(&mut positions, &triangles);
+        }
+        positions.iter_mut().for_each(|p| *p *= radius);
+        Ball { positions, triangles }
+    }
+
+    fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
+        self.triangles.iter().map(|t| t.map(|i| self.positions[i as usize].as_dvec3()))
+    }
+
+    /// The radius of the largest sphere around the origin inside it.
+    pub(crate) fn inner_radius(&self) -> f64 {
+        self.corners().map(|[a, b, c]| a.dot((b - a).cross(c - a).normalize())).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Its surface.
+    pub(crate) fn area(&self) -> f64 {
+        self.corners().map(|[a, b, c]| (b - a).cross(c - a).length() * 0.5).sum()
+    }
+
+    /// Adds it to `scene` around `centre`.
+    pub(crate) fn add(self, scene: &mut Description, centre: DVec3, material: Material) {
+        add(scene, self.positions, self.triangles, material);
+        scene.instances.last_mut().expect("just added").transform = DAffine3::from_translation(centre);
+    }
+}
+
+/// Each triangle in four, new vertices on the unit sphere.
+fn split(positions: &mut Vec<Vec3>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut middles = HashMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            positions.push((positions[a as usize] + positions[b as usize]).normalize());
+            positions.len() as u32 - 1
+        })
+    };
+    let quarters = |&[a, b, c]: &[u32; 3]| {
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+    };
+    triangles.iter().flat_map(quarters).collect()
 }

@@ -18,6 +18,7 @@ mod environments;
 mod furnace;
 mod identities;
 mod inverses;
+mod lights;
 mod models;
 mod shading;
 mod warps;

@@ -37,8 +37,9 @@ pub(crate) fn survival(statistic: f64, degrees: f64) -> f64 {
     if degrees < 1.0 { 1.0 } else { ChiSquared::new(degrees).expect("degrees of freedom").sf(statistic) }
 }
 
-/// The sphere in cells around an axis: finer toward it by the width k of a lobe. With S = sin²(angle / 2) the radial
-/// coordinate x is S = k x² / (1 − x² (1 − k)), and a solid angle is 2 dS dφ.
+/// The sphere in cells around an axis. With S = sin²(angle / 2), whose 2 dS dφ is solid angle, the radial coordinate x is
+/// S = k ((1 + 1/k)ˣ − 1): even in S for large k, in its logarithm from k on for small k. A lobe of half width √k and a
+/// diffuse base below it are both resolved.
 pub(crate) struct SphereCells {
     axis: [[f64; 3]; 3],
     k: f64,
@@ -47,7 +48,7 @@ pub(crate) struct SphereCells {
 }
 
 impl SphereCells {
-    /// Cells around the unit vector `axis` for lobes of half angle about √`k`.
+    /// Cells around the unit vector `axis` for lobes of half angle about 2 √`k` and more.
     pub(crate) fn new(axis: [f64; 3], k: f64) -> Self {
         SphereCells { axis: frame(axis), k, radial: 40, around: 32 }
     }
@@ -62,7 +63,7 @@ impl SphereCells {
         let length = dot(w, w).sqrt();
         let [s, t, n] = self.axis;
         let away: f64 = (0..3).map(|i| (w[i] / length - n[i]).powi(2)).sum::<f64>() / 4.0;
-        let x = (away / (self.k + away * (1.0 - self.k))).sqrt();
+        let x = (away / self.k).ln_1p() / self.k.recip().ln_1p();
         let phi = (dot(w, t).atan2(dot(w, s)) + PI) / TAU;
         let cell = |v: f64, n: usize| ((v * n as f64) as usize).min(n - 1);
         cell(x, self.radial) * self.around + cell(phi, self.around)
@@ -71,9 +72,9 @@ impl SphereCells {
     /// ∫ of the density `pdf` per solid angle over each cell, each within `tolerance`.
     pub(crate) fn integrate(&self, tolerance: f64, pdf: &impl Fn([f64; 3]) -> f64) -> Vec<f64> {
         let integrand = |x: f64, turn: f64| {
-            let denominator = 1.0 - x * x * (1.0 - self.k);
-            let slope = 2.0 * self.k * x / (denominator * denominator);
-            2.0 * slope * TAU * pdf(self.direction(self.k * x * x / denominator, turn))
+            let range = self.k.recip().ln_1p();
+            let away = self.k * (x * range).exp_m1();
+            2.0 * (self.k + away) * range * TAU * pdf(self.direction(away, turn))
         };
         let edge = |i: usize, n: usize| [i as f64 / n as f64, (i + 1) as f64 / n as f64];
         let cell = |i: usize| Rectangle { x: edge(i / self.around, self.radial), y: edge(i % self.around, self.around) };
@@ -82,7 +83,7 @@ impl SphereCells {
 
     fn direction(&self, away: f64, turn: f64) -> [f64; 3] {
         let (sin, cos) = (TAU * turn - PI).sin_cos();
-        let sine = 2.0 * (away * (1.0 - away)).max(0.0).sqrt();
+        let sine = 2.0 * (away * (1.0 - away)).max(0.0).sqrt(); // rounding may take S beyond 1
         let [s, t, n] = self.axis;
         std::array::from_fn(|i| sine * (cos * s[i] + sin * t[i]) + (1.0 - 2.0 * away) * n[i])
     }

@@ -1,0 +1,167 @@
+//! Where a scene is, how large, and where its detail lies, in the file's world.
+
+use super::description::{Description, Instance, Primitive};
+use crate::error::{Error, Result};
+use glam::DVec3;
+
+/// Triangles that the centre of detail is computed from, about; of more an even choice stands for all.
+const SAMPLE: usize = 1 << 20;
+
+/// A triangle counts as spoilt where f32 moves its vertices by more than this share of its longest edge.
+const SPOILT: f64 = 0.01;
+
+/// The box around a scene and its centre of detail.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent {
+    pub(super) min: DVec3,
+    pub(super) max: DVec3,
+    /// Where the sum over triangles of (distance / size)² is least, size being the longest edge: what f32 loses of a triangle
+    /// is proportional to that ratio. The mean of the triangles' centres, each weighted by 1 / size².
+    pub(super) detail: DVec3,
+    /// How many triangles are spoilt even so, about: see [`SPOILT`].
+    pub(super) spoilt: usize,
+}
+
+impl Extent {
+    /// The extent of `description`.
+    ///
+    /// # Errors
+    /// A scene error if there is no triangle or a position is not finite.
+    pub(super) fn of(description: &Description) -> Result<Extent> {
+        let (min, max) = world_box(description);
+        if min.cmple(max).all() && min.is_finite() && max.is_finite() {
+            let detail = centre_of_detail(description, (min + max) * 0.5);
+            Ok(Extent { min, max, detail, spoilt: spoilt(description, detail) })
+        } else if min.x > max.x {
+            Err(Error::scene("the scene has no triangles"))
+        } else {
+            Err(Error::scene("the scene has positions that are not finite"))
+        }
+    }
+
+    /// Half the diagonal of the box.
+    pub(super) fn radius(&self) -> f64 {
+        (self.max - self.min).length() * 0.5
+    }
+}
+
+/// A box around all placed positions: the smallest if no mesh stands at several places, else one around the boxes of those
+/// that do, so that a small file with many instances of a large mesh takes no more time than its size allows.
+fn world_box(description: &Description) -> (DVec3, DVec3) {
+    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut uses = vec![0usize; description.meshes.len()];
+    description.instances.iter().for_each(|i| uses[i.mesh] += 1);
+    let mut boxes: Vec<Option<Vec<DVec3>>> = vec![None; description.meshes.len()];
+    for instance in &description.instances {
+        let positions = description.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions).map(|p| p.as_dvec3());
+        let mut include = |p: DVec3| {
+            let placed = instance.transform.transform_point3(p);
+            min = min.min(placed);
+            max = max.max(placed);
+        };
+        if uses[instance.mesh] == 1 {
+            positions.for_each(include);
+        } else {
+            boxes[instance.mesh].get_or_insert_with(|| corners(positions)).iter().for_each(|&p| include(p));
+        }
+    }
+    (min, max)
+}
+
+/// The corners of the box around `positions`; none if there are none.
+fn corners(positions: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    positions.for_each(|p| (min, max) = (min.min(p), max.max(p)));
+    let corner = |i: u32| DVec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max, min);
+    if min.x <= max.x { (0..8).map(corner).collect() } else { Vec::new() }
+}
+
+fn parts(description: &Description) -> impl Iterator<Item = (&Instance, &Primitive)> {
+    description.instances.iter().flat_map(|i| description.meshes[i.mesh].primitives.iter().map(move |p| (i, p)))
+}
+
+/// Centre and square of the longest edge of every `step`th triangle of each part, about `origin`.
+fn sizes(description: &Description, step: usize, origin: DVec3) -> impl Iterator<Item = (DVec3, f64)> {
+    parts(description).flat_map(move |(instance, primitive)| {
+        primitive.triangles.iter().step_by(step).filter_map(move |corners| {
+            // Indices are checked later, when meshes are made.
+            let [Some(a), Some(b), Some(c)] = corners.map(|i| primitive.positions.get(i as usize)) else { return None };
+            let [a, b, c] = [a, b, c].map(|p| instance.transform.transform_point3(p.as_dvec3()) - origin);
+            let size2 = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+            Some(((a + b + c) / 3.0, size2))
+        })
+    })
+}
+
+/// Of how many triangles one is looked at.
+fn step(description: &Description) -> usize {
+    parts(description).map(|(_, p)| p.triangles.len()).sum::<usize>() / SAMPLE + 1
+}
+
+/// See [`Extent::detail`]; `middle`, to which offsets are taken, where no triangle has a size.
+fn centre_of_detail(description: &Description, middle: DVec3) -> DVec3 {
+    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
+    for (centre, size2) in sizes(description, step(description), middle) {
+        let weight = size2.recip();
+        if weight.is_finite() {
+            sum += centre * weight;
+            total += weight;
+        }
+    }
+    let offset = sum / total;
+    if offset.is_finite() { middle + offset } else { middle }
+}
+
+/// See [`Extent::spoilt`]. Triangles without size have nothing to lose.
+fn spoilt(description: &Description, origin: DVec3) -> usize {
+    let half_ulp = 0.5 * f64::from(f32::EPSILON);
+    let lost = |(centre, size2): &(DVec3, f64)| {
+        let moved = half_ulp * centre.abs().max_element();
+        *size2 > 0.0 && moved * moved > SPOILT * SPOILT * size2
+    };
+    let step = step(description);
+    sizes(description, step, origin).filter(lost).count() * step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::description::Mesh;
+    use glam::{DAffine3, Vec3};
+
+    fn triangle(size: f32) -> Mesh {
+        let positions = vec![Vec3::ZERO, Vec3::X * size, Vec3::Y * size];
+        let primitive = Primitive { positions, triangles: vec![[0, 1, 2]], ..Primitive::default() };
+        Mesh { name: String::new(), primitives: vec![primitive] }
+    }
+
+    fn extent(placed: &[(f32, f64)]) -> Extent {
+        let mut scene = Description::default();
+        for (mesh, &(size, x)) in placed.iter().enumerate() {
+            scene.meshes.push(triangle(size));
+            scene.instances.push(Instance { name: String::new(), mesh, transform: DAffine3::from_translation(DVec3::X * x) });
+        }
+        Extent::of(&scene).expect("triangles")
+    }
+
+    #[test]
+    fn the_origin_lies_beside_the_gem_and_not_between_it_and_the_sun() {
+        let e = extent(&[(1e-3, 3.0), (1.0, 4.0), (1e6, 1e8)]);
+        assert!(e.detail.x - 3.0 < 1e-3 && e.radius() > 4e7, "{e:?}");
+        assert_eq!(e.spoilt, 0);
+        let alike = extent(&[(1.0, -10.0), (1.0, 10.0)]);
+        assert!((alike.detail.x - 1.0 / 3.0).abs() < 1e-12, "{alike:?}"); // a third of an edge beside the corner; rounding
+    }
+
+    #[test]
+    fn two_gems_far_apart_are_spoilt_and_counted() {
+        assert_eq!(extent(&[(1e-3, 0.0), (2e-3, 1e8), (1e6, 1e8)]).spoilt, 2);
+        assert_eq!(extent(&[(1e-3, 0.0), (2.0, 1e8), (1e6, 1e8)]).spoilt, 1);
+        assert_eq!(extent(&[(1e-3, 0.0), (2e-3, 10.0)]).spoilt, 0);
+    }
+
+    #[test]
+    fn a_scene_of_points_has_its_middle() {
+        assert!(extent(&[(0.0, 1.0), (0.0, 3.0)]).detail.x == 2.0);
+    }
+}
