@@ -4,7 +4,7 @@
 use crate::chi_square::{SphereCells, p_value, sidak};
 use crate::random::{Random, samples};
 use etendue::geometry::Triangle;
-use etendue::light::{AreaLight, Emission, Light, Receiver, Sky};
+use etendue::light::{AreaLight, Emission, Environment, Light, Receiver, Sky};
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
 use glam::{DVec3, Vec3};
@@ -130,6 +130,6 @@ fn a_density_without_the_cosine_is_convicted() {
 fn directions_to_the_sky_follow_its_density() {
     let sky = Sky { radiance: Spectrum::ONE };
     let pdf = f64::from(sky.pdf().value());
-    let p = follows(&Light::Sky(sky), DVec3::new(0.6, 0.0, 0.8), 2.0, |_| pdf, 60);
+    let p = follows(&Light::Environment(Environment::Uniform(sky)), DVec3::new(0.6, 0.0, 0.8), 2.0, |_| pdf, 60);
     assert!(p > sidak(1), "{p}");
 }
