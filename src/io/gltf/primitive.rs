@@ -70,15 +70,29 @@ fn indices(document: &Document, source: &json::mesh::Primitive, vertices: usize)
 
 /// The vertices that `triangles` use, ascending; the triangles then name them by their place in that list.
 fn renumber(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
-    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
+    // Marks cost a byte a vertex, whoever uses it; sorting costs what is used.
+    const SPARSE: usize = 32;
+    let few = triangles.len().saturating_mul(SPARSE) < vertices;
+    let used = if few { sorted(triangles) } else { marked(triangles, vertices) };
     if used.len() < vertices {
         for index in triangles.iter_mut().flatten() {
             *index = used.partition_point(|&u| u < *index) as u32;
         }
     }
     used
+}
+
+fn sorted(triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    used
+}
+
+fn marked(triangles: &[[u32; 3]], vertices: usize) -> Vec<u32> {
+    let mut marks = vec![false; vertices];
+    triangles.iter().flatten().for_each(|&i| marks[i as usize] = true);
+    (0..).zip(marks).filter_map(|(i, used)| used.then_some(i)).collect()
 }
 
 struct Attributes<'a> {
@@ -179,4 +193,19 @@ fn within_unit(colors: Vec<Vec4>, mesh: &str, notes: &mut Notes) -> Vec<Vec4> {
         notes.add(format!("mesh '{mesh}' has vertex colours outside 0 to 1, which are clamped"));
     }
     clamped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_and_sorting_find_the_same_vertices() {
+        let triangles = [[7, 3, 3], [0, 9, 7]];
+        assert_eq!(marked(&triangles, 12), [0, 3, 7, 9]);
+        assert_eq!(sorted(&triangles), [0, 3, 7, 9]);
+        let mut renamed = triangles;
+        assert_eq!(renumber(&mut renamed, 12), [0, 3, 7, 9]);
+        assert_eq!(renamed, [[2, 1, 1], [0, 3, 2]]);
+    }
 }
