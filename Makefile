@@ -32,7 +32,7 @@ test: setup ## format, lints, architecture, all tests with and without Embree, d
 test-deep: setup scenes ## all tests, those that render for minutes included
 	ETENDUE_TEST_DEEP=1 $(CARGO) test --locked --workspace
 
-bench: build ## time to error against other renderers, and start-up time (see bench/versus.sh)
+bench: build ## time to error against other renderers, ray rates, start-up time (see bench/versus.sh)
 	bench/versus.sh
 
 # Needs cargo-fuzz and a nightly toolchain; FUZZ_SECONDS for each of the four targets. New finds go to fuzz/artifacts/.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Time to error on the Cornell box, étendue and other renderers interleaved in one run, and étendue's start-up time. For an
-# otherwise idle machine; about five minutes. Results go to bench/out/.
+# Time to error on the Cornell box (S1) and the landscape (S7), étendue and other renderers interleaved in one run, étendue's ray
+# rates and its start-up time. For an otherwise idle machine; about a quarter of an hour. Results go to bench/out/.
 #
 #   PEERS=../shared/peers   the folder with versus.py, its references and setup.sh, which installs the other renderers
 #   PEERS_WORK=…            where that installed them (default ~/.cache/etendue-peers)
@@ -19,8 +19,21 @@ scene=scenes/cornell-box/scene.gltf
 [ -x "$python" ] || { echo "versus.sh: the other renderers are not installed: run $peers/setup.sh" >&2; exit 1; }
 mkdir -p bench/out
 
-ours="$etendue render $scene --filter box --depth 64 --size 256x256 --spp 64 --seed {seed} -o {out} --report {report} --quiet"
-"$python" "$peers/versus.py" S1 --peers mi_scalar:64 mi_llvm:64 cycles:64 lux_path:32 \
-  --ours "$ours" --ours "$ours --replicates 1" --reps "${REPS:-5}" --json bench/out/S1.json | tee bench/out/S1.txt
-echo "ours0 has the default 4 replicates, ours1 has 1: their ratio is what the error bar costs."
-bench/startup.py "$etendue" "$scene" | tee bench/out/startup.txt
+[ -f scenes/landscape/scene.gltf ] || scenes/make.py
+
+# ours SCENE SPP [OPTION…]: the command that versus.py runs
+ours() {
+  echo "$etendue render scenes/$1/scene.gltf --filter box --depth 64 --size 256x256 --spp $2 --seed {seed} -o {out}" \
+    "--report {report} --quiet ${*:3}"
+}
+"$python" "$peers/versus.py" S1 --peers mi_scalar:64 mi_llvm:64 cycles:64 lux_path:32 --reps "${REPS:-5}" \
+  --ours "$(ours cornell-box 64)" --ours "$(ours cornell-box 64 --replicates 1)" --ours "$(ours cornell-box 64 --backend obvhs)" \
+  --json bench/out/S1.json | tee bench/out/S1.txt
+"$python" "$peers/versus.py" S7 --peers mi_scalar:16 mi_llvm:32 --reps "${REPS:-5}" \
+  --ours "$(ours landscape 32)" --ours "$(ours landscape 32 --replicates 1)" --ours "$(ours landscape 32 --backend obvhs)" \
+  --json bench/out/S7.json | tee bench/out/S7.txt
+echo "ours0 has the default 4 replicates, ours1 has 1 (their ratio is what the error bar costs), ours2 traces rays with obvhs."
+for name in cornell-box landscape; do
+  "$etendue" bench rays "scenes/$name/scene.gltf" --size 256x256 --filter box --threads 1
+done | tee bench/out/rays.txt
+bench/startup.py "$etendue" scenes/cornell-box/scene.gltf | tee bench/out/startup.txt
