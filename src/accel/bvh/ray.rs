@@ -8,7 +8,7 @@
 
 use super::tree::Node;
 use crate::geometry::Ray;
-use glam::{BVec4A, DVec3, Vec3, Vec4};
+use glam::{BVec4A, Vec3, Vec4};
 
 /// Direction components below this are taken for this, so that no reciprocal overflows.
 const LEAST: f32 = 1e-37;
@@ -63,8 +63,10 @@ pub(super) struct Query {
     pub(super) origin: [Vec4; 3],
     /// d_x / d_z and d_y / d_z.
     pub(super) shear: [Vec4; 2],
+    /// 1 / d_z.
+    pub(super) scale: Vec4,
     /// The direction along these axes.
-    pub(super) direction: DVec3,
+    pub(super) direction: Vec3,
     pub(super) t_min: f32,
 }
 
@@ -79,7 +81,8 @@ impl Query {
             axes,
             origin,
             shear: [Vec4::splat(dx / dz), Vec4::splat(dy / dz)],
-            direction: DVec3::new(f64::from(dx), f64::from(dy), f64::from(dz)),
+            scale: Vec4::splat(dz.recip()),
+            direction: Vec3::new(dx, dy, dz),
             t_min: ray.t_min,
         }
     }
