@@ -73,10 +73,18 @@ impl Triangle {
         let r = s.cross(d);
         let (u, v, t) = (e2.dot(r) * inverse, -e1.dot(r) * inverse, s.dot(normal) * inverse);
         let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-        let consistent = inside || outside_by(u, v) <= backend_slack(s, e1, e2) * d.length() * inverse.abs();
+        let consistent = inside || outside_by(u, v) <= self.backend_slack(s, e1, e2) * d.length() * inverse.abs();
         let u = u.clamp(0.0, 1.0);
         let v = v.clamp(0.0, 1.0 - u);
         Some(TriangleHit { barycentric: [u as f32, v as f32], t: t as f32, normal, consistent })
+    }
+
+    /// By how much a backend's edge functions may be wrong, |d| and 1 / det left out: 8 roundings of products of vertex offsets,
+    /// and what placing adds to the two offsets of a product and to the ray.
+    #[inline]
+    fn backend_slack(&self, s: DVec3, e1: DVec3, e2: DVec3) -> f64 {
+        let reach2 = s.length_squared().max((s - e1).length_squared()).max((s - e2).length_squared());
+        8.0 * f64::from(HALF_ULP) * reach2 + 3.0 * f64::from(self.placement_error) * reach2.sqrt()
     }
 
     /// The point with the given barycentrics, and the distance by which a ray that leaves it must be moved along the normal
@@ -100,12 +108,6 @@ impl Triangle {
 /// How far barycentrics lie outside the triangle.
 fn outside_by(u: f64, v: f64) -> f64 {
     (-u).max(-v).max(u + v - 1.0)
-}
-
-/// By how much a backend's edge functions may be wrong: 8 roundings of products of vertex offsets, |d| and 1 / det left out.
-fn backend_slack(s: DVec3, e1: DVec3, e2: DVec3) -> f64 {
-    let reach2 = s.length_squared().max((s - e1).length_squared()).max((s - e2).length_squared());
-    8.0 * f64::from(HALF_ULP) * reach2
 }
 
 #[cfg(test)]
