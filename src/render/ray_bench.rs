@@ -9,7 +9,7 @@ use crate::accel::{Accel, Question};
 use crate::camera::Camera;
 use crate::error::{Error, Kind, Result};
 use crate::film::{Layout, PassFilm};
-use crate::integrator;
+use crate::integrator::{self, Integrator};
 use crate::parallel::Cancel;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -77,7 +77,7 @@ impl RayBench {
         let bench = RayBench { stage, settings, camera, layout, questions: Vec::new(), raw: Vec::new(), render: Vec::new() };
         let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let alone = alone.map_err(|cause| Error::new(Kind::Internal, "cannot start a thread").because(cause))?;
-        alone.install(|| bench.render_pass(0));
+        alone.install(|| bench.trace(&*bench.integrator(), 0));
         let mut questions = Vec::new();
         let scene = bench.stage.scene.with_accel(|accel| {
             let (accel, asked) = accel.questions();
@@ -89,9 +89,12 @@ impl RayBench {
 
     /// Times a pass and a replay.
     pub fn round(&mut self) {
+        let integrator = self.integrator();
         let clock = Stopwatch::start();
-        let rays = self.render_pass(1 + self.render.len() as u64);
-        self.render.push(rays as f64 / MILLION / clock.wall().as_secs_f64());
+        let rays = self.trace(&*integrator, 1 + self.render.len() as u64);
+        let seconds = clock.wall().as_secs_f64();
+        drop(integrator);
+        self.render.push(rays as f64 / MILLION / seconds);
         let clock = Stopwatch::start();
         let accel = self.stage.scene.accel();
         let hits: usize = self.questions.par_chunks(CHUNK).map(|chunk| chunk.iter().filter(|q| q.ask(accel)).count()).sum();
@@ -115,10 +118,12 @@ impl RayBench {
         }
     }
 
+    fn integrator(&self) -> Box<dyn Integrator + '_> {
+        integrator::build(self.settings.method, &self.stage.scene, self.camera.clone(), &self.settings.options())
+    }
+
     /// Renders a pass and counts its rays.
-    fn render_pass(&self, pass: u64) -> u64 {
-        let integrator =
-            integrator::build(self.settings.method, &self.stage.scene, self.camera.clone(), &self.settings.options());
+    fn trace(&self, integrator: &dyn Integrator, pass: u64) -> u64 {
         let report = integrator.run_pass(pass, &Cancel::new(), &mut PassFilm::new(&self.layout)).unwrap_or_default();
         report.rays.camera + report.rays.bounce + report.rays.shadow
     }
