@@ -88,8 +88,9 @@ fn mirror_and_glass_balls_have_the_right_mean() {
     }
 }
 
-/// Deep: two million triangles under a map with a small sun. Mitsuba puts the first and the last row of a map at the poles, which
-/// makes this sun 0.2 % larger and moves it by a fifth of a texel; its image is 0.4 % brighter in the mean.
+/// Deep: two million triangles under a map with a small sun. The reference is brighter by 0.34 % for two reasons that were put to
+/// the test (docs/measurements.md): Mitsuba's ray offset, which skips bumps, 0.26 %, and its rows at the poles. The bound is
+/// these and half as much again.
 #[test]
 fn the_landscape_has_the_right_mean() {
     if !deep() {
@@ -106,7 +107,7 @@ fn the_landscape_has_the_right_mean() {
         let picture = render(&stage.scene, Shot { depth: Some(64), ..Shot::new(method, 256, 256) });
         let ratio = picture.overall().mean / reference.overall().mean - 1.0;
         println!("landscape {method:?}: mean {:+.3} %", ratio * 100.0);
-        assert!(ratio.abs() < 0.006, "{method:?}: mean {ratio}");
+        assert!(ratio.abs() < 0.005, "{method:?}: mean {ratio}");
     }
 }
 
