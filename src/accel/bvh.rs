@@ -17,9 +17,9 @@ mod tree;
 
 use crate::accel::{Build, Intersector, placed};
 use crate::error::Result;
-use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
+use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray, placement_error};
 use block::{Block, Corners};
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use ray::{Query, Slabs};
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::Arc;
@@ -78,8 +78,9 @@ impl Scene {
                 let triangles: Vec<Corners> = corners(geometry, object).collect();
                 Arc::new(Mesh::new(&triangles, build))
             });
+            let pad = placement_error(placement, Vec3::splat(mesh.tree.extent()));
+            boxes.push(Bounds { min: bounds.min - pad, max: bounds.max + pad });
             instances.push(Instance { mesh: Arc::clone(mesh), to_object: placement.inverse(), object });
-            boxes.push(widened(*bounds));
         }
         let filtered: Box<[bool]> = geometry.objects.iter().map(|object| object.filtered).collect();
         Ok(Scene {
@@ -101,7 +102,7 @@ impl Scene {
         meshes + self.top.as_ref().map_or(0, Tree::bytes) + size_of_val(&*self.instances)
     }
 
-    /// Asks every leaf that the ray reaches, `leaf(mesh, ray in its space, instance or none)`, until it breaks.
+    /// Calls `block(block, ray in its space, object of an instance, reach)` for the blocks that the ray reaches, until it breaks.
     #[inline]
     fn visit(
         &self,
@@ -202,10 +203,4 @@ fn corners(geometry: &Geometry, object: u32) -> impl Iterator<Item = Corners> + 
     (0..)
         .zip(mesh.triangles())
         .map(move |(primitive, t)| Corners { vertices: t.map(|i| positions[i as usize]), hit: Hit { object, primitive } })
-}
-
-/// A box around a placed mesh whose corners were rounded when they were placed.
-fn widened(bounds: Bounds) -> Bounds {
-    let pad = bounds.min.abs().max(bounds.max.abs()).max_element() * (8.0 * f32::EPSILON);
-    Bounds { min: bounds.min - pad, max: bounds.max + pad }
 }

@@ -1,7 +1,7 @@
 //! Groups of flags that several subcommands share.
 
 use crate::error::Result;
-use crate::render::{Choices, Outputs, Selection};
+use crate::render::{Choices, Outputs, Selection, Settings, Stage};
 use std::path::{Path, PathBuf};
 
 /// The scene and where its settings come from.
@@ -21,6 +21,15 @@ impl SceneArgs {
     pub(super) fn choices(&self) -> Result<Choices> {
         let beside = if self.no_config { Choices::default() } else { Choices::beside(&self.scene)? };
         Ok(self.choices.clone().or(beside))
+    }
+
+    /// The scene, loaded and built as `choices` say, and the settings that its camera completes. Call it from outside the rayon
+    /// pool.
+    pub(super) fn stage(&self, choices: &Choices, threads: usize) -> Result<(Stage, Settings)> {
+        let early = choices.settings(None)?;
+        let stage = Stage::open(&self.scene, choices.surroundings()?, &early.build_options(threads))?;
+        let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
+        Ok((stage, settings))
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Console, startup};
 use crate::error::Result;
 use crate::film::Film;
 use crate::integrator;
-use crate::render::{Settings, Stage};
+use crate::render::Settings;
 use crate::scene::SceneInfo;
 use serde::Serialize;
 
@@ -47,10 +47,8 @@ struct Memory {
 /// Describes.
 pub(super) fn run(args: Args) -> Result<()> {
     let choices = args.scene.choices()?;
-    let (early, surroundings) = (choices.settings(None)?, choices.surroundings()?);
     let threads = startup::start_threads(args.threads.threads)?;
-    let stage = Stage::open(&args.scene.scene, surroundings, &early.build_options(threads))?;
-    let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
+    let (stage, settings) = args.scene.stage(&choices, threads)?;
     let document = Document {
         path: stage.path.display().to_string(),
         hash: stage.scene.hash().to_owned(),

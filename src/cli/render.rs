@@ -3,7 +3,7 @@
 use super::args::{OutputArgs, SceneArgs, StrictArgs, ThreadArgs};
 use super::{Console, finish, progress, startup};
 use crate::error::Result;
-use crate::render::{Choices, Plan, Provenance, Selection, Session, Stage, Stop, picture_name};
+use crate::render::{Choices, Plan, Provenance, Selection, Session, Stop, picture_name};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -51,13 +51,13 @@ pub(super) fn run(args: Args) -> Result<()> {
     let selection = args.share.shard.or(args.share.passes).unwrap_or_default();
     let plan = choices.plan(selection)?;
     // Mistakes that do not need the scene are told before it is loaded.
-    let (look, early, surroundings) = (choices.look()?, choices.settings(None)?, choices.surroundings()?);
+    let (look, replicates) = (choices.look()?, choices.settings(None)?.replicates);
+    choices.surroundings()?;
     let outputs = args.output.outputs(&picture_name(&args.scene.scene), selection)?;
     args.output.check(&outputs)?;
-    say_rounding(console, &choices, plan, early.replicates);
+    say_rounding(console, &choices, plan, replicates);
     let threads = startup::start_threads(args.threads.threads)?;
-    let stage = Stage::open(&args.scene.scene, surroundings, &early.build_options(threads))?;
-    let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
+    let (stage, settings) = args.scene.stage(&choices, threads)?;
     let provenance = Provenance::new(&stage, settings, plan, look);
     warn(console, &provenance);
     if args.strict.strict {

@@ -35,14 +35,11 @@ impl Triangle {
         Triangle { vertices: [a, b, c], placement_error: 0.0 }
     }
 
-    /// An instance's triangle. Transforming rounds each coordinate three times relative to the terms of its sum, once here
-    /// and once for the ray in the backend's object space, whose error the transform scales back by its condition.
+    /// An instance's triangle.
     #[inline]
     pub fn placed(m: &Affine3A, a: Vec3, b: Vec3, c: Vec3) -> Self {
         let vertices = [a, b, c].map(|p| m.transform_point3(p));
-        let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|axis| axis.abs().element_sum());
-        let terms = a.abs().max(b.abs()).max(c.abs()).dot(Vec3::from(columns)) + m.translation.abs().max_element();
-        Triangle { vertices, placement_error: 16.0 * HALF_ULP * terms }
+        Triangle { vertices, placement_error: placement_error(m, a.abs().max(b.abs()).max(c.abs())) }
     }
 
     /// The geometric normal times twice the area.
@@ -108,6 +105,15 @@ impl Triangle {
 /// How far barycentrics lie outside the triangle.
 fn outside_by(u: f64, v: f64) -> f64 {
     (-u).max(-v).max(u + v - 1.0)
+}
+
+/// Bound of the error that placing by `m` adds to a coordinate of a point whose own are at most `most`. Transforming rounds each
+/// coordinate three times relative to the terms of its sum, once for the point and once for the ray in the backend's object
+/// space, whose error the transform scales back by its condition.
+#[inline]
+pub fn placement_error(m: &Affine3A, most: Vec3) -> f32 {
+    let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|axis| axis.abs().element_sum());
+    16.0 * HALF_ULP * (most.dot(Vec3::from(columns)) + m.translation.abs().max_element())
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::accel::Backend;
 use crate::cli::args::{SceneArgs, ThreadArgs};
 use crate::cli::{Console, startup};
 use crate::error::Result;
-use crate::render::{RayBench, RayRates, Settings, Stage};
+use crate::render::{Choices, RayBench, RayRates};
 use serde::Serialize;
 
 /// Arguments of `bench rays`.
@@ -33,14 +33,11 @@ struct Document {
 /// Measures.
 pub(super) fn run(args: Args) -> Result<()> {
     let choices = args.scene.choices()?;
-    let (early, surroundings) = (choices.settings(None)?, choices.surroundings()?);
     let threads = startup::start_threads(args.threads.threads)?;
     let backends = args.backends.as_deref().unwrap_or(Backend::AVAILABLE);
     let subject = |&backend: &Backend| {
-        let early = Settings { backend, ..early.clone() };
-        let stage = Stage::open(&args.scene.scene, surroundings.clone(), &early.build_options(threads))?;
-        let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
-        RayBench::new(stage, Settings { backend, ..settings })
+        let (stage, settings) = args.scene.stage(&Choices { backend: Some(backend), ..choices.clone() }, threads)?;
+        RayBench::new(stage, settings)
     };
     let mut subjects = backends.iter().map(subject).collect::<Result<Vec<_>>>()?;
     for _ in 0..args.rounds {
