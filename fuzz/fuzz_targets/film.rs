@@ -19,7 +19,7 @@ fn read(bytes: &[u8]) {
 }
 
 fn forged(header: &[u8], body: &[u8]) -> Vec<u8> {
-    let prefix = [&b"\x89ETFILM\n"[..], &1u32.to_le_bytes(), &(header.len() as u32).to_le_bytes(), header].concat();
+    let prefix = [&b"\x89ETFILM\n"[..], &2u32.to_le_bytes(), &(header.len() as u32).to_le_bytes(), header].concat();
     let mut film = prefix;
     film.extend(zstd::encode_all(body, 1).expect("compression in memory"));
     let hash = blake3::hash(&film);

@@ -1,7 +1,7 @@
 //! Groups of flags that several subcommands share.
 
-use crate::error::Result;
-use crate::render::{Choices, Outputs, Selection, Settings, Stage};
+use crate::error::{Error, Result};
+use crate::render::{Choices, Outputs, Plan, Selection, Settings, Stage};
 use std::path::{Path, PathBuf};
 
 /// The scene and where its settings come from.
@@ -79,6 +79,19 @@ pub(super) struct StrictArgs {
     /// End with exit code 6 if a sample was not finite
     #[arg(long)]
     pub(super) fail_on_nonfinite: bool,
+    /// End with exit code 5 if the --target-error was not reached
+    #[arg(long)]
+    pub(super) require_target: bool,
+}
+
+impl StrictArgs {
+    /// Refuses to require a target where there is none.
+    pub(super) fn check(self, plan: &Plan) -> Result<()> {
+        if self.require_target && plan.stop.target_error.is_none() {
+            return Err(Error::usage("--require-target: there is no --target-error to reach"));
+        }
+        Ok(())
+    }
 }
 
 /// How many threads work.

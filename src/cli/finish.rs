@@ -38,9 +38,13 @@ pub(super) fn session(
     };
     let layers = images::layers(session.provenance(), session.film(), ids.as_ref());
     let report = Report::new(session.provenance(), session.film(), &layers, files.outputs, Some(stage));
+    let report = report.with_target(session.target_check());
     images::write(files.outputs, session.provenance(), session.film(), &layers, &report)?;
     complain(&report, console);
     tell(&report, files, console)?;
+    if strict.require_target && !report.target().is_some_and(|target| target.reached) {
+        return Err(Error::new(Kind::TargetMissed, report.target_missed().unwrap_or_default()));
+    }
     if strict.fail_on_nonfinite && report.guards().nonfinite > 0 {
         let replay = report.first_replay().unwrap_or_default();
         let what = format!("{} samples were not finite; trace the first again with {replay}", report.guards().nonfinite);
@@ -87,6 +91,12 @@ fn complain(report: &Report, console: Console) {
     }
     if guards.overlong_paths > 0 {
         console.warn(&format!("{} paths reached the emergency length limit and were cut", guards.overlong_paths));
+    }
+    if report.error().is_some_and(|error| !error.is_trustworthy()) {
+        console.warn("a few samples carry the error, and there may be larger ones to come: its interval is not to be trusted");
+    }
+    if let Some(missed) = report.target_missed() {
+        console.warn(&missed);
     }
     if let Some(clamp) = report.clamp() {
         let (limit, samples, share) = (clamp.limit, clamp.samples, clamp.share_removed * 100.0);

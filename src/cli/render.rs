@@ -3,7 +3,7 @@
 use super::args::{OutputArgs, SceneArgs, StrictArgs, ThreadArgs};
 use super::{Console, finish, progress, startup};
 use crate::error::Result;
-use crate::render::{Choices, Plan, Provenance, Selection, Session, Stop, picture_name};
+use crate::render::{Choices, Plan, Provenance, Selection, Session, picture_name};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -50,6 +50,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let choices = args.scene.choices()?;
     let selection = args.share.shard.or(args.share.passes).unwrap_or_default();
     let plan = choices.plan(selection)?;
+    args.strict.check(&plan)?;
     // Mistakes that do not need the scene are told before it is loaded.
     let (look, replicates) = (choices.look()?, choices.settings(None)?.replicates);
     choices.surroundings()?;
@@ -82,7 +83,7 @@ fn warn(console: Console, provenance: &Provenance) {
 
 /// Says that another number of samples is rendered than was asked for.
 fn say_rounding(console: Console, choices: &Choices, plan: Plan, replicates: u32) {
-    if let (Some(asked), Stop::Spp(spp), false) = (choices.spp, plan.stop, matches!(plan.selection, Selection::Range { .. })) {
+    if let (Some(asked), Some(spp), false) = (choices.spp, plan.stop.spp, matches!(plan.selection, Selection::Range { .. })) {
         if u64::from(asked) != spp {
             console.note(&format!("{asked} samples per pixel rounded up to {spp}: {replicates} replicates × a power of two"));
         }

@@ -3,7 +3,7 @@
 use super::args::{OutputArgs, StrictArgs, ThreadArgs};
 use super::{Console, finish, progress, startup};
 use crate::error::{Error, Result};
-use crate::render::{Budget, Environment, Outputs, Plan, Selection, Session, Stage, Stop, Surroundings, checkpoint, round_spp};
+use crate::render::{Budget, Choices, Environment, Outputs, Plan, Selection, Session, Stage, Surroundings, checkpoint};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `resume`.
@@ -11,12 +11,15 @@ use std::path::{Path, PathBuf};
 pub(super) struct Args {
     /// The film to go on with; it is updated
     film_file: PathBuf,
-    /// Samples per pixel wanted in all [default: what the film's own run wanted]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30), conflicts_with = "time")]
+    /// Samples per pixel wanted in all [default: the film's own run says when it is done]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30))]
     spp: Option<u32>,
-    /// Render for this much longer, e.g. 30s or 5m
+    /// Render for this much longer at most, e.g. 30s or 5m
     #[arg(long, value_name = "TIME")]
     time: Option<Budget>,
+    /// Stop once the relative mean squared error is below this with 95 % confidence, e.g. 1e-3
+    #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
+    target_error: Option<f64>,
     /// The scene, if it is not where it was
     #[arg(long, value_name = "PATH")]
     scene: Option<PathBuf>,
@@ -38,6 +41,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let console = args.console;
     let (mut provenance, film) = checkpoint::restore(&args.film_file)?;
     provenance.plan = plan(&args, provenance.plan, provenance.settings.replicates)?;
+    args.strict.check(&provenance.plan)?;
     let outputs = outputs(&args)?;
     args.output.check(&outputs)?;
     let threads = startup::start_threads(args.threads.threads)?;
@@ -69,16 +73,16 @@ fn surroundings(recorded: Option<Surroundings>, moved: Option<PathBuf>) -> Resul
 
 /// What is wanted now.
 fn plan(args: &Args, plan: Plan, replicates: u32) -> Result<Plan> {
-    let stop = match (args.spp, args.time) {
-        (Some(_), _) if matches!(plan.selection, Selection::Range { .. }) => {
-            let what = format!("{} holds an explicit range of passes: render others with --passes", args.film_file.display());
-            return Err(Error::usage(what));
-        }
-        (Some(spp), _) => Stop::Spp(round_spp(u64::from(spp), replicates)),
-        (None, Some(Budget(time))) => Stop::Seconds(time.as_secs_f64()),
-        (None, None) => plan.stop,
-    };
-    Ok(Plan { stop, ..plan })
+    let Args { spp, time, target_error, .. } = *args;
+    let choices = Choices { spp, time, target_error, replicates: Some(replicates), ..Choices::default() };
+    if !choices.stops() {
+        return Ok(plan);
+    }
+    if spp.is_some() && matches!(plan.selection, Selection::Range { .. }) {
+        let what = format!("{} holds an explicit range of passes: render others with --passes", args.film_file.display());
+        return Err(Error::usage(what));
+    }
+    choices.plan(plan.selection)
 }
 
 /// The film itself, and the image beside it unless another was asked for.

@@ -4,6 +4,7 @@
 //! Limits: values are quantised to [`Units`] with unbiased rounding, decided by a hash of (seed, pass, pixel, channel).
 //! Values that are not finite or reach 2¹⁸⁰ units (the integrator filters them) count as zero and in [`Film::dropped`].
 
+use super::peaks::Peaks;
 use super::sums::{Spill, Sums, add_rounded};
 use super::{Layout, PassFilm, PassSet, Plane, Units};
 use crate::error::{Error, Result};
@@ -21,6 +22,7 @@ pub struct Film {
     dropped: u64,
     /// By replicate; values are pixel-interleaved like those of a pass.
     sums: Vec<Sums>,
+    peaks: Peaks,
 }
 
 /// How one channel is quantised.
@@ -40,7 +42,8 @@ impl Film {
         assert!(replicates > 0 && units.exponents().is_some(), "{replicates} replicates, {units:?}");
         let values = layout.pixels() * layout.channels();
         let sums = (0..replicates).map(|_| Sums::new(values)).collect();
-        Film { layout, replicates, seed, units, passes: PassSet::new(), dropped: 0, sums }
+        let peaks = Peaks::new(layout.pixels());
+        Film { layout, replicates, seed, units, passes: PassSet::new(), dropped: 0, sums, peaks }
     }
 
     /// A film from what a file holds; `None` where the parts do not fit together.
@@ -51,11 +54,13 @@ impl Film {
         passes: PassSet,
         dropped: u64,
         sums: Vec<Sums>,
+        peaks: Peaks,
     ) -> Option<Self> {
         let replicates = u32::try_from(sums.len()).ok().filter(|&r| r > 0)?;
         let values = layout.pixels() * layout.channels();
         let fits = units.exponents().is_some() && sums.iter().all(|s| s.low().len() == values);
-        fits.then_some(Film { layout, replicates, seed, units, passes, dropped, sums })
+        let fits = fits && peaks.packed().len() == layout.pixels();
+        fits.then_some(Film { layout, replicates, seed, units, passes, dropped, sums, peaks })
     }
 
     /// Adds a pass to its replicate, pass mod R. Committing a pass that the film holds is a defect of the caller; a
@@ -81,6 +86,7 @@ impl Film {
         debug_assert!(spill.dropped == 0, "pass {pass} has {} values that are not finite or too large", spill.dropped);
         self.dropped += spill.dropped;
         sums.carry(spill.carries);
+        self.peaks.add(pass, values.values(), channels.len());
     }
 
     /// Adds all passes of another film of the same render.
@@ -107,6 +113,7 @@ impl Film {
         self.passes.union(&other.passes);
         self.dropped += other.dropped;
         self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| a.merge(b));
+        self.peaks.merge(&other.peaks);
         Ok(())
     }
 
@@ -170,9 +177,9 @@ impl Film {
         self.dropped
     }
 
-    /// Memory of the sums, in bytes per pixel.
+    /// Memory of sums and largest samples, in bytes per pixel.
     pub fn bytes_per_pixel(layout: &Layout, replicates: u32) -> usize {
-        layout.channels() * replicates as usize * size_of::<i64>()
+        layout.channels() * replicates as usize * size_of::<i64>() + size_of::<u64>()
     }
 
     /// The sums by replicate.
@@ -180,8 +187,13 @@ impl Film {
         &self.sums
     }
 
+    /// The largest sample of each pixel.
+    pub(crate) fn peaks(&self) -> &Peaks {
+        &self.peaks
+    }
+
     /// Units of the sum over all replicates.
-    fn total(&self, index: usize) -> f64 {
+    pub(super) fn total(&self, index: usize) -> f64 {
         Sums::total(self.sums.iter().map(|sums| (sums, index)))
     }
 

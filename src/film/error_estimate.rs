@@ -1,27 +1,30 @@
 //! The error that an image carries, from its replicates.
 //!
 //! Replicates are independent whatever happens inside one (random, QMC, chains), so the error of the mean follows from how
-//! they differ. The relative error pools over the image; its interval takes blocks of 8×8 pixels as independent, which holds
-//! for methods whose pixels have their own samples and not for those that share chains, photons or light vertices.
+//! they differ. The relative error pools over the image; its interval takes pixels as independent, which holds for methods
+//! whose pixels have their own samples and not for those that share chains, photons or light vertices. With four replicates
+//! or more the noise of each pixel's error is estimated within the pixel, so that bright and dark, easy and hard parts of a
+//! picture do not pass for noise; with fewer, blocks of pixels are taken as a sample of blocks, and the interval is too wide.
+//! The interval is one of the logarithm: errors are positive, and their estimates skewed.
 //!
 //! Bias: the m² of a denominator is itself an estimate, from the replicates that the numerator does not use. At relative
 //! variance v of m (about relMSE × R/(R−2)) that would make the result too high by 1 + 3 v, far outside the interval of a
 //! large image. With R ≥ 4 this is taken out to first order in v; what is left, 12 v² for normal and 28 v² for exponential
 //! samples, widens the interval on both sides ([`RESIDUAL`]). With R < 4 nothing is taken out and the bias is 3 v.
 
-use super::{Film, Layout, Plane};
-use crate::stats::{Estimate, Moments};
+use super::peaks::Peak;
+use super::replicates::{COLOR, PixelError, Replicates};
+use super::tail;
+use super::{Film, Layout};
+use crate::stats::{Moments, Tail, student_quantile};
 use rayon::prelude::*;
 
 /// ε is the square of this share of the image mean, so that black pixels do not dominate.
 const FLOOR: f64 = 0.1;
-/// Pairs of replicates further apart than this (cyclically) are left out: they would cost R² and add almost nothing.
-const PAIR_DISTANCE: usize = 4;
-/// Side of the blocks of pixels that are taken as independent; halved until there are at least 16 of them.
+/// Side of the blocks of pixels that share work, and whose share of the error is reported; halved until there are at least 16.
 const BLOCK: usize = 8;
 /// The bias left after a first-order correction by the share δ is taken to be below this times δ²: δ ≈ 3 v and 28 v² ≈ 3 δ².
 const RESIDUAL: f64 = 3.0;
-const COLOR: usize = 3;
 
 /// Mean squared error relative to the squared value, and its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -33,10 +36,17 @@ pub struct RelMse {
     /// Upper end; infinite (`null` in JSON) for an image of one block.
     #[serde(deserialize_with = "null_is_infinite")]
     pub high: f64,
+    /// Standard error of the logarithm of `value`; infinite (`null` in JSON) where nothing is known of it.
+    #[serde(deserialize_with = "null_is_infinite")]
+    pub log_standard_error: f64,
+    /// Degrees of freedom of `log_standard_error`.
+    pub dof: f64,
+    /// What `value` may be off besides, on either side.
+    pub bias_bound: f64,
 }
 
 /// The estimated error of an image's colour.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ImageError {
     /// Mean over pixels and channels of Var(m) / (m² + ε) [Rousselle11].
     pub relmse: RelMse,
@@ -53,11 +63,62 @@ pub struct ImageError {
     /// The largest share that one block of pixels has in `relmse`. Near 1, a few fireflies make the error and the
     /// interval cannot be trusted.
     pub max_share: f64,
+    /// The largest sample; `None` in a black image.
+    pub largest: Option<LargestSample>,
+    /// How heavy the tail of the samples is; `None` where there are too few to tell.
+    pub tail: Option<Tail>,
+}
+
+/// One sample that the image owes much to.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct LargestSample {
+    /// Its share of the light in the image.
+    pub share: f64,
+    /// Its colour, as the mean over channels.
+    pub value: f64,
+    /// Column of its pixel.
+    pub x: u32,
+    /// Row of its pixel.
+    pub y: u32,
+    /// The pass it belongs to.
+    pub pass: u32,
 }
 
 fn null_is_infinite<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
     let value: Option<f64> = serde::Deserialize::deserialize(source)?;
     Ok(value.unwrap_or(f64::INFINITY))
+}
+
+impl RelMse {
+    fn new(value: f64, noise: Noise, bias_bound: f64) -> Self {
+        let empty = RelMse { value, low: 0.0, high: 0.0, log_standard_error: noise.log_error, dof: noise.dof, bias_bound };
+        let [low, high] = [-1.0, 1.0].map(|side| empty.limit(0.025, side));
+        RelMse { low, high, ..empty }
+    }
+
+    /// The end of the interval on one `side` that the truth is beyond with probability `level`.
+    fn limit(&self, level: f64, side: f64) -> f64 {
+        if self.log_standard_error.is_infinite() {
+            return if side > 0.0 { f64::INFINITY } else { 0.0 };
+        }
+        let factor = (side * student_quantile(1.0 - level, self.dof) * self.log_standard_error).exp();
+        (self.value * factor + side * self.bias_bound).max(0.0)
+    }
+}
+
+impl ImageError {
+    /// What the relative mean squared error is below, but for a chance of `level`.
+    ///
+    /// # Panics
+    /// Unless 0 < level < 1.
+    pub fn upper_limit(&self, level: f64) -> f64 {
+        self.relmse.limit(level, 1.0)
+    }
+
+    /// Whether the interval of `relmse` can be trusted: whether the samples seen have no tail that hides most of the error.
+    pub fn is_trustworthy(&self) -> bool {
+        !self.tail.as_ref().is_some_and(Tail::is_heavy)
+    }
 }
 
 impl Film {
@@ -84,51 +145,89 @@ impl Film {
         let replicates = Replicates::of(self)?;
         let mean = replicates.image_mean()?;
         let epsilon = (FLOOR * mean.value).powi(2);
-        let pairs = replicates.pairs();
-        let blocks: Vec<Block> =
-            blocks(self.layout()).into_par_iter().map(|pixels| replicates.block(&pixels, &pairs, epsilon)).collect();
+        let pairs = replicates.pairs(epsilon);
+        let block = |pixels: Vec<usize>| {
+            let mut scratch = replicates.scratch(&pairs);
+            Block::of(pixels.iter().map(|&pixel| replicates.pixel(pixel, &pairs, &mut scratch)))
+        };
+        let blocks: Vec<Block> = blocks(self.layout()).into_par_iter().map(block).collect();
         let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
         let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
         let largest = blocks.iter().map(|b| b.relative).fold(0.0, f64::max);
         Some(ImageError {
-            relmse: widened(pooled(&blocks, relative, values), &blocks, values),
+            relmse: RelMse::new(relative / values, Noise::of(&blocks, relative, values), residual_bias(&blocks, values)),
             rmse: (sum(|b| b.variance) / values).sqrt(),
             mean: mean.value,
             mean_standard_error: mean.standard_error,
             epsilon,
             replicates: self.replicates(),
             max_share: if relative > 0.0 { largest / relative } else { 0.0 },
+            largest: largest_sample(self, mean.value),
+            tail: tail::tail_of(self, epsilon.sqrt()),
         })
     }
 }
 
 /// Sums over the pixels and channels of a block.
+#[derive(Default)]
 struct Block {
     values: f64,
     variance: f64,
     relative: f64,
-    /// What was taken off `relative` as bias.
     correction: f64,
+    /// Σ over pixels of the variance of their `relative`, and of its square; `None` where it is not known within a pixel.
+    spread: Option<[f64; 2]>,
 }
 
-/// Σ relative / Σ values with its t interval, by the jackknife over blocks [Efron81].
-fn pooled(blocks: &[Block], relative: f64, values: f64) -> RelMse {
-    let value = relative / values;
-    let left_out: Moments = blocks.iter().map(|b| (relative - b.relative) / (values - b.values)).collect();
-    let Some(variance) = left_out.variance().filter(|v| v.is_finite()) else {
-        return RelMse { value, low: 0.0, high: f64::INFINITY };
-    };
-    let n = blocks.len() as f64;
-    let standard_error = ((n - 1.0) * (n - 1.0) / n * variance).sqrt();
-    let [low, high] = Estimate { value, standard_error, dof: n - 1.0 }.interval95();
-    RelMse { value, low: low.max(0.0), high }
+impl Block {
+    fn of(pixels: impl Iterator<Item = PixelError>) -> Self {
+        let mut block = Block { spread: Some([0.0; 2]), ..Block::default() };
+        for pixel in pixels {
+            block.values += COLOR as f64;
+            block.variance += pixel.variance;
+            block.relative += pixel.relative;
+            block.correction += pixel.correction;
+            block.spread = block.spread.zip(pixel.spread).map(|([sum, squares], s)| [sum + s, squares + s * s]);
+        }
+        block
+    }
 }
 
-/// The interval with the bias that the first-order correction leaves.
-fn widened(relmse: RelMse, blocks: &[Block], values: f64) -> RelMse {
+/// The noise of an estimated relMSE.
+struct Noise {
+    /// Standard error of its logarithm.
+    log_error: f64,
+    dof: f64,
+}
+
+impl Noise {
+    fn of(blocks: &[Block], relative: f64, values: f64) -> Self {
+        Noise::within_pixels(blocks, relative).unwrap_or_else(|| Noise::between_blocks(blocks, relative, values))
+    }
+
+    /// From the noise of each pixel. Its degrees of freedom are those of Satterthwaite for as many pixels as carry it [Welch47].
+    fn within_pixels(blocks: &[Block], relative: f64) -> Option<Self> {
+        let both = blocks.iter().map(|b| b.spread).collect::<Option<Vec<_>>>()?;
+        let [sum, squares] = both.iter().fold([0.0; 2], |[a, b], [sum, squares]| [a + sum, b + squares]);
+        let is_usable = sum > 0.0 && relative > 0.0;
+        is_usable.then(|| Noise { log_error: sum.sqrt() / relative, dof: (2.0 * sum * sum / squares).max(1.0) })
+    }
+
+    /// By the jackknife over blocks [Efron81].
+    fn between_blocks(blocks: &[Block], relative: f64, values: f64) -> Self {
+        let n = blocks.len() as f64;
+        let left_out: Moments = blocks.iter().map(|b| (relative - b.relative) / (values - b.values)).collect();
+        let error = left_out.variance().map_or(f64::INFINITY, |variance| ((n - 1.0) * (n - 1.0) / n * variance).sqrt());
+        // Black all over, nothing differs: 0/0 is no error.
+        let log_error = if error > 0.0 { error * values / relative } else { 0.0 };
+        Noise { log_error, dof: (n - 1.0).max(1.0) }
+    }
+}
+
+/// The bias that the first-order correction leaves.
+fn residual_bias(blocks: &[Block], values: f64) -> f64 {
     let residual = |b: &Block| if b.relative > 0.0 { RESIDUAL * b.correction * b.correction / b.relative } else { 0.0 };
-    let slack = blocks.iter().map(residual).sum::<f64>() / values;
-    RelMse { value: relmse.value, low: (relmse.low - slack).max(0.0), high: relmse.high + slack }
+    blocks.iter().map(residual).sum::<f64>() / values
 }
 
 /// The pixels of each block, by index within the crop.
@@ -144,141 +243,15 @@ fn blocks(layout: &Layout) -> Vec<Vec<usize>> {
     corners.map(|(x, y)| span(y, height).flat_map(|y| span(x, width).map(move |x| y * width + x)).collect()).collect()
 }
 
-/// Two replicates, and what their difference says.
-struct Pair {
-    a: usize,
-    b: usize,
-    /// (m_a − m_b)² times this estimates Var(m) without bias.
-    variance_weight: f64,
-    /// 1 over the passes of the other replicates; 0 where there are none.
-    others: f64,
-}
-
-/// The colour means of a film by replicate.
-struct Replicates<'a> {
-    film: &'a Film,
-    counts: Vec<f64>,
-    total: f64,
-}
-
-impl<'a> Replicates<'a> {
-    fn of(film: &'a Film) -> Option<Self> {
-        let counts: Vec<f64> = (0..film.replicates()).map(|r| film.passes_of(r) as f64).collect();
-        let is_usable = counts.len() >= 2 && counts.iter().all(|&n| n > 0.0) && film.layout().pixels() > 0;
-        is_usable.then(|| Replicates { film, total: counts.iter().sum(), counts })
-    }
-
-    /// The means m_r of one pixel and channel.
-    fn means(&self, pixel: usize, channel: usize, out: &mut [f64]) {
-        let unit = self.film.units().of(Plane::Color);
-        let index = pixel * self.film.layout().channels() + channel;
-        for ((mean, sums), n) in out.iter_mut().zip(self.film.sums()).zip(&self.counts) {
-            *mean = sums.value(index) * unit / n;
-        }
-    }
-
-    fn mean(&self, means: &[f64]) -> f64 {
-        means.iter().zip(&self.counts).map(|(m, n)| m * n).sum::<f64>() / self.total
-    }
-
-    fn variance(&self, means: &[f64]) -> f64 {
-        let mean = self.mean(means);
-        let squares: f64 = means.iter().zip(&self.counts).map(|(m, n)| n / self.total * (m - mean) * (m - mean)).sum();
-        squares / (self.counts.len() as f64 - 1.0)
-    }
-
-    /// The mean of the image with its standard error.
-    fn image_mean(&self) -> Option<Estimate> {
-        let pixels = self.film.layout().pixels();
-        let rows: Vec<Vec<f64>> = (0..pixels.div_ceil(1024))
-            .into_par_iter()
-            .map(|chunk| self.sum_of_means(chunk * 1024..((chunk + 1) * 1024).min(pixels)))
-            .collect();
-        let values = (pixels * COLOR) as f64;
-        let means: Vec<f64> = (0..self.counts.len()).map(|r| rows.iter().map(|row| row[r]).sum::<f64>() / values).collect();
-        let dof = means.len() as f64 - 1.0;
-        let value = self.mean(&means);
-        value.is_finite().then(|| Estimate { value, standard_error: self.variance(&means).sqrt(), dof })
-    }
-
-    fn sum_of_means(&self, pixels: std::ops::Range<usize>) -> Vec<f64> {
-        let (mut sums, mut means) = (vec![0.0; self.counts.len()], vec![0.0; self.counts.len()]);
-        for pixel in pixels {
-            for channel in 0..COLOR {
-                self.means(pixel, channel, &mut means);
-                sums.iter_mut().zip(&means).for_each(|(sum, m)| *sum += m);
-            }
-        }
-        sums
-    }
-
-    fn pairs(&self) -> Vec<Pair> {
-        let n = self.counts.len();
-        let near = |a: usize, b: usize| (b - a).min(n - (b - a)) <= PAIR_DISTANCE;
-        let all = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
-        all.filter(|&(a, b)| near(a, b)).map(|(a, b)| self.pair(a, b)).collect()
-    }
-
-    fn pair(&self, a: usize, b: usize) -> Pair {
-        let (na, nb) = (self.counts[a], self.counts[b]);
-        let others = if self.counts.len() > 2 { 1.0 / (self.total - na - nb) } else { 0.0 };
-        Pair { a, b, variance_weight: 1.0 / ((1.0 / na + 1.0 / nb) * self.total), others }
-    }
-
-    fn block(&self, pixels: &[usize], pairs: &[Pair], epsilon: f64) -> Block {
-        let mut block = Block { values: (pixels.len() * COLOR) as f64, variance: 0.0, relative: 0.0, correction: 0.0 };
-        let mut means = vec![0.0; self.counts.len()];
-        for &pixel in pixels {
-            for channel in 0..COLOR {
-                self.means(pixel, channel, &mut means);
-                block.variance += self.variance(&means);
-                let [relative, correction] = self.relative_variance(&means, pairs, epsilon);
-                block.relative += relative;
-                block.correction += correction;
-            }
-        }
-        block
-    }
-
-    /// Mean over pairs of Var(m) from the pair over m² + ε from the other replicates, so that the two are independent; and
-    /// what was taken off it as bias.
-    fn relative_variance(&self, means: &[f64], pairs: &[Pair], epsilon: f64) -> [f64; 2] {
-        let sum = self.mean(means) * self.total;
-        let mut total = [0.0; 2];
-        for pair in pairs {
-            let difference = means[pair.a] - means[pair.b];
-            let variance = difference * difference * pair.variance_weight;
-            if variance > 0.0 {
-                let [weight, correction] = self.weight(means, pair, sum, epsilon);
-                total = [total[0] + variance * weight, total[1] + variance * correction];
-            }
-        }
-        total.map(|t| t / pairs.len() as f64)
-    }
-
-    /// An estimate of g(μ) = 1 / (μ² + ε) from the replicates that are not in the pair (from all if there are no others), and
-    /// what was taken off it as bias.
-    ///
-    /// E g(m) ≈ g + g″ V / 2 with V = Var(m). The share x = g″ V / 2g is taken off as 1 − x / (1 + |x|), equal to 1 − x to first
-    /// order and positive however noisy the estimate of V is.
-    fn weight(&self, means: &[f64], pair: &Pair, sum: f64, epsilon: f64) -> [f64; 2] {
-        let inverse = |m: f64| 1.0 / (m * m + epsilon);
-        if means.len() == 2 {
-            return [inverse(sum / self.total), 0.0];
-        }
-        let mean = (sum - means[pair.a] * self.counts[pair.a] - means[pair.b] * self.counts[pair.b]) * pair.others;
-        let g = inverse(mean);
-        if means.len() == 3 {
-            return [g, 0.0];
-        }
-        let is_other = |r: &usize| *r != pair.a && *r != pair.b;
-        let deviation = |r: usize| self.counts[r] * (means[r] - mean) * (means[r] - mean);
-        let squares: f64 = (0..means.len()).filter(is_other).map(deviation).sum();
-        let variance = squares * pair.others / (means.len() as f64 - 3.0);
-        let x = (3.0 * mean * mean - epsilon) * g * g * variance;
-        let correction = g * x / (1.0 + x.abs());
-        [g - correction, correction]
-    }
+/// The largest sample of the image, whose `mean` is that of its pixels and channels.
+fn largest_sample(film: &Film, mean: f64) -> Option<LargestSample> {
+    let pixels = film.layout().pixels();
+    let by_value = |a: &(usize, Peak), b: &(usize, Peak)| a.1.value.total_cmp(&b.1.value).then(b.0.cmp(&a.0));
+    let (pixel, peak) = (0..pixels).filter_map(|p| Some((p, film.peaks().at(p)?))).max_by(by_value)?;
+    let [x, y] = film.layout().pixel(pixel);
+    let light = mean * pixels as f64 * film.passes().len() as f64;
+    let value = f64::from(peak.value);
+    Some(LargestSample { share: value / light, value, x, y, pass: peak.pass })
 }
 
 #[cfg(test)]

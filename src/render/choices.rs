@@ -11,6 +11,14 @@ use crate::io::png::Curve;
 use crate::sampling::SamplerKind;
 use std::path::Path;
 
+/// Samples per pixel where nothing is said about when the render is done.
+const DEFAULT_SPP: u32 = 64;
+
+/// Where only an error target is given a render that cannot reach it ends here all the same.
+const MOST_SPP_UNASKED: u32 = 1 << 16;
+
+const DEFAULT_REPLICATES: u32 = 4;
+
 /// Choices about a render; whatever is `None` takes its default.
 #[derive(Debug, Clone, Default, clap::Args, serde::Deserialize)]
 #[command(next_help_heading = "Picture")]
@@ -19,12 +27,16 @@ pub struct Choices {
     /// How light is simulated [default: path]
     #[arg(long, short, value_enum)]
     pub method: Option<Method>,
-    /// Samples per pixel, rounded up to the replicates times a power of two [default: 64]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30), conflicts_with = "time")]
+    /// Samples per pixel at most, rounded up to the replicates times a power of two [default: 64; none with --time; 65536
+    /// with --target-error alone]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30))]
     pub spp: Option<u32>,
-    /// Render for this long instead, e.g. 30s or 5m
+    /// Render for this long at most, e.g. 30s or 5m
     #[arg(long, value_name = "TIME")]
     pub time: Option<Budget>,
+    /// Stop once the relative mean squared error is below this with 95 % confidence, e.g. 1e-3
+    #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
+    pub target_error: Option<f64>,
     /// Image size; without a height the camera's aspect decides [default: 1280 wide, or 1280x720]
     #[arg(long, value_name = "WIDTH[xHEIGHT]")]
     pub size: Option<Size>,
@@ -119,25 +131,22 @@ impl Choices {
     /// # Errors
     /// A usage error with the line if it says something étendue does not know.
     pub fn parse(text: &str) -> Result<Choices> {
-        let choices: Choices = toml::from_str(text).map_err(|e| {
+        toml::from_str(text).map_err(|e| {
             let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
             Error::usage(format!("line {line}: {}", e.message().replace('\n', " ")))
-        })?;
-        if choices.spp.is_some() && choices.time.is_some() {
-            return Err(Error::usage("spp and time exclude each other"));
-        }
-        Ok(choices)
+        })
     }
 
     /// These choices, and those of `fallback` where there is none.
     pub fn or(self, fallback: Choices) -> Choices {
-        let stops_here = self.spp.is_some() || self.time.is_some();
+        let stops_here = self.stops();
         // Rotation and scale belong to the environment that they were written beside.
         let surrounds_here = self.env.is_some();
         Choices {
             method: self.method.or(fallback.method),
             spp: if stops_here { self.spp } else { fallback.spp },
             time: if stops_here { self.time } else { fallback.time },
+            target_error: if stops_here { self.target_error } else { fallback.target_error },
             size: self.size.or(fallback.size),
             crop: self.crop.or(fallback.crop),
             camera: self.camera.or(fallback.camera),
@@ -178,7 +187,7 @@ impl Choices {
             filter: self.filter.unwrap_or_default(),
             sampler: self.sampler.unwrap_or_default(),
             seed: self.seed.unwrap_or(0),
-            replicates: in_range("replicates", self.replicates.unwrap_or(4), 256)?,
+            replicates: in_range("replicates", self.replicates.unwrap_or(DEFAULT_REPLICATES), 256)?,
             backend: self.backend.unwrap_or_default(),
             build: self.build.unwrap_or_default(),
             aovs,
@@ -195,15 +204,30 @@ impl Choices {
         Surroundings::chosen(self.env.as_ref(), self.env_rotation, self.env_scale)
     }
 
+    /// Whether anything is said about when the render is done.
+    pub fn stops(&self) -> bool {
+        self.spp.is_some() || self.time.is_some() || self.target_error.is_some()
+    }
+
     /// The plan chosen, for that share of the passes.
     ///
     /// # Errors
-    /// Values out of range.
+    /// Values out of range; an error target for a share of the passes, or without replicates to measure the error between.
     pub fn plan(&self, selection: Selection) -> Result<Plan> {
-        let replicates = self.replicates.unwrap_or(4);
-        let stop = match self.time {
-            Some(Budget(time)) => Stop::Seconds(time.as_secs_f64()),
-            None => Stop::Spp(round_spp(u64::from(in_range("spp", self.spp.unwrap_or(64), 1 << 30)?), replicates)),
+        let replicates = self.replicates.unwrap_or(DEFAULT_REPLICATES);
+        if let Some(target) = self.target_error {
+            measurable(target, replicates, selection)?;
+        }
+        let unasked = match (self.time, self.target_error) {
+            (Some(_), _) => None,
+            (None, Some(_)) => Some(MOST_SPP_UNASKED),
+            (None, None) => Some(DEFAULT_SPP),
+        };
+        let spp = self.spp.or(unasked).map(|spp| in_range("spp", spp, 1 << 30)).transpose()?;
+        let stop = Stop {
+            spp: spp.map(|spp| round_spp(u64::from(spp), replicates)),
+            seconds: self.time.map(|Budget(time)| time.as_secs_f64()),
+            target_error: self.target_error,
         };
         Ok(Plan { stop, selection })
     }
@@ -236,6 +260,17 @@ fn positive(clamp: f32) -> Result<f32> {
     if clamp.is_finite() && clamp > 0.0 { Ok(clamp) } else { Err(Error::usage("clamp must be above zero")) }
 }
 
+/// Refuses an error target that nothing could be measured against.
+fn measurable(target: f64, replicates: u32, selection: Selection) -> Result<()> {
+    let refuse = |what: &str| Err(Error::usage(format!("target-error {what}")));
+    match (target.is_finite() && target > 0.0, replicates, selection) {
+        (false, ..) => refuse("must be above zero"),
+        (_, 0 | 1, _) => refuse("needs replicates to measure the error between: leave out --replicates 1"),
+        (_, _, Selection::All) => Ok(()),
+        _ => refuse("needs the whole picture: merge the shards, look at the error, and resume"),
+    }
+}
+
 fn within(crop: Crop, width: u32, height: u32) -> Result<Crop> {
     if crop.x1 <= width && crop.y1 <= height {
         Ok(crop)
@@ -259,11 +294,26 @@ mod tests {
     }
 
     #[test]
-    fn spp_and_time_replace_each_other() {
+    fn when_to_stop_is_chosen_in_one_place() {
+        let stop = |choices: &Choices| choices.plan(Selection::All).unwrap().stop;
         let line = Choices { spp: Some(16), ..Choices::default() };
         let file = Choices::parse("time = \"5m\"").unwrap();
-        assert_eq!(line.or(file.clone()).plan(Selection::All).unwrap().stop, Stop::Spp(16));
-        assert_eq!(file.plan(Selection::All).unwrap().stop, Stop::Seconds(300.0));
+        assert_eq!(stop(&line.or(file.clone())), Stop::after(16));
+        assert_eq!(stop(&file), Stop { seconds: Some(300.0), ..Stop::default() });
+        let several = Choices::parse("time = \"5m\"\nspp = 100\ntarget-error = 1e-3").unwrap();
+        assert_eq!(stop(&several), Stop { spp: Some(128), seconds: Some(300.0), target_error: Some(1e-3) });
+        let target = Choices::parse("target-error = 0.01").unwrap();
+        assert_eq!(stop(&target), Stop { target_error: Some(0.01), ..Stop::after(65536) });
+        assert_eq!(stop(&Choices::default()), Stop::after(64));
+    }
+
+    #[test]
+    fn targets_that_cannot_be_measured_are_refused() {
+        for text in ["target-error = 0.0", "target-error = -1.0", "target-error = nan", "target-error = 0.1\nreplicates = 1"] {
+            assert!(Choices::parse(text).unwrap().plan(Selection::All).is_err(), "{text}");
+        }
+        let target = Choices::parse("target-error = 0.1").unwrap();
+        assert!(target.plan("0/2".parse().unwrap()).is_err() && target.plan("0..8".parse().unwrap()).is_err());
     }
 
     #[test]
@@ -275,7 +325,7 @@ mod tests {
     #[test]
     fn wrong_values_in_a_file_are_refused_like_those_on_the_line() {
         for text in
-            ["size = \"0x4\"", "env = -1.0", "env = \"sky.png\"", "spp = -4", "spp = 4\ntime = \"1s\"", "aov = [\"beauty\"]"]
+            ["size = \"0x4\"", "env = -1.0", "env = \"sky.png\"", "spp = -4", "target-error = \"low\"", "aov = [\"beauty\"]"]
         {
             assert!(Choices::parse(text).is_err(), "{text}");
         }

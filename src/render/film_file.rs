@@ -2,10 +2,11 @@
 //!
 //! All numbers are little-endian: 8 bytes of magic, u32 version, u32 length of the header, the header in JSON, one zstd stream,
 //! and the BLAKE3 hash of all that. The stream has the i64 sums replicate by replicate, then for each replicate the sparse
-//! table of what lies above them: u64 count, then (u64 index, i128 multiple of 2⁶⁴) by ascending index.
+//! table of what lies above them: u64 count, then (u64 index, i128 multiple of 2⁶⁴) by ascending index; last, for each pixel,
+//! its largest sample as a u64 (see `film::Peaks`).
 
 use crate::error::{Error, Kind, Result};
-use crate::film::{Film, Layout, PassSet, Sums, Units};
+use crate::film::{Film, Layout, PassSet, Peaks, Sums, Units};
 use crate::io::atomic::write_atomically;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -14,7 +15,7 @@ use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 const MAGIC: [u8; 8] = *b"\x89ETFILM\n";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const PREFIX: u64 = 16;
 const HASH: u64 = blake3::OUT_LEN as u64;
 const MOST_HEADER: u32 = 1 << 24;
@@ -65,8 +66,9 @@ pub fn write(path: &Path, provenance: &serde_json::Value, film: &Film) -> Result
         hashed.write_all(&length.to_le_bytes())?;
         hashed.write_all(&header)?;
         let mut stream = zstd::Encoder::new(&mut hashed, LEVEL)?;
-        film.sums().iter().try_for_each(|sums| write_low(&mut stream, sums))?;
+        film.sums().iter().try_for_each(|sums| write_words(&mut stream, sums.low(), i64::to_le_bytes))?;
         film.sums().iter().try_for_each(|sums| write_high(&mut stream, sums))?;
+        write_words(&mut stream, film.peaks().packed(), u64::to_le_bytes)?;
         stream.finish()?;
         let hash = hashed.hasher.finalize();
         hashed.file.write_all(hash.as_bytes())?;
@@ -74,9 +76,9 @@ pub fn write(path: &Path, provenance: &serde_json::Value, film: &Film) -> Result
     })
 }
 
-fn write_low(out: &mut impl Write, sums: &Sums) -> io::Result<()> {
-    for run in sums.low().chunks(RUN) {
-        let bytes: Vec<u8> = run.iter().flat_map(|v| v.to_le_bytes()).collect();
+fn write_words<T: Copy>(out: &mut impl Write, words: &[T], bytes_of: fn(T) -> [u8; 8]) -> io::Result<()> {
+    for run in words.chunks(RUN) {
+        let bytes: Vec<u8> = run.iter().flat_map(|&word| bytes_of(word)).collect();
         out.write_all(&bytes)?;
     }
     Ok(())
@@ -133,7 +135,12 @@ fn read_from(file: &mut File) -> Result<(serde_json::Value, Film)> {
     let units = Units::from_exponents(header.units[0], header.units[1]).ok_or_else(|| Error::scene("its units are invalid"))?;
     let mut stream = zstd::Decoder::new(BufReader::new(file.take(body))).map_err(damaged)?;
     let sums = read_sums(&mut stream, header.replicates, values)?;
-    let film = Film::from_parts(header.layout, header.seed, units, header.passes, header.dropped, sums);
+    let peaks = read_words(&mut stream, header.layout.pixels(), u64::from_le_bytes)?;
+    let peaks = Peaks::from_packed(peaks).ok_or_else(|| Error::scene("its largest samples are invalid"))?;
+    if stream.read(&mut [0]).map_err(damaged)? != 0 {
+        return Err(Error::scene("it has data past its end"));
+    }
+    let film = Film::from_parts(header.layout, header.seed, units, header.passes, header.dropped, sums, peaks);
     Ok((header.provenance, film.ok_or_else(|| Error::scene("its parts do not fit together"))?))
 }
 
@@ -188,27 +195,26 @@ fn check(header: &Header, body: u64) -> Result<usize> {
 }
 
 fn read_sums(stream: &mut impl Read, replicates: u32, values: usize) -> Result<Vec<Sums>> {
-    let low: Vec<Vec<i64>> = (0..replicates).map(|_| read_low(stream, values)).collect::<Result<_>>()?;
+    let low = (0..replicates).map(|_| read_words(stream, values, i64::from_le_bytes));
+    let low: Vec<Vec<i64>> = low.collect::<Result<_>>()?;
     let sums = low.into_iter().map(|low| {
         let high = read_high(stream, low.len())?;
         Sums::from_parts(low, high).ok_or_else(|| Error::scene("its overflow table is invalid"))
     });
-    let sums = sums.collect::<Result<Vec<Sums>>>()?;
-    let rest = stream.read(&mut [0]).map_err(damaged)?;
-    if rest == 0 { Ok(sums) } else { Err(Error::scene("it has data past its end")) }
+    sums.collect()
 }
 
 /// Memory is touched only as values arrive.
-fn read_low(stream: &mut impl Read, values: usize) -> Result<Vec<i64>> {
-    let mut low = Vec::new();
-    low.try_reserve_exact(values).map_err(|_| Error::new(Kind::Memory, "its sums do not fit into memory"))?;
+fn read_words<T>(stream: &mut impl Read, count: usize, of_bytes: fn([u8; 8]) -> T) -> Result<Vec<T>> {
+    let mut words = Vec::new();
+    words.try_reserve_exact(count).map_err(|_| Error::new(Kind::Memory, "its sums do not fit into memory"))?;
     let mut bytes = [0; 8 * RUN];
-    while low.len() < values {
-        let run = &mut bytes[..8 * RUN.min(values - low.len())];
+    while words.len() < count {
+        let run = &mut bytes[..8 * RUN.min(count - words.len())];
         stream.read_exact(run).map_err(damaged)?;
-        low.extend(run.chunks_exact(8).map(|b| i64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])));
+        words.extend(run.chunks_exact(8).map(|b| of_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])));
     }
-    Ok(low)
+    Ok(words)
 }
 
 fn read_high(stream: &mut impl Read, values: usize) -> Result<BTreeMap<u64, i128>> {
@@ -357,7 +363,12 @@ mod tests {
         many[low..low + 8].fill(0x7f);
         let mut zero = body.clone();
         zero[low + 16..low + 32].fill(0);
-        for bad in [no_index, many, zero, body[..low - 8].to_vec(), body[..body.len() - 1].to_vec(), [&body[..], b"x"].concat()] {
+        let mut peak = body.clone();
+        let last = body.len() - 1;
+        peak[last] = 0xff;
+        for bad in
+            [no_index, many, zero, peak, body[..low - 8].to_vec(), body[..body.len() - 1].to_vec(), [&body[..], b"x"].concat()]
+        {
             forge(&path, &header, &bad);
             assert_eq!(read(&path).unwrap_err().kind, Kind::Scene);
         }

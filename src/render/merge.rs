@@ -37,7 +37,7 @@ pub fn merge(paths: &[PathBuf], gaps: Gaps) -> Result<(Provenance, Film)> {
     if gaps == Gaps::Refuse {
         complete(film.passes(), total)?;
     }
-    provenance.plan = Plan { stop: Stop::Spp(total), selection: Selection::All };
+    provenance.plan = Plan { stop: Stop::after(total), selection: Selection::All };
     Ok((provenance, film))
 }
 

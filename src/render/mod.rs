@@ -20,6 +20,7 @@ mod session;
 mod settings;
 mod stage;
 mod surroundings;
+pub mod target;
 mod text;
 
 pub use aov::Aov;

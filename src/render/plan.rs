@@ -6,14 +6,28 @@ use crate::film::PassSet;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// When a render is done.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+/// When a render is done: at the first of these that is there and met.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Stop {
+pub struct Stop {
     /// After this many samples per pixel.
-    Spp(u64),
+    pub spp: Option<u64>,
     /// After this many seconds, in whole passes.
-    Seconds(f64),
+    pub seconds: Option<f64>,
+    /// When the relative mean squared error is below this, at the confidence that [`super::target`] states.
+    pub target_error: Option<f64>,
+}
+
+impl Stop {
+    /// Done after so many samples per pixel.
+    pub fn after(spp: u64) -> Self {
+        Stop { spp: Some(spp), ..Stop::default() }
+    }
+
+    /// Whether the number of passes is known beforehand.
+    fn is_known(&self) -> bool {
+        self.seconds.is_none() && self.target_error.is_none()
+    }
 }
 
 /// The share of the passes that this process renders.
@@ -55,12 +69,9 @@ pub fn round_spp(spp: u64, replicates: u32) -> u64 {
 }
 
 impl Plan {
-    /// The passes wanted, in order. Endless for a time budget without a range.
+    /// The passes wanted at most, in order. Endless for a time budget alone, without a range.
     pub fn passes(&self) -> Box<dyn Iterator<Item = u64>> {
-        let total = match self.stop {
-            Stop::Spp(n) => n,
-            Stop::Seconds(_) => u64::MAX,
-        };
+        let total = self.stop.spp.unwrap_or(u64::MAX);
         match self.selection {
             Selection::All => Box::new(0..total),
             Selection::Shard { index, count } => Box::new((index..total).step_by(count as usize)),
@@ -68,32 +79,29 @@ impl Plan {
         }
     }
 
-    /// How many passes are wanted, if that is known beforehand.
+    /// How many passes are wanted at most, if there is a limit.
     pub fn count(&self) -> Option<u64> {
-        match (self.stop, self.selection) {
+        match (self.stop.spp, self.selection) {
             (_, Selection::Range { start, end }) => Some(end - start),
-            (Stop::Seconds(_), _) => None,
-            (Stop::Spp(n), Selection::All) => Some(n),
-            (Stop::Spp(n), Selection::Shard { index, count }) => Some(n.saturating_sub(index).div_ceil(count)),
+            (None, _) => None,
+            (Some(n), Selection::All) => Some(n),
+            (Some(n), Selection::Shard { index, count }) => Some(n.saturating_sub(index).div_ceil(count)),
         }
     }
 
     /// How long the run may take, if time decides.
     pub fn budget(&self) -> Option<Duration> {
-        match self.stop {
-            Stop::Seconds(s) => Some(Duration::from_secs_f64(s)),
-            Stop::Spp(_) => None,
-        }
+        self.stop.seconds.map(Duration::from_secs_f64)
     }
 
     /// How many passes the whole picture has that `held` are part of: what a merge must find without gaps. A time budget
-    /// promises nothing, so there the held passes decide, in whole rounds of the replicates.
+    /// or an error target promises no number, so there the held passes decide.
     pub(super) fn picture(&self, held: &PassSet, replicates: u32) -> u64 {
         let past_last = held.iter().last().map_or(0, |last| last + 1);
-        match (self.stop, self.selection) {
+        match (self.stop.spp, self.selection) {
             (_, Selection::Range { .. }) => round_spp(past_last.max(1), replicates),
-            (Stop::Spp(n), _) => n,
-            (Stop::Seconds(_), _) => past_last.next_multiple_of(u64::from(replicates)),
+            (Some(n), _) if self.stop.is_known() => n,
+            _ => past_last,
         }
     }
 }
@@ -126,6 +134,10 @@ mod tests {
         Plan { stop, selection }
     }
 
+    fn timed() -> Stop {
+        Stop { seconds: Some(1.0), ..Stop::default() }
+    }
+
     #[test]
     fn spp_is_rounded_up_to_replicates_times_a_power_of_two() {
         let cases =
@@ -137,7 +149,7 @@ mod tests {
 
     #[test]
     fn shards_partition_the_passes() {
-        let mut all: Vec<u64> = (0..3).flat_map(|i| plan(Stop::Spp(16), &format!("{i}/3")).passes()).collect();
+        let mut all: Vec<u64> = (0..3).flat_map(|i| plan(Stop::after(16), &format!("{i}/3")).passes()).collect();
         all.sort_unstable();
         assert_eq!(all, (0..16).collect::<Vec<_>>());
     }
@@ -145,11 +157,11 @@ mod tests {
     #[test]
     fn counts_agree_with_the_passes() {
         for text in ["", "0/3", "1/3", "2/3", "9/20", "19/20", "3..9"] {
-            let plan = plan(Stop::Spp(16), text);
+            let plan = plan(Stop::after(16), text);
             assert_eq!(plan.count(), Some(plan.passes().count() as u64), "{text}");
         }
-        assert_eq!(plan(Stop::Seconds(1.0), "").count(), None);
-        assert_eq!(plan(Stop::Seconds(1.0), "3..9").count(), Some(6));
+        assert_eq!(plan(timed(), "").count(), None);
+        assert_eq!(plan(timed(), "3..9").count(), Some(6));
     }
 
     #[test]
@@ -170,8 +182,10 @@ mod tests {
             });
             set
         };
-        assert_eq!(plan(Stop::Spp(64), "1/2").picture(&held(&[1, 3]), 4), 64);
-        assert_eq!(plan(Stop::Spp(64), "4..6").picture(&held(&[4, 5]), 4), 8);
-        assert_eq!(plan(Stop::Seconds(1.0), "").picture(&held(&[0, 1, 2, 3, 4]), 4), 8);
+        assert_eq!(plan(Stop::after(64), "1/2").picture(&held(&[1, 3]), 4), 64);
+        assert_eq!(plan(Stop::after(64), "4..6").picture(&held(&[4, 5]), 4), 8);
+        assert_eq!(plan(timed(), "").picture(&held(&[0, 1, 2, 3, 4]), 4), 5);
+        let whichever_first = Stop { target_error: Some(1e-3), ..Stop::after(64) };
+        assert_eq!(plan(whichever_first, "").picture(&held(&[0, 1, 2, 3]), 4), 4);
     }
 }

@@ -2,6 +2,7 @@
 //! the EXR image as `etendue.` attributes (`etendue.render.wall_seconds`, …).
 
 use super::provenance::Program;
+use super::target::{self, Check};
 use super::{Outputs, Plan, Provenance, Settings, Stage, Surroundings, machine};
 use crate::film::{Film, ImageError};
 use crate::integrator::{Guards, InvalidSample};
@@ -25,6 +26,7 @@ pub struct Report {
     build: Option<Phase>,
     render: Render,
     error: Option<ImageError>,
+    target: Option<TargetReport>,
     guards: Guards,
     clamp: Option<Clamp>,
     invalid: Vec<Invalid>,
@@ -90,6 +92,19 @@ pub struct Clamp {
     pub share_removed: f64,
 }
 
+/// What came of an error target.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TargetReport {
+    /// The relative mean squared error wanted.
+    pub relmse: f64,
+    /// Whether the error is below it, at the confidence that the looks share.
+    pub reached: bool,
+    /// One minus that confidence.
+    pub level: f64,
+    /// The last look; `None` if it never came to one.
+    pub last_look: Option<Check>,
+}
+
 #[derive(Debug, Clone, Serialize)]
 struct Invalid {
     #[serde(flatten)]
@@ -119,9 +134,39 @@ impl Report {
             guards: work.passes.guards,
             clamp: settings.clamp.map(|limit| clamp(limit, provenance, film, error.as_ref())),
             error,
+            target: None,
             invalid: work.passes.invalid.iter().map(|&sample| Invalid { sample, replay: replay(sample) }).collect(),
             pixel_hash: exr::hash_pixels(settings.width, settings.height, settings.crop, layers),
         }
+    }
+
+    /// The same with what came of the plan's error target, if it has one, as the last look at it says.
+    pub fn with_target(self, last_look: Option<&Check>) -> Report {
+        let target = self.plan.stop.target_error.map(|relmse| TargetReport {
+            relmse,
+            reached: last_look.is_some_and(|look| look.reached),
+            level: target::LEVEL,
+            last_look: last_look.copied(),
+        });
+        Report { target, ..self }
+    }
+
+    /// What came of the error target, if there is one.
+    pub fn target(&self) -> Option<&TargetReport> {
+        self.target.as_ref()
+    }
+
+    /// One sentence on an error target that was not reached.
+    pub fn target_missed(&self) -> Option<String> {
+        let target = self.target.filter(|target| !target.reached)?;
+        let found = match target.last_look {
+            Some(look) if look.upper_limit <= target.relmse => {
+                "the tail of the samples is too heavy to trust the interval".into()
+            }
+            Some(look) => format!("at {} samples per pixel it is only known to be below {:.3e}", look.passes, look.upper_limit),
+            None => "there were too few samples to look at it".into(),
+        };
+        Some(format!("the target error {:e} was not reached: {found}", target.relmse))
     }
 
     /// The error of the image, if it has replicates to measure it between.
@@ -154,6 +199,9 @@ impl Report {
             let interval = format!("95% [{:.3e}, {:.3e}]", relmse.low, relmse.high);
             line.push_str(&format!(", relMSE {:.3e} {interval}", relmse.value));
             line.push_str(&format!(", mean {:.6} ± {:.1e}", error.mean, error.mean_standard_error));
+            if let Some(largest) = &error.largest {
+                line.push_str(&format!(", largest sample {:.1e} of the light", largest.share));
+            }
         }
         line
     }

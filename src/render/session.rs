@@ -1,7 +1,7 @@
 //! One process's part in a render: passes, one after the other and each over all threads, into a film.
 
 use super::machine::{Stopwatch, available_memory};
-use super::{Checkpoint, Observer, Progress, Provenance, Stage, checkpoint, provenance};
+use super::{Checkpoint, Observer, Progress, Provenance, Stage, checkpoint, provenance, target};
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, Layout, PassFilm};
 use crate::integrator::{self, Integrator, PassReport};
@@ -15,6 +15,8 @@ pub struct Session<'a> {
     layout: Layout,
     film: Film,
     provenance: Provenance,
+    /// The last look at the error, where there is a target.
+    check: Option<target::Check>,
 }
 
 /// How a session ended.
@@ -38,7 +40,7 @@ impl<'a> Session<'a> {
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         let prelude = integrator::prelude(&stage.scene, &camera, &settings.options(), &layout);
         let film = Film::new(layout.clone(), settings.replicates, settings.seed, prelude.units);
-        Ok(Session { stage, layout, film, provenance })
+        Ok(Session { stage, layout, film, provenance, check: None })
     }
 
     /// Goes on with a film. What the prelude decided is in it.
@@ -47,7 +49,7 @@ impl<'a> Session<'a> {
     /// The scene or the program is not the one that began it.
     pub fn resume(stage: &'a Stage, provenance: Provenance, film: Film) -> Result<Session<'a>> {
         provenance.continuable_on(stage)?;
-        Ok(Session { stage, layout: provenance.settings.layout(), film, provenance })
+        Ok(Session { stage, layout: provenance.settings.layout(), film, provenance, check: None })
     }
 
     /// Instance and material numbers at the pixel centres.
@@ -60,6 +62,11 @@ impl<'a> Session<'a> {
         Ok(integrator::ids(&self.stage.scene, &camera, &self.layout))
     }
 
+    /// What the last look at the error said, if there is a target.
+    pub fn target_check(&self) -> Option<&target::Check> {
+        self.check.as_ref()
+    }
+
     /// The film.
     pub fn film(&self) -> &Film {
         &self.film
@@ -70,7 +77,7 @@ impl<'a> Session<'a> {
         &self.provenance
     }
 
-    /// Renders the passes that the plan wants and the film lacks, until done, out of time or told to stop.
+    /// Renders the passes that the plan wants and the film lacks, until done, good enough, out of time or told to stop.
     ///
     /// # Errors
     /// A checkpoint that cannot be written, a camera that is not there.
@@ -84,8 +91,9 @@ impl<'a> Session<'a> {
         let clock = Stopwatch::start();
         let held = self.film.passes().clone();
         let wanted = self.provenance.plan.count().map(|_| self.missing(&held).count() as u64);
+        self.look();
         for pass in self.missing(&held) {
-            if !self.time_left(done, clock.wall()) {
+            if self.is_good_enough() || !self.time_left(done, clock.wall()) {
                 break;
             }
             let Some(report) = self.render(&*integrator, pass, cancel, &mut scratch) else {
@@ -93,7 +101,8 @@ impl<'a> Session<'a> {
             };
             done += 1;
             self.account(&earlier, report);
-            let budget = self.provenance.plan.budget();
+            self.look();
+            let (budget, wanted) = (self.provenance.plan.budget(), self.forecast(held.len(), wanted));
             observer.pass(&Progress { film: &self.film, done, wanted, elapsed: clock.wall(), budget });
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.save_if_due(&self.provenance, &self.film)?;
@@ -115,9 +124,26 @@ impl<'a> Session<'a> {
         self.provenance.plan.passes().filter(|&pass| !held.contains(pass))
     }
 
+    /// Looks at the error if there is a target and it is time.
+    fn look(&mut self) {
+        let target = self.provenance.plan.stop.target_error;
+        self.check = target.and_then(|target| target::check(&self.film, target)).or(self.check);
+    }
+
+    fn is_good_enough(&self) -> bool {
+        self.check.is_some_and(|check| check.reached)
+    }
+
+    /// How many passes this session has to render, the error target considered: `wanted` at most.
+    fn forecast(&self, held: u64, wanted: Option<u64>) -> Option<u64> {
+        let needed = self.check.map(|check| target::passes_needed(&check).saturating_sub(held));
+        wanted.map(|wanted| needed.map_or(wanted, |needed| needed.min(wanted))).or(needed)
+    }
+
     fn time_left(&self, done: u64, used: Duration) -> bool {
         let Some(budget) = self.provenance.plan.budget() else { return true };
-        admits(done, self.film.passes().len(), u64::from(self.provenance.settings.replicates), used, budget)
+        let first_round = self.film.passes().len() < u64::from(self.provenance.settings.replicates);
+        if first_round { done == 0 || used < budget } else { admits(done, used, budget) }
     }
 
     fn render(&mut self, integrator: &dyn Integrator, pass: u64, cancel: &Cancel, scratch: &mut PassFilm) -> Option<PassReport> {
@@ -139,18 +165,10 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Whether there is time for another pass. Replicates stay balanced: a round of `round` passes is begun only if it will
-/// be over in time at the pace so far, and then finished. The first pass always runs, and within the first round of a film
-/// time decides pass by pass.
-fn admits(done: u64, held: u64, round: u64, used: Duration, budget: Duration) -> bool {
-    if done == 0 {
-        return true;
-    }
-    match (held < round, held % round) {
-        (true, _) => used < budget,
-        (false, 0) => used.as_secs_f64() * (1.0 + round as f64 / done as f64) <= budget.as_secs_f64(),
-        (false, _) => true,
-    }
+/// Whether another pass will be over in time at the pace so far. The first always runs. In the first round of a film's
+/// replicates passes run until the time is up, since without all of them there is no error.
+fn admits(done: u64, used: Duration, budget: Duration) -> bool {
+    done == 0 || used.as_secs_f64() * (1.0 + 1.0 / done as f64) <= budget.as_secs_f64()
 }
 
 /// Refuses a film that would not fit into memory.
@@ -170,25 +188,15 @@ fn affordable(layout: &Layout, replicates: u32) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn passes_within(budget: u64, seconds_each: u64, round: u64) -> u64 {
-        let mut done = 0;
-        while admits(done, done, round, Duration::from_secs(done * seconds_each), Duration::from_secs(budget)) {
-            done += 1;
-        }
-        done
-    }
-
+    /// A budget is used up to the last pass that fits, and never overrun by passes of an even pace.
     #[test]
-    fn time_budgets_end_on_whole_rounds() {
-        assert_eq!(passes_within(100, 1, 4), 100);
-        assert_eq!(passes_within(103, 1, 4), 100);
-        assert_eq!(passes_within(7, 1, 4), 4);
-    }
-
-    #[test]
-    fn a_budget_below_one_round_is_kept_pass_by_pass() {
-        assert_eq!(passes_within(2, 1, 4), 2);
-        assert_eq!(passes_within(1, 10, 4), 1);
+    fn time_budgets_end_on_the_last_pass_that_fits() {
+        let passes_within = |budget: u64, each: u64| {
+            (0..).find(|&done| !admits(done, Duration::from_secs(done * each), Duration::from_secs(budget)))
+        };
+        assert_eq!(passes_within(100, 1), Some(100));
+        assert_eq!(passes_within(103, 5), Some(20));
+        assert_eq!(passes_within(1, 10), Some(1));
     }
 
     #[test]

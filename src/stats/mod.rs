@@ -6,6 +6,7 @@ mod estimate;
 mod hypothesis;
 mod moments;
 mod multiple;
+mod pareto;
 mod student;
 #[cfg(test)]
 pub(crate) mod test_random;
@@ -15,4 +16,5 @@ pub use estimate::Estimate;
 pub use hypothesis::{TestResult, t_test, welch_test, z_test};
 pub use moments::Moments;
 pub use multiple::{holm, sidak_level, sidak_p_value};
+pub use pareto::{Tail, tail_shape};
 pub use student::{student_p_value, student_quantile};

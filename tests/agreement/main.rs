@@ -6,6 +6,7 @@
 #[cfg(feature = "embree")]
 mod backends;
 mod closed_forms;
+mod coverage;
 mod enclosures;
 mod environments;
 mod hard_cases;

@@ -12,7 +12,7 @@ fn project(path: &str) -> PathBuf {
 }
 
 /// A scene with its settings in scenes/; `None` if it was not generated (`make scenes`).
-fn load(name: &str) -> Option<Scene> {
+pub(crate) fn load(name: &str) -> Option<Scene> {
     let path = project(&format!("scenes/{name}/scene.gltf"));
     if !path.exists() {
         assert!(!deep(), "{} is missing: run `make scenes`", path.display());

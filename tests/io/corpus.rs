@@ -82,7 +82,7 @@ fn forge(bytes: &[u8]) -> Vec<u8> {
     let (header, body) = (&bytes[..at], bytes.get(at + 1..).unwrap_or_default());
     let length = (header.len() as u32).to_le_bytes();
     let packed = zstd::encode_all(body, 1).expect("compression in memory");
-    let film = [b"\x89ETFILM\n", &1u32.to_le_bytes()[..], &length, header, &packed].concat();
+    let film = [b"\x89ETFILM\n", &2u32.to_le_bytes()[..], &length, header, &packed].concat();
     [&film[..], blake3::hash(&film).as_bytes()].concat()
 }
 

@@ -1,0 +1,228 @@
+//! What the replicates of a film say about each pixel: means, the variance of their mean, the variance relative to the square.
+
+use super::{Film, Plane};
+use crate::stats::Estimate;
+use rayon::prelude::*;
+
+/// Channels of colour.
+pub(super) const COLOR: usize = 3;
+/// Pairs of replicates further apart than this (cyclically) are left out: they would cost R² and add almost nothing.
+const PAIR_DISTANCE: usize = 4;
+
+/// The colour means of a film by replicate.
+pub(super) struct Replicates<'a> {
+    film: &'a Film,
+    pub(super) counts: Vec<f64>,
+    total: f64,
+}
+
+/// Two replicates, and what their difference says.
+struct Pair {
+    a: usize,
+    b: usize,
+    /// (m_a − m_b)² times this estimates Var(m) without bias.
+    variance_weight: f64,
+    /// 1 over the passes of the other replicates; 0 where there are none.
+    others: f64,
+}
+
+/// Σ over the channels of a pixel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PixelError {
+    /// Var(m).
+    pub(super) variance: f64,
+    /// Var(m) / (m² + ε).
+    pub(super) relative: f64,
+    /// What was taken off `relative` as bias.
+    pub(super) correction: f64,
+    /// An unbiased estimate of the variance of `relative`; may be negative. `None` with fewer than four replicates.
+    pub(super) spread: Option<f64>,
+}
+
+/// How the relative variances of pixels are estimated from pairs of replicates.
+pub(super) struct Pairs {
+    pairs: Vec<Pair>,
+    /// Pairs of pairs that share no replicate, by index.
+    disjoint: Vec<[usize; 2]>,
+    /// The weights of half a squared difference and of a squared product of disjoint pairs in `spread`.
+    spread_weights: [f64; 2],
+    epsilon: f64,
+}
+
+/// Numbers that are needed for one pixel after the other.
+pub(super) struct Scratch {
+    means: Vec<f64>,
+    /// By pair and channel: signed roots of relative variances.
+    terms: Vec<[f64; COLOR]>,
+}
+
+impl<'a> Replicates<'a> {
+    /// `None` with fewer than 2 replicates, an empty one, or no pixels.
+    pub(super) fn of(film: &'a Film) -> Option<Self> {
+        let counts: Vec<f64> = (0..film.replicates()).map(|r| film.passes_of(r) as f64).collect();
+        let is_usable = counts.len() >= 2 && counts.iter().all(|&n| n > 0.0) && film.layout().pixels() > 0;
+        is_usable.then(|| Replicates { film, total: counts.iter().sum(), counts })
+    }
+
+    /// The means m_r of one pixel and channel.
+    pub(super) fn means(&self, pixel: usize, channel: usize, out: &mut [f64]) {
+        let unit = self.film.units().of(Plane::Color);
+        let index = pixel * self.film.layout().channels() + channel;
+        for ((mean, sums), n) in out.iter_mut().zip(self.film.sums()).zip(&self.counts) {
+            *mean = sums.value(index) * unit / n;
+        }
+    }
+
+    fn mean(&self, means: &[f64]) -> f64 {
+        means.iter().zip(&self.counts).map(|(m, n)| m * n).sum::<f64>() / self.total
+    }
+
+    /// Var(m), without bias where the variance of m_r goes as 1/n_r.
+    pub(super) fn variance(&self, means: &[f64]) -> f64 {
+        let mean = self.mean(means);
+        let squares: f64 = means.iter().zip(&self.counts).map(|(m, n)| n / self.total * (m - mean) * (m - mean)).sum();
+        squares / (self.counts.len() as f64 - 1.0)
+    }
+
+    /// The mean of the image with its standard error.
+    pub(super) fn image_mean(&self) -> Option<Estimate> {
+        let pixels = self.film.layout().pixels();
+        let rows: Vec<Vec<f64>> = (0..pixels.div_ceil(1024))
+            .into_par_iter()
+            .map(|chunk| self.sum_of_means(chunk * 1024..((chunk + 1) * 1024).min(pixels)))
+            .collect();
+        let values = (pixels * COLOR) as f64;
+        let means: Vec<f64> = (0..self.counts.len()).map(|r| rows.iter().map(|row| row[r]).sum::<f64>() / values).collect();
+        let dof = means.len() as f64 - 1.0;
+        let value = self.mean(&means);
+        value.is_finite().then(|| Estimate { value, standard_error: self.variance(&means).sqrt(), dof })
+    }
+
+    fn sum_of_means(&self, pixels: std::ops::Range<usize>) -> Vec<f64> {
+        let (mut sums, mut means) = (vec![0.0; self.counts.len()], vec![0.0; self.counts.len()]);
+        for pixel in pixels {
+            for channel in 0..COLOR {
+                self.means(pixel, channel, &mut means);
+                sums.iter_mut().zip(&means).for_each(|(sum, m)| *sum += m);
+            }
+        }
+        sums
+    }
+
+    /// The pairs for relative variances over m² + `epsilon`.
+    pub(super) fn pairs(&self, epsilon: f64) -> Pairs {
+        let n = self.counts.len();
+        let near = |a: usize, b: usize| (b - a).min(n - (b - a)) <= PAIR_DISTANCE;
+        let all = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
+        let pairs: Vec<Pair> = all.filter(|&(a, b)| near(a, b)).map(|(a, b)| self.pair(a, b)).collect();
+        let disjoint = disjoint(&pairs, n);
+        Pairs { spread_weights: spread_weights(pairs.len() as f64, n as f64), pairs, disjoint, epsilon }
+    }
+
+    fn pair(&self, a: usize, b: usize) -> Pair {
+        let (na, nb) = (self.counts[a], self.counts[b]);
+        let others = if self.counts.len() > 2 { 1.0 / (self.total - na - nb) } else { 0.0 };
+        Pair { a, b, variance_weight: 1.0 / ((1.0 / na + 1.0 / nb) * self.total), others }
+    }
+
+    /// Space for [`Replicates::pixel`].
+    pub(super) fn scratch(&self, pairs: &Pairs) -> Scratch {
+        Scratch { means: vec![0.0; self.counts.len()], terms: vec![[0.0; COLOR]; pairs.pairs.len()] }
+    }
+
+    /// The error of one pixel.
+    pub(super) fn pixel(&self, pixel: usize, pairs: &Pairs, scratch: &mut Scratch) -> PixelError {
+        let mut error = PixelError::default();
+        for channel in 0..COLOR {
+            self.means(pixel, channel, &mut scratch.means);
+            error.variance += self.variance(&scratch.means);
+            error.correction += self.relative(&scratch.means, pairs, channel, &mut scratch.terms);
+        }
+        error.relative = scratch.terms.iter().map(square).sum::<f64>() / scratch.terms.len() as f64;
+        error.spread = pairs.spread(&scratch.terms);
+        error
+    }
+
+    /// Each pair's root of Var(m) from that pair over m² + ε from the other replicates, so that the two are independent.
+    /// The mean of what was taken off as bias.
+    fn relative(&self, means: &[f64], pairs: &Pairs, channel: usize, terms: &mut [[f64; COLOR]]) -> f64 {
+        let sum = self.mean(means) * self.total;
+        let mut corrections = 0.0;
+        for (pair, term) in pairs.pairs.iter().zip(terms) {
+            let difference = means[pair.a] - means[pair.b];
+            let variance = difference * difference * pair.variance_weight;
+            term[channel] = 0.0;
+            if variance > 0.0 {
+                let [weight, correction] = self.weight(means, pair, sum, pairs.epsilon);
+                term[channel] = (variance * weight).sqrt().copysign(difference);
+                corrections += variance * correction;
+            }
+        }
+        corrections / pairs.pairs.len() as f64
+    }
+
+    /// An estimate of g(μ) = 1 / (μ² + ε) from the replicates that are not in the pair (from all if there are no others), and
+    /// what was taken off it as bias.
+    ///
+    /// E g(m) ≈ g + g″ V / 2 with V = Var(m). The share x = g″ V / 2g is taken off as 1 − x / (1 + |x|), equal to 1 − x to first
+    /// order and positive however noisy the estimate of V is.
+    fn weight(&self, means: &[f64], pair: &Pair, sum: f64, epsilon: f64) -> [f64; 2] {
+        let inverse = |m: f64| 1.0 / (m * m + epsilon);
+        if means.len() == 2 {
+            return [inverse(sum / self.total), 0.0];
+        }
+        let mean = (sum - means[pair.a] * self.counts[pair.a] - means[pair.b] * self.counts[pair.b]) * pair.others;
+        let g = inverse(mean);
+        if means.len() == 3 {
+            return [g, 0.0];
+        }
+        let is_other = |r: &usize| *r != pair.a && *r != pair.b;
+        let deviation = |r: usize| self.counts[r] * (means[r] - mean) * (means[r] - mean);
+        let squares: f64 = (0..means.len()).filter(is_other).map(deviation).sum();
+        let variance = squares * pair.others / (means.len() as f64 - 3.0);
+        let x = (3.0 * mean * mean - epsilon) * g * g * variance;
+        let correction = g * x / (1.0 + x.abs());
+        [g - correction, correction]
+    }
+}
+
+impl Pairs {
+    /// An unbiased estimate of the variance of the mean of the squares of `terms`, from pairs of them that share no replicate.
+    ///
+    /// Let d = |e|² be the square of a pair's term, C the covariance of e and κ what Var(d) has beyond that of a normal e:
+    /// Var(d) = 2 tr C² + κ/2. Squares that share a replicate covary by a quarter of 2 tr C² + κ, so that the mean of P of them, k
+    /// to a replicate, has the variance (1 + k)/P tr C² + κ/R. Disjoint pairs are independent: half the squared difference of
+    /// their d estimates Var(d), the square of their e · e′ estimates tr C². Denominators are treated as known.
+    fn spread(&self, terms: &[[f64; COLOR]]) -> Option<f64> {
+        if self.disjoint.is_empty() {
+            return None;
+        }
+        let [differences, products] = self.disjoint.iter().fold([0.0, 0.0], |[d, p], &[i, j]| {
+            let difference = square(&terms[i]) - square(&terms[j]);
+            [d + 0.5 * difference * difference, p + dot(&terms[i], &terms[j]).powi(2)]
+        });
+        Some((self.spread_weights[0] * differences + self.spread_weights[1] * products) / self.disjoint.len() as f64)
+    }
+}
+
+fn dot(a: &[f64; COLOR], b: &[f64; COLOR]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn square(a: &[f64; COLOR]) -> f64 {
+    dot(a, a)
+}
+
+/// The weights of Var(d) and tr C² in the variance of the mean of `pairs` squares between `replicates`: see [`Pairs::spread`].
+fn spread_weights(pairs: f64, replicates: f64) -> [f64; 2] {
+    let of_each = 2.0 * pairs / replicates;
+    [2.0 / replicates, (1.0 + of_each) / pairs - 4.0 / replicates]
+}
+
+/// The three ways to deal four neighbouring replicates into two pairs, for each whole four of `replicates`.
+fn disjoint(pairs: &[Pair], replicates: usize) -> Vec<[usize; 2]> {
+    let find = |a: usize, b: usize| pairs.iter().position(|p| (p.a, p.b) == (a, b));
+    let fours = (0..replicates / 4).map(|i| 4 * i);
+    let deals = fours.flat_map(|r| [[(r, r + 1), (r + 2, r + 3)], [(r, r + 2), (r + 1, r + 3)], [(r, r + 3), (r + 1, r + 2)]]);
+    deals.filter_map(|[p, q]| Some([find(p.0, p.1)?, find(q.0, q.1)?])).collect()
+}

@@ -1,0 +1,242 @@
+//! Do the error bars hold what they say? Many renders of one scene that differ in the seed alone; the truth is what they
+//! agree on. A stated 95 % interval fails where the number of renders that it covers in rejects every rate from 93 to 97 %.
+
+use crate::picture::deep;
+use crate::references::load;
+use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
+use etendue::integrator::{self, Method, Options};
+use etendue::parallel::Cancel;
+use etendue::render::target::{self, Check};
+use etendue::sampling::SamplerKind;
+use etendue::scene::Scene;
+use etendue::stats::{sidak_level, student_quantile};
+use rayon::prelude::*;
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+const SIDE: u32 = 16;
+const REPLICATES: u32 = 4;
+/// The rates that a count must reject, all of them, to convict, and the level of either side.
+const RATES: [f64; 2] = [0.93, 0.97];
+const LEVEL: f64 = 1e-3;
+/// A t interval assumes that the four replicate means are normal. Where their skewness is above this it does not hold its
+/// level: such pixels are named and left out.
+const SKEWED: f64 = 0.5;
+
+/// Whether `hits` of `runs` convict an interval that says 95 %, at `level` on either side, and of what.
+fn conviction(hits: u64, runs: u64, level: f64) -> Option<&'static str> {
+    let tail = |rate: f64| Binomial::new(rate, runs).expect("a rate");
+    if tail(RATES[0]).cdf(hits) < level {
+        return Some("too narrow");
+    }
+    let too_many = hits > 0 && tail(RATES[1]).sf(hits - 1) < level;
+    too_many.then_some("too wide")
+}
+
+/// One render: the film at the end, and the looks at its error on the way with what was seen.
+struct Run {
+    film: Film,
+    looks: Vec<(Check, Vec<f64>)>,
+}
+
+fn image(film: &Film) -> Vec<f64> {
+    film.mean(Plane::Color).into_iter().map(f64::from).collect()
+}
+
+/// The view of a scene that is rendered over and over.
+struct Study<'a> {
+    scene: &'a Scene,
+    sampler: SamplerKind,
+    spp: u64,
+}
+
+impl Study<'_> {
+    fn run(&self, seed: u64) -> Run {
+        let options = Options {
+            seed,
+            sampler: self.sampler,
+            filter: Filter::Box,
+            max_depth: None,
+            clamp: None,
+            replicates: REPLICATES,
+            transparent: false,
+        };
+        let layout = Layout::new(SIDE, SIDE, None, &[]);
+        let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
+        let prelude = integrator::prelude(self.scene, &camera, &options, &layout);
+        let mut film = Film::new(layout.clone(), REPLICATES, seed, prelude.units);
+        let integrator = integrator::build(Method::Path, self.scene, camera, &options);
+        let (mut values, mut looks) = (PassFilm::new(&layout), Vec::new());
+        for pass in 0..self.spp {
+            values.clear();
+            integrator.run_pass(pass, &Cancel::new(), &mut values).expect("not cancelled");
+            film.commit(pass, &values);
+            looks.extend(target::check(&film, f64::MIN_POSITIVE).map(|check| (check, image(&film))));
+        }
+        Run { film, looks }
+    }
+
+    fn runs(&self, count: u64) -> Vec<Run> {
+        (0..count).into_par_iter().map(|seed| self.run(0x5eed_0000 + seed)).collect()
+    }
+}
+
+/// What many runs agree on.
+struct Truth {
+    /// Means by pixel and channel.
+    means: Vec<f64>,
+    /// ε of relMSE.
+    epsilon: f64,
+    images: Vec<Vec<f64>>,
+}
+
+impl Truth {
+    fn of(runs: &[Run]) -> Self {
+        let images: Vec<Vec<f64>> = runs.iter().map(|run| image(&run.film)).collect();
+        let values = images[0].len();
+        let means: Vec<f64> = (0..values).map(|i| images.iter().map(|m| m[i]).sum::<f64>() / images.len() as f64).collect();
+        let mean = means.iter().sum::<f64>() / values as f64;
+        Truth { means, epsilon: (0.1 * mean).powi(2), images }
+    }
+
+    /// The relative squared error of one image.
+    fn error_of(&self, image: &[f64]) -> f64 {
+        let relative = |(x, m): (&f64, &f64)| (x - m).powi(2) / (m * m + self.epsilon);
+        image.iter().zip(&self.means).map(relative).sum::<f64>() / image.len() as f64
+    }
+
+    /// The expectation of relMSE, n / (n − 1) for having the mean of the same n images as the truth.
+    fn relmse(&self) -> f64 {
+        let n = self.images.len() as f64;
+        self.images.iter().map(|image| self.error_of(image)).sum::<f64>() / (n - 1.0)
+    }
+
+    /// Skewness of the mean of one replicate: √4 times that of the mean of four.
+    fn skewness(&self, value: usize) -> f64 {
+        let moment = |k: i32| self.images.iter().map(|m| (m[value] - self.means[value]).powi(k)).sum::<f64>();
+        let n = self.images.len() as f64;
+        let deviation = (moment(2) / n).sqrt();
+        f64::from(REPLICATES).sqrt() * moment(3) / n / deviation.powi(3)
+    }
+}
+
+/// How a study came out.
+#[derive(Debug, Default)]
+struct Outcome {
+    convicted: Vec<String>,
+}
+
+impl Outcome {
+    fn judge(&mut self, what: &str, hits: u64, runs: u64) {
+        println!("  {what}: {hits} of {runs} ({:.2} %)", 100.0 * hits as f64 / runs as f64);
+        self.convicted.extend(conviction(hits, runs, LEVEL).map(|how| format!("{what} is {how}: {hits} of {runs}")));
+    }
+}
+
+/// Image-level relMSE; intervals that say they are not to be trusted are left out.
+fn judge_relmse(runs: &[Run], truth: &Truth, out: &mut Outcome) {
+    let expected = truth.relmse();
+    let errors: Vec<_> = runs.iter().filter_map(|run| run.film.image_error()).collect();
+    let trusted: Vec<_> = errors.iter().filter(|error| error.is_trustworthy()).collect();
+    println!("  relMSE {expected:.4e}; {} of {} intervals say they are to be trusted", trusted.len(), errors.len());
+    let holds = |low: f64, high: f64| (low..=high).contains(&expected);
+    let hits = trusted.iter().filter(|e| holds(e.relmse.low, e.relmse.high)).count() as u64;
+    if trusted.len() * 2 >= errors.len() {
+        out.judge("the interval of relMSE", hits, trusted.len() as u64);
+    } else {
+        println!("  mostly not to be trusted, and says so: of the others {hits} hold");
+    }
+}
+
+/// The t interval of each pixel and channel; skewed ones are excepted by name.
+fn judge_pixels(runs: &[Run], truth: &Truth, out: &mut Outcome) {
+    let t = student_quantile(0.975, f64::from(REPLICATES - 1));
+    let errors: Vec<Vec<f32>> = runs.iter().map(|run| run.film.standard_error().expect("replicates")).collect();
+    let each = sidak_level(LEVEL, truth.means.len() as u64);
+    let (mut pooled, mut counted, mut excepted, mut constant) = (0, 0, Vec::new(), 0);
+    for value in 0..truth.means.len() {
+        let covers = |r: &usize| (truth.images[*r][value] - truth.means[value]).abs() <= t * f64::from(errors[*r][value]);
+        let hits = (0..runs.len()).filter(covers).count() as u64;
+        let (pixel, channel) = (value / 3, ["R", "G", "B"][value % 3]);
+        let name = format!("pixel {},{} {channel}", pixel as u32 % SIDE, pixel as u32 / SIDE);
+        match truth.skewness(value).abs() {
+            skewness if skewness.is_nan() => constant += 1,
+            skewness if skewness > SKEWED => excepted.push((name, skewness, hits)),
+            _ => {
+                (pooled, counted) = (pooled + hits, counted + 1);
+                out.convicted.extend(conviction(hits, runs.len() as u64, each).map(|how| format!("{name} is {how}: {hits}")));
+            }
+        }
+    }
+    excepted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    println!("  {} skewed of {} pixels × channels ({constant} constant); the most skewed:", excepted.len(), truth.means.len());
+    for (name, skewness, hits) in excepted.iter().take(5) {
+        println!("    {name}: skewness {skewness:.1}, {:.1} %", 100.0 * *hits as f64 / runs.len() as f64);
+    }
+    if counted > 0 {
+        out.judge("intervals of all other pixels together", pooled, runs.len() as u64 * counted);
+    }
+}
+
+/// Runs that stop at the first look whose limit is below the target must have an expected error below it: at least 93 %.
+/// More than 97 % convicts nobody: doubling the passes overshoots most targets, and looks that share a level are cautious.
+fn judge_target(runs: &[Run], truth: &Truth, out: &mut Outcome) {
+    let expected = |look: usize| runs.iter().map(|run| truth.error_of(&run.looks[look].1)).sum::<f64>() / runs.len() as f64;
+    let errors: Vec<f64> = (0..runs[0].looks.len()).map(expected).collect();
+    for target in errors.iter().flat_map(|error| [0.98, 1.02, 1.1, 1.5].map(|factor| factor * error)) {
+        let stop = |run: &Run| {
+            let look = run.looks.iter().position(|(check, _)| check.upper_limit <= target)?;
+            Some((errors[look], truth.error_of(&run.looks[look].1)))
+        };
+        let stops: Vec<_> = runs.iter().filter_map(stop).collect();
+        let right = stops.iter().filter(|(expected, _)| *expected <= target).count() as u64;
+        let lucky = stops.iter().filter(|(_, found)| *found <= target).count();
+        println!(
+            "  target {target:.3e}: {} of {} stopped, {right} of them below in expectation, {lucky} in fact",
+            stops.len(),
+            runs.len()
+        );
+        // Runs that go on are not wrong: the rate is that of all runs.
+        let not_wrong = (runs.len() - stops.len()) as u64 + right;
+        if conviction(not_wrong, runs.len() as u64, LEVEL) == Some("too narrow") {
+            out.convicted.push(format!("target {target:.3e}: {not_wrong} of {} are not wrong", runs.len()));
+        }
+    }
+}
+
+fn study(name: &str, sampler: SamplerKind, spp: u64, count: u64) -> Outcome {
+    let Some(scene) = load(name) else { return Outcome::default() };
+    let study = Study { scene: &scene, sampler, spp };
+    println!("{name}, {sampler:?}, {spp} spp, {count} runs:");
+    let runs = study.runs(count);
+    let (truth, mut out) = (Truth::of(&runs), Outcome::default());
+    judge_relmse(&runs, &truth, &mut out);
+    judge_pixels(&runs, &truth, &mut out);
+    judge_target(&runs, &truth, &mut out);
+    out
+}
+
+#[test]
+fn error_bars_cover_as_stated() {
+    let (scenes, count): (&[(&str, u64)], _) = if deep() {
+        (&[("cornell-box", 64), ("modified-cornell", 64), ("veach-mis", 64)], 2000)
+    } else {
+        (&[("cornell-box", 64)], 60)
+    };
+    let mut convicted = Vec::new();
+    for &(name, spp) in scenes {
+        for sampler in [SamplerKind::Independent, SamplerKind::Sobol] {
+            convicted.extend(study(name, sampler, spp, count).convicted.into_iter().map(|c| format!("{name}, {sampler:?}: {c}")));
+        }
+    }
+    assert!(convicted.is_empty(), "{} convicted:\n{}", convicted.len(), convicted.join("\n"));
+}
+
+/// The rule itself: right rates pass, wrong ones do not.
+#[test]
+fn counts_convict_wrong_rates_only() {
+    for right in [1860, 1900, 1940] {
+        assert_eq!(conviction(right, 2000, LEVEL), None, "{right}");
+    }
+    assert_eq!(conviction(1800, 2000, LEVEL), Some("too narrow"));
+    assert_eq!(conviction(1975, 2000, LEVEL), Some("too wide"));
+}
