@@ -7,6 +7,7 @@ mod hypothesis;
 pub mod image;
 mod moments;
 mod multiple;
+pub mod pareto;
 mod student;
 #[cfg(test)]
 pub(crate) mod test_random;
