@@ -4,6 +4,8 @@
 //!
 //! A reference has noise too: its own MSE adds to the one measured here.
 
+pub mod flip;
+
 use rayon::prelude::*;
 
 /// Values that are summed in one go, so that the order of additions does not depend on the threads.
