@@ -161,6 +161,20 @@ mod tests {
         }
     }
 
+    /// The fit of ArviZ 0.19 to quantiles of a power and of an exponential distribution, to rounding.
+    #[test]
+    fn agrees_with_arviz() {
+        let quantiles = |f: fn(f64) -> f64| (0..1000).map(move |i| f((f64::from(i) + 0.5) / 1000.0));
+        for (mut values, shape) in [
+            (quantiles(|u| u.powf(-0.6)).collect::<Vec<_>>(), 0.583_865_196_125),
+            (quantiles(|u| -u.ln()).collect(), 0.063_030_079_873),
+        ] {
+            let tail = tail_shape(&mut values).unwrap();
+            assert!((tail.shape - shape).abs() < 1e-9, "{tail:?}");
+            assert_eq!(tail.exceedances, 95);
+        }
+    }
+
     /// A unit changes nothing but the threshold, to some n rounding errors of sums of logarithms.
     #[test]
     fn units_do_not_matter() {
