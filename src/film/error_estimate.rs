@@ -16,7 +16,8 @@ use super::peaks::Peak;
 use super::replicates::{COLOR, PixelError, Replicates};
 use super::tail;
 use super::{Film, Layout};
-use crate::stats::{Moments, Tail, student_quantile};
+use crate::stats::pareto::Tail;
+use crate::stats::{Moments, student_quantile};
 use rayon::prelude::*;
 
 /// ε is the square of this share of the image mean, so that black pixels do not dominate.
@@ -117,7 +118,7 @@ impl ImageError {
 
     /// Whether the interval of `relmse` can be trusted: whether the samples seen have no tail that hides most of the error.
     pub fn is_trustworthy(&self) -> bool {
-        !self.tail.as_ref().is_some_and(Tail::is_heavy)
+        self.tail.as_ref().is_none_or(Tail::is_trusted)
     }
 }
 

@@ -2,7 +2,7 @@
 //! bright parts of a picture do not pass for a tail; the shape of the tail of these maxima is that of the samples.
 
 use super::{Film, Plane};
-use crate::stats::{Tail, tail_shape};
+use crate::stats::pareto::{Tail, tail_shape};
 use rayon::prelude::*;
 
 /// The tail of the samples of `film`; `floor` is added to the mean of a pixel's other samples. `None` where there are too few

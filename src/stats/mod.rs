@@ -1,12 +1,16 @@
-//! Statistics: moments, estimates with intervals, hypothesis tests with a stated level, corrections for many tests.
+//! Statistics: moments, estimates with intervals, hypothesis tests with a stated level, corrections for many tests; errors
+//! of figures and of series ([`jackknife`](jackknife()), [`chains`]), heavy tails ([`pareto`]), distances of images ([`image`]).
 //! Everything is f64 and deterministic; the distributions come from `statrs`.
 
+pub mod chains;
 mod chi_squared;
 mod estimate;
 mod hypothesis;
+pub mod image;
+mod jackknife;
 mod moments;
 mod multiple;
-mod pareto;
+pub mod pareto;
 mod student;
 #[cfg(test)]
 pub(crate) mod test_random;
@@ -14,7 +18,7 @@ pub(crate) mod test_random;
 pub use chi_squared::{chi_squared_p_value, chi_squared_test};
 pub use estimate::Estimate;
 pub use hypothesis::{TestResult, t_test, welch_test, z_test};
+pub use jackknife::{Jackknife, jackknife};
 pub use moments::Moments;
 pub use multiple::{holm, sidak_level, sidak_p_value};
-pub use pareto::{Tail, tail_shape};
 pub use student::{student_p_value, student_quantile};
