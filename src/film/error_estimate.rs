@@ -8,9 +8,10 @@
 //! The interval is one of the logarithm: errors are positive, and their estimates skewed.
 //!
 //! Bias: the m² of a denominator is itself an estimate, from the replicates that the numerator does not use. At relative
-//! variance v of m (about relMSE × R/(R−2)) that would make the result too high by 1 + 3 v, far outside the interval of a
-//! large image. With R ≥ 4 this is taken out to first order in v; what is left, 12 v² for normal and 28 v² for exponential
-//! samples, widens the interval on both sides ([`RESIDUAL`]). With R < 4 nothing is taken out and the bias is 3 v.
+//! variance v of m (about relMSE × R/(R−2)) that makes the result too high by 3 v. With R ≥ 4 that excess is estimated to first
+//! order, δ, block by block, and taken out as 1 / (1 + δ + δ²/5), which lies between what normal samples (1 + δ − ⅔ δ²) and
+//! exponential ones (1 + δ + 10/9 δ²) call for; what may be left widens the interval ([`RESIDUAL`]). With R < 4 nothing is
+//! taken out.
 
 use super::peaks::Peak;
 use super::replicates::{COLOR, PixelError, Replicates};
@@ -24,8 +25,10 @@ use rayon::prelude::*;
 const FLOOR: f64 = 0.1;
 /// Side of the blocks of pixels that share work, and whose share of the error is reported; halved until there are at least 16.
 const BLOCK: usize = 8;
-/// The bias left after a first-order correction by the share δ is taken to be below this times δ²: δ ≈ 3 v and 28 v² ≈ 3 δ².
-const RESIDUAL: f64 = 3.0;
+/// What taking out an excess of δ takes out in second order, and what may then be left, times δ²: see the module's head. With m
+/// normal, E g(m)/g = 1 + 3 v + 15 v² and δ = 3 v + 21 v²; with sums of exponential samples 1 + 3 v + 7 v² and 3 v − 3 v².
+const SECOND_ORDER: f64 = 0.2;
+const RESIDUAL: f64 = 0.9;
 
 /// Mean squared error relative to the squared value, and its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -156,7 +159,7 @@ impl Film {
         let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
         let largest = blocks.iter().map(|b| b.relative).fold(0.0, f64::max);
         Some(ImageError {
-            relmse: RelMse::new(relative / values, Noise::of(&blocks, relative, values), residual_bias(&blocks, values)),
+            relmse: RelMse::new(relative / values, Noise::of(&blocks, relative, values), sum(|b| b.residual) / values),
             rmse: (sum(|b| b.variance) / values).sqrt(),
             mean: mean.value,
             mean_standard_error: mean.standard_error,
@@ -170,27 +173,32 @@ impl Film {
 }
 
 /// Sums over the pixels and channels of a block.
-#[derive(Default)]
 struct Block {
     values: f64,
     variance: f64,
+    /// The bias of denominators taken out.
     relative: f64,
-    correction: f64,
+    /// What of that bias may be left.
+    residual: f64,
     /// Σ over pixels of the variance of their `relative`, and of its square; `None` where it is not known within a pixel.
     spread: Option<[f64; 2]>,
 }
 
 impl Block {
     fn of(pixels: impl Iterator<Item = PixelError>) -> Self {
-        let mut block = Block { spread: Some([0.0; 2]), ..Block::default() };
+        let (mut values, mut variance, mut relative, mut excess, mut spread) = (0.0, 0.0, 0.0, 0.0, Some([0.0; 2]));
         for pixel in pixels {
-            block.values += COLOR as f64;
-            block.variance += pixel.variance;
-            block.relative += pixel.relative;
-            block.correction += pixel.correction;
-            block.spread = block.spread.zip(pixel.spread).map(|([sum, squares], s)| [sum + s, squares + s * s]);
+            values += COLOR as f64;
+            variance += pixel.variance;
+            relative += pixel.relative;
+            excess += pixel.excess;
+            spread = spread.zip(pixel.spread).map(|([sum, squares], s)| [sum + s, squares + s * s]);
         }
-        block
+        let delta = if relative > 0.0 { (excess / relative).max(0.0) } else { 0.0 };
+        let share = 1.0 / (1.0 + delta + SECOND_ORDER * delta * delta);
+        let relative = relative * share;
+        let spread = spread.map(|[sum, squares]| [sum * share.powi(2), squares * share.powi(4)]);
+        Block { values, variance, relative, residual: RESIDUAL * delta * delta * relative, spread }
     }
 }
 
@@ -223,12 +231,6 @@ impl Noise {
         let log_error = if error > 0.0 { error * values / relative } else { 0.0 };
         Noise { log_error, dof: (n - 1.0).max(1.0) }
     }
-}
-
-/// The bias that the first-order correction leaves.
-fn residual_bias(blocks: &[Block], values: f64) -> f64 {
-    let residual = |b: &Block| if b.relative > 0.0 { RESIDUAL * b.correction * b.correction / b.relative } else { 0.0 };
-    blocks.iter().map(residual).sum::<f64>() / values
 }
 
 /// The pixels of each block, by index within the crop.

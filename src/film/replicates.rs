@@ -31,10 +31,10 @@ struct Pair {
 pub(super) struct PixelError {
     /// Var(m).
     pub(super) variance: f64,
-    /// Var(m) / (m² + ε).
+    /// Var(m) / (m² + ε), too high for the noise in m.
     pub(super) relative: f64,
-    /// What was taken off `relative` as bias.
-    pub(super) correction: f64,
+    /// By how much, to first order.
+    pub(super) excess: f64,
     /// An unbiased estimate of the variance of `relative`; may be negative. `None` with fewer than four replicates.
     pub(super) spread: Option<f64>,
 }
@@ -136,36 +136,33 @@ impl<'a> Replicates<'a> {
         for channel in 0..COLOR {
             self.means(pixel, channel, &mut scratch.means);
             error.variance += self.variance(&scratch.means);
-            error.correction += self.relative(&scratch.means, pairs, channel, &mut scratch.terms);
+            error.excess += self.relative(&scratch.means, pairs, channel, &mut scratch.terms);
         }
         error.relative = scratch.terms.iter().map(square).sum::<f64>() / scratch.terms.len() as f64;
         error.spread = pairs.spread(&scratch.terms);
         error
     }
 
-    /// Each pair's root of Var(m) from that pair over m² + ε from the other replicates, so that the two are independent.
-    /// The mean of what was taken off as bias.
+    /// Each pair's root of Var(m) from that pair over m² + ε from the other replicates, so that the two are independent. By how
+    /// much the mean over pairs is too high, to first order.
     fn relative(&self, means: &[f64], pairs: &Pairs, channel: usize, terms: &mut [[f64; COLOR]]) -> f64 {
         let sum = self.mean(means) * self.total;
-        let mut corrections = 0.0;
+        let mut excess = 0.0;
         for (pair, term) in pairs.pairs.iter().zip(terms) {
             let difference = means[pair.a] - means[pair.b];
             let variance = difference * difference * pair.variance_weight;
             term[channel] = 0.0;
             if variance > 0.0 {
-                let [weight, correction] = self.weight(means, pair, sum, pairs.epsilon);
+                let [weight, share] = self.weight(means, pair, sum, pairs.epsilon);
                 term[channel] = (variance * weight).sqrt().copysign(difference);
-                corrections += variance * correction;
+                excess += variance * weight * share;
             }
         }
-        corrections / pairs.pairs.len() as f64
+        excess / pairs.pairs.len() as f64
     }
 
-    /// An estimate of g(μ) = 1 / (μ² + ε) from the replicates that are not in the pair (from all if there are no others), and
-    /// what was taken off it as bias.
-    ///
-    /// E g(m) ≈ g + g″ V / 2 with V = Var(m). The share x = g″ V / 2g is taken off as 1 − x / (1 + |x|), equal to 1 − x to first
-    /// order and positive however noisy the estimate of V is.
+    /// g(m) = 1 / (m² + ε) for the mean of the replicates that are not in the pair (of all if there are no others), and by which
+    /// share its expectation is above g(μ), to first order: E g(m) ≈ g + g″ Var(m) / 2. 0 with fewer than two others.
     fn weight(&self, means: &[f64], pair: &Pair, sum: f64, epsilon: f64) -> [f64; 2] {
         let inverse = |m: f64| 1.0 / (m * m + epsilon);
         if means.len() == 2 {
@@ -180,9 +177,7 @@ impl<'a> Replicates<'a> {
         let deviation = |r: usize| self.counts[r] * (means[r] - mean) * (means[r] - mean);
         let squares: f64 = (0..means.len()).filter(is_other).map(deviation).sum();
         let variance = squares * pair.others / (means.len() as f64 - 3.0);
-        let x = (3.0 * mean * mean - epsilon) * g * g * variance;
-        let correction = g * x / (1.0 + x.abs());
-        [g - correction, correction]
+        [g, (3.0 * mean * mean - epsilon) * g * g * variance]
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::picture::deep;
 use crate::references::load;
-use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
+use etendue::film::{Film, Filter, ImageError, Layout, PassFilm, Plane};
 use etendue::integrator::{self, Method, Options};
 use etendue::parallel::Cancel;
 use etendue::render::target::{self, Check};
@@ -20,7 +20,7 @@ const RATES: [f64; 2] = [0.93, 0.97];
 const LEVEL: f64 = 1e-3;
 /// A t interval assumes that the four replicate means are normal. Where their skewness is above this it does not hold its
 /// level: such pixels are named and left out.
-const SKEWED: f64 = 0.5;
+const SKEWED: f64 = 1.0;
 
 /// Whether `hits` of `runs` convict an interval that says 95 %, at `level` on either side, and of what.
 fn conviction(hits: u64, runs: u64, level: f64) -> Option<&'static str> {
@@ -138,7 +138,21 @@ fn judge_relmse(runs: &[Run], truth: &Truth, out: &mut Outcome) {
     let errors: Vec<_> = runs.iter().filter_map(|run| run.film.image_error()).collect();
     let trusted: Vec<_> = errors.iter().filter(|error| error.is_trustworthy()).collect();
     println!("  relMSE {expected:.4e}; {} of {} intervals say they are to be trusted", trusted.len(), errors.len());
+    let mean = |f: &dyn Fn(&ImageError) -> f64| trusted.iter().map(|e| f(e)).sum::<f64>() / trusted.len() as f64;
+    let log = |e: &ImageError| (e.relmse.value / expected).ln();
+    let spread = (mean(&|e| log(e).powi(2)) - mean(&log).powi(2)).sqrt();
+    let (stated, dof) = (mean(&|e| e.relmse.log_standard_error.powi(2)).sqrt(), mean(&|e| e.relmse.dof));
+    println!(
+        "  its logarithm: mean error {:+.4}, deviation {spread:.4}, stated {stated:.4} with {dof:.0} degrees of freedom",
+        mean(&log)
+    );
+    println!("  allowance for bias: {:.4} of the value", mean(&|e| e.relmse.bias_bound / e.relmse.value));
     let holds = |low: f64, high: f64| (low..=high).contains(&expected);
+    let plain = |e: &ImageError| 1.96 * e.relmse.log_standard_error;
+    let plain_hits = trusted.iter().filter(|e| log(e).abs() <= plain(e)).count();
+    let errors_deviation =
+        (mean(&|e| e.relmse.log_standard_error.powi(2)) - mean(&|e| e.relmse.log_standard_error).powi(2)).sqrt();
+    println!("  z alone: {plain_hits}; deviation of the stated {errors_deviation:.4}");
     let hits = trusted.iter().filter(|e| holds(e.relmse.low, e.relmse.high)).count() as u64;
     if trusted.len() * 2 >= errors.len() {
         out.judge("the interval of relMSE", hits, trusted.len() as u64);
@@ -147,34 +161,40 @@ fn judge_relmse(runs: &[Run], truth: &Truth, out: &mut Outcome) {
     }
 }
 
-/// The t interval of each pixel and channel; skewed ones are excepted by name.
+/// The t interval of each pixel and channel. Skewed ones are excepted by name from the verdict on each, and all count together.
 fn judge_pixels(runs: &[Run], truth: &Truth, out: &mut Outcome) {
     let t = student_quantile(0.975, f64::from(REPLICATES - 1));
     let errors: Vec<Vec<f32>> = runs.iter().map(|run| run.film.standard_error().expect("replicates")).collect();
     let each = sidak_level(LEVEL, truth.means.len() as u64);
-    let (mut pooled, mut counted, mut excepted, mut constant) = (0, 0, Vec::new(), 0);
+    let count = runs.len() as u64;
+    let mut bins = [[0; 2]; 5];
+    let mut excepted = Vec::new();
     for value in 0..truth.means.len() {
         let covers = |r: &usize| (truth.images[*r][value] - truth.means[value]).abs() <= t * f64::from(errors[*r][value]);
         let hits = (0..runs.len()).filter(covers).count() as u64;
-        let (pixel, channel) = (value / 3, ["R", "G", "B"][value % 3]);
+        let (pixel, channel, skewness) = (value / 3, ["R", "G", "B"][value % 3], truth.skewness(value).abs());
         let name = format!("pixel {},{} {channel}", pixel as u32 % SIDE, pixel as u32 / SIDE);
-        match truth.skewness(value).abs() {
-            skewness if skewness.is_nan() => constant += 1,
-            skewness if skewness > SKEWED => excepted.push((name, skewness, hits)),
-            _ => {
-                (pooled, counted) = (pooled + hits, counted + 1);
-                out.convicted.extend(conviction(hits, runs.len() as u64, each).map(|how| format!("{name} is {how}: {hits}")));
-            }
+        if skewness.is_nan() {
+            continue;
+        }
+        let bin = &mut bins[[0.25, 0.5, 1.0, 2.0].iter().filter(|&&edge| skewness > edge).count()];
+        *bin = [bin[0] + hits, bin[1] + count];
+        if skewness > SKEWED {
+            excepted.push((name, skewness, hits));
+        } else {
+            out.convicted.extend(conviction(hits, count, each).map(|how| format!("{name} is {how}: {hits}")));
         }
     }
     excepted.sort_by(|a, b| b.1.total_cmp(&a.1));
-    println!("  {} skewed of {} pixels × channels ({constant} constant); the most skewed:", excepted.len(), truth.means.len());
+    println!("  {} of {} pixels × channels are skewed; the most:", excepted.len(), truth.means.len());
     for (name, skewness, hits) in excepted.iter().take(5) {
         println!("    {name}: skewness {skewness:.1}, {:.1} %", 100.0 * *hits as f64 / runs.len() as f64);
     }
-    if counted > 0 {
-        out.judge("intervals of all other pixels together", pooled, runs.len() as u64 * counted);
+    for (bin, [hits, counted]) in ["to ¼", "to ½", "to 1", "to 2", "above"].iter().zip(bins).filter(|(_, b)| b[1] > 0) {
+        println!("    skewness {bin}: {:.2} % of {}", 100.0 * hits as f64 / counted as f64, counted / count);
     }
+    let [hits, counted] = bins.iter().fold([0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    out.judge("intervals of pixels, all together", hits, counted);
 }
 
 /// Runs that stop at the first look whose limit is below the target must have an expected error below it: at least 93 %.

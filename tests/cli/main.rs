@@ -7,4 +7,5 @@ mod end_to_end;
 mod environments;
 mod run;
 mod signals;
+mod targets;
 mod usage;

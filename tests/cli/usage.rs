@@ -16,7 +16,7 @@ fn wrong_command_lines_are_told_apart_from_other_failures() {
         ("render s.gltf --size big", "'big' is not a size"),
         ("render s.gltf --crop 0,0,9999,1", "outside"),
         ("render s.gltf --crop 5,5,5,9", "rectangle"),
-        ("render s.gltf --spp 4 --time 3s", "--time"),
+        ("render s.gltf --target-error low", "--target-error"),
         ("render s.gltf --time soon", "'soon' is not a time"),
         ("render s.gltf --shard 4/4", "shard"),
         ("render s.gltf --shard 1..4", "shard"),
