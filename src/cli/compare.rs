@@ -4,9 +4,12 @@ use super::args::ThreadArgs;
 use super::{Console, startup};
 use crate::error::Result;
 use crate::render::compare::maps::{self, Map};
-use crate::render::compare::{Comparison, MeanDifference, Metrics, Origin, Pair, Rejection};
+use crate::render::compare::{Comparison, MeanDifference, Metrics, Origin, Outcome, Pair, Rejection};
 use crate::render::writable;
 use std::path::PathBuf;
+
+/// The probability, unless another is given, that images of the same mean are said to differ.
+const LEVEL: f64 = 1e-3;
 
 /// Arguments of `compare`.
 #[derive(Debug, clap::Args)]
@@ -20,7 +23,7 @@ pub(super) struct Args {
     /// What it is compared with, an .exr file
     reference: PathBuf,
     /// Probability that images of the same mean are said to differ
-    #[arg(long, default_value_t = 1e-3, value_parser = level)]
+    #[arg(long, default_value_t = LEVEL, value_parser = level)]
     level: f64,
     /// The ε of relMSE, in squared units of the image [default: (0.1 × mean of the reference)²]
     #[arg(long, value_name = "E", value_parser = epsilon)]
@@ -71,6 +74,9 @@ pub(super) fn run(args: Args) -> Result<()> {
     console.document(&comparison)?;
     lines(&comparison).iter().try_for_each(|line| console.line(line))?;
     write(&pair, "difference", args.maps.difference, console, || Ok(pair.difference()))?;
+    if args.maps.z.is_some() && comparison.verdict.outcome == Outcome::Untested {
+        console.warn(&format!("the z-scores mean little: {}", comparison.verdict.sentence()));
+    }
     write(&pair, "z-scores", args.maps.z, console, || pair.z_scores())?;
     write(&pair, "flip", args.maps.flip, console, || Ok(pair.flip()))?;
     comparison.require_agreement()

@@ -5,7 +5,6 @@ use crate::error::{Error, Result};
 use crate::io::exr::{self, Layer};
 use crate::io::png;
 use crate::render::images::split;
-use crate::stats::image::flip;
 use std::path::Path;
 
 /// The z-score at the ends of the colour scale.
@@ -72,8 +71,8 @@ impl Pair {
 
     /// The map of HDR ꟻLIP.
     pub fn flip(&self) -> Map {
-        let flip = flip::hdr(&self.image.colors, &self.reference.colors, self.extent(), flip::PIXELS_PER_DEGREE).flip;
-        Map { channels: &["Y"], shown: flip.map.clone(), values: flip.map, scale: Scale::Share }
+        let map = &self.hdr_flip().flip.map;
+        Map { channels: &["Y"], shown: map.clone(), values: map.clone(), scale: Scale::Share }
     }
 
     /// Writes a map, as EXR or PNG by the ending of `path`; what its colours mean, for a PNG.

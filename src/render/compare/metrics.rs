@@ -43,7 +43,7 @@ impl Metrics {
         let epsilon = epsilon.unwrap_or_else(|| (FLOOR * finite_mean(reference)).powi(2));
         let displayed = |values: &[f32]| values.iter().map(|&v| display(v)).collect::<Vec<f32>>();
         let ppd = flip::PIXELS_PER_DEGREE;
-        let hdr = flip::hdr(colors, reference, pair.extent(), ppd);
+        let hdr = pair.hdr_flip();
         Metrics {
             non_finite: image::non_finite(colors, reference),
             mse: image::mse(colors, reference),

@@ -14,15 +14,19 @@ pub use verdict::{MeanDifference, Outcome, Rejection, Verdict};
 
 use crate::error::{Error, Kind, Result};
 use crate::film::Crop;
+use crate::stats::image::flip::{self, HdrFlip};
 use serde::Serialize;
 use side::Side;
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Two images of the same size and crop, in memory.
 #[derive(Debug)]
 pub struct Pair {
     image: Side,
     reference: Side,
+    /// Made when first asked for.
+    flip: OnceLock<HdrFlip>,
 }
 
 /// What was found.
@@ -52,7 +56,17 @@ impl Pair {
             let (a, b) = (describe(&image), describe(&reference));
             return Err(Error::usage(format!("{} is {a}, {} is {b}: only like can be compared", name(&image), name(&reference))));
         }
-        Ok(Pair { image, reference })
+        Ok(Pair::of(image, reference))
+    }
+
+    fn of(image: Side, reference: Side) -> Pair {
+        Pair { image, reference, flip: OnceLock::new() }
+    }
+
+    /// HDR ꟻLIP at the usual distance.
+    fn hdr_flip(&self) -> &HdrFlip {
+        let make = || flip::hdr(&self.image.colors, &self.reference.colors, self.extent(), flip::PIXELS_PER_DEGREE);
+        self.flip.get_or_init(make)
     }
 
     /// Compares at a family-wise `level`; relMSE has the `epsilon` given, or (0.1 × the reference's mean)².

@@ -3,27 +3,11 @@
 use super::*;
 use crate::film::Crop;
 use crate::render::compare::side::Origin;
+use crate::stats::test_random::Random;
 
 const SIZE: [usize; 2] = [32, 24];
 const SPP: u64 = 64;
 const REPLICATES: usize = 4;
-
-/// SplitMix64 [Steele14].
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * (0.5 * f64::EPSILON)
-    }
-
-    /// Sum of n exponentials, n = 16: what one replicate of 64 samples in 4 sees.
-    fn sum(&mut self) -> f64 {
-        -(0..16).map(|_| 1.0 - self.uniform()).product::<f64>().ln()
-    }
-}
 
 fn side(name: &str, seed: u64, colors: Vec<f32>, errors: Option<Vec<f32>>) -> Side {
     let origin = Origin {
@@ -44,9 +28,10 @@ fn side(name: &str, seed: u64, colors: Vec<f32>, errors: Option<Vec<f32>>) -> Si
 
 /// An image of exponential samples whose mean at pixel i and channel c is `mean(i, c)`, with its errors.
 fn render(seed: u64, mean: impl Fn(usize, usize) -> f64) -> Side {
-    let mut random = Random(seed.wrapping_mul(0xd134_2543_de82_ef95));
+    let mut random = Random::new(seed);
+    let mut replicate = || (0..16).map(|_| random.exponential()).sum::<f64>() / 16.0;
     let pixel = |i: usize| {
-        let replicates: [f64; REPLICATES] = std::array::from_fn(|_| random.sum() / 16.0 * mean(i / 3, i % 3));
+        let replicates: [f64; REPLICATES] = std::array::from_fn(|_| replicate() * mean(i / 3, i % 3));
         let m = replicates.iter().sum::<f64>() / 4.0;
         let variance = replicates.iter().map(|r| (r - m) * (r - m)).sum::<f64>() / 12.0;
         (m as f32, variance.sqrt() as f32)
@@ -56,7 +41,7 @@ fn render(seed: u64, mean: impl Fn(usize, usize) -> f64) -> Side {
 }
 
 fn verdict(image: Side, reference: Side, level: f64) -> Verdict {
-    Verdict::of(&Pair { image, reference }, level)
+    Verdict::of(&Pair::of(image, reference), level)
 }
 
 fn plain(i: usize, c: usize) -> f64 {
