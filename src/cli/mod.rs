@@ -3,6 +3,7 @@
 
 mod args;
 mod bench;
+mod compare;
 mod console;
 mod finish;
 mod info;
@@ -39,6 +40,8 @@ enum Command {
     Info(info::Args),
     /// Make one image or film of several films of the same picture
     Merge(merge::Args),
+    /// Say how far two images are apart, and whether they could have the same mean
+    Compare(compare::Args),
     /// Measure how fast rays are traced
     #[command(subcommand)]
     Bench(bench::Command),
@@ -56,7 +59,8 @@ Examples:
 
 Exit codes:
   0 done   1 internal error   2 usage   3 scene invalid   4 output cannot be written
-  6 non-finite samples (with --fail-on-nonfinite)   33 out of memory   75 stopped, with a film to resume";
+  6 non-finite samples (with --fail-on-nonfinite)   7 images differ (compare)
+  33 out of memory   75 stopped, with a film to resume";
 
 /// Runs the program on the process's arguments.
 pub fn run() -> ExitCode {
@@ -81,6 +85,7 @@ fn execute(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(*args),
         Command::Info(args) => info::run(args),
+        Command::Compare(args) => compare::run(args),
         Command::Bench(command) => bench::run(command),
         Command::Merge(args) => merge::run(args),
         Command::Resume(args) => resume::run(args),

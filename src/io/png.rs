@@ -57,9 +57,24 @@ pub fn write(
         return Err(Error::new(Kind::Internal, format!("{} does not have {width}×{height} pixels", path.display())));
     }
     let (bytes, color) = encode(rgb, alpha, exposure.exp2(), curve);
+    save(path, width, height, &bytes, color)
+}
+
+/// Writes display colours as they are, one a pixel.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_colors(path: &Path, width: u32, height: u32, colors: &[[u8; 3]]) -> Result<()> {
+    if colors.len() != width as usize * height as usize {
+        return Err(Error::new(Kind::Internal, format!("{} does not have {width}×{height} pixels", path.display())));
+    }
+    save(path, width, height, colors.as_flattened(), ExtendedColorType::Rgb8)
+}
+
+fn save(path: &Path, width: u32, height: u32, bytes: &[u8], color: ExtendedColorType) -> Result<()> {
     write_atomically(path, |file| {
         let mut file = BufWriter::new(file);
-        PngEncoder::new(&mut file).write_image(&bytes, width, height, color).map_err(io::Error::other)?;
+        PngEncoder::new(&mut file).write_image(bytes, width, height, color).map_err(io::Error::other)?;
         file.flush()
     })
 }

@@ -57,7 +57,7 @@ pub fn layers(provenance: &Provenance, film: &Film, ids: Option<&Ids>) -> Vec<La
 }
 
 /// One layer a channel from values that lie pixel by pixel.
-fn split(names: &[&str], values: &[f32]) -> Vec<Layer> {
+pub(super) fn split(names: &[&str], values: &[f32]) -> Vec<Layer> {
     let channel = |at: usize| values.iter().skip(at).step_by(names.len()).copied().collect();
     names.iter().enumerate().map(|(at, &name)| Layer { name: name.into(), values: channel(at) }).collect()
 }

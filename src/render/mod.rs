@@ -6,6 +6,7 @@
 mod aov;
 pub mod checkpoint;
 mod choices;
+pub mod compare;
 pub mod film_file;
 pub mod images;
 pub mod machine;

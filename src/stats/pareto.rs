@@ -5,18 +5,18 @@
 //! Give it the contributions of independent samples, positive and in the units of the estimate. It sees only what was
 //! sampled: a mode that no sample met is not in the tail.
 
-/// From this shape on a sample's mean and standard error converge too slowly for its interval to be trusted [Vehtari24 §3.2.4].
+/// From this shape on a sample's mean and standard error converge too slowly for its interval to be trusted [Vehtari24].
 pub const UNTRUSTED_SHAPE: f64 = 0.7;
 /// From this shape on the variance is infinite, and errors shrink more slowly than by the root of the sample count.
 pub const INFINITE_VARIANCE_SHAPE: f64 = 0.5;
 
 /// Fewer exceedances than this are not fitted.
 const LEAST_EXCEEDANCES: usize = 5;
-/// The share of the prior scale in the grid of the fit [Zhang09 §3].
+/// The share of the prior scale in the grid of the fit [Zhang09].
 const PRIOR_SCALE: f64 = 3.0;
 /// The weak prior on k: so many exceedances' worth …
 const PRIOR_WEIGHT: f64 = 10.0;
-/// … of this value [Vehtari24 appendix G].
+/// … of this value [Vehtari24].
 const PRIOR_SHAPE: f64 = 0.5;
 
 /// A fitted tail.
@@ -37,7 +37,7 @@ impl Tail {
     }
 }
 
-/// How many of `n` values make the tail: min(n/5, 3√n), rounded up [Vehtari24 §2.2].
+/// How many of `n` values make the tail: min(n/5, 3√n), rounded up [Vehtari24].
 pub fn tail_size(n: usize) -> usize {
     (0.2 * n as f64).min(3.0 * (n as f64).sqrt()).ceil() as usize
 }
@@ -72,7 +72,7 @@ pub fn tail_of_largest(largest: &mut [f64]) -> Option<Tail> {
 }
 
 /// The shape of the generalised Pareto distribution of `x`, positive and ascending: the posterior mean of θ = −k/σ over a grid
-/// of quantiles of its prior, weighted by the profile likelihood [Zhang09 (5)–(8)].
+/// of quantiles of its prior, weighted by the profile likelihood [Zhang09].
 fn fit(x: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (largest, quartile) = (x[x.len() - 1], x[(0.25 * n + 0.5) as usize - 1]);
@@ -93,7 +93,7 @@ fn shape_at(theta: f64, x: &[f64]) -> f64 {
     x.iter().map(|x| (-theta * x).ln_1p()).sum::<f64>() / x.len() as f64
 }
 
-/// The profile log-likelihood of θ per value [Zhang09 (3)]; at θ = 0 that of the exponential distribution, its limit.
+/// The profile log-likelihood of θ per value [Zhang09]; at θ = 0 that of the exponential distribution, its limit.
 fn log_likelihood(theta: f64, x: &[f64]) -> f64 {
     let k = shape_at(theta, x);
     let rate = if k.abs() > 0.0 { -theta / k } else { x.len() as f64 / x.iter().sum::<f64>() };

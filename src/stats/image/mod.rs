@@ -38,7 +38,7 @@ pub fn relmse(image: &[f32], reference: &[f32], epsilon: f64) -> f64 {
 }
 
 /// Symmetric mean absolute error as a share, mean |I − R| / (|I| + |R|), from 0 to 1 (others double it); a value that is 0 in
-/// both counts as no error [Vogels18 §4].
+/// both counts as no error [Vogels18].
 ///
 /// # Panics
 /// Unless both have the same length.

@@ -15,7 +15,7 @@ const FROM_XYZ: [[f32; 3]; 3] = [
 /// XYZ of white: the sums of the rows.
 const WHITE: [f32; 3] = [0.950_428_55, 1.0, 1.088_900_4];
 
-/// Luminance, red against green and blue against yellow, linear in XYZ [Andersson20 §4.1.1].
+/// Luminance, red against green and blue against yellow, linear in XYZ [Andersson20 §4.1].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct YCxCz(pub(super) [f32; 3]);
 
@@ -34,7 +34,7 @@ impl YCxCz {
     }
 }
 
-/// CIELAB, its chroma scaled by lightness after Hunt's effect [Andersson20 §4.1.3].
+/// CIELAB, its chroma scaled by lightness after Hunt's effect [Andersson20 §4.1].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lab([f32; 3]);
 
@@ -50,14 +50,14 @@ impl Lab {
         Lab([l, 0.01 * l * 500.0 * (x - y), 0.01 * l * 200.0 * (y - z)])
     }
 
-    /// The HyAB distance: that of lightness and that of chroma added [Andersson20 (6)].
+    /// The HyAB distance: that of lightness and that of chroma added [Andersson20 §4.1].
     pub(super) fn difference(self, other: Lab) -> f32 {
         let (Lab([l, a, b]), Lab([m, c, d])) = (self, other);
         (l - m).abs() + (a - c).hypot(b - d)
     }
 }
 
-/// The largest difference a display can show: that of its green and its blue [Andersson20 §4.1.4].
+/// The largest difference a display can show: that of its green and its blue [Andersson20 §4.1].
 pub(super) fn largest_difference() -> f32 {
     Lab::of_rgb([0.0, 1.0, 0.0]).difference(Lab::of_rgb([0.0, 0.0, 1.0]))
 }

@@ -76,7 +76,7 @@ impl Kernel {
 }
 
 /// A Gaussian by its amplitude a and width b as contrast sensitivity is fitted: a √(π/b) exp(−π² x²/b), x in degrees
-/// [Andersson20 (2), table 1].
+/// [Andersson20 §4.1].
 #[derive(Clone, Copy)]
 struct Sensitivity {
     a: f64,

@@ -13,15 +13,15 @@ use color::{Lab, YCxCz};
 use filter::Plane;
 use rayon::prelude::*;
 
-/// The usual distance of the eye: 0.7 m before a screen 0.7 m and 3840 pixels wide, 67.02 pixels in a degree [Andersson20 §3].
+/// The usual distance of the eye: 0.7 m before a screen 0.7 m and 3840 pixels wide, 67.02 pixels in a degree [Andersson20].
 pub const PIXELS_PER_DEGREE: f32 = 3840.0 * std::f32::consts::PI / 180.0;
 
-/// Exponents and ranges of the two differences [Andersson20 §4.1.4, §4.2, §4.3].
+/// Exponents and ranges of the two differences [Andersson20 §4].
 const COLOR_EXPONENT: f32 = 0.7;
 const COLOR_KNEE: f32 = 0.4;
 const BELOW_KNEE: f32 = 0.95;
 const FEATURE_EXPONENT: f32 = 0.5;
-/// The display value up to which the brightest and the median pixel are exposed [Andersson21 §4.1].
+/// The display value up to which the brightest and the median pixel are exposed [Andersson21].
 const EXPOSED: f64 = 0.85;
 
 /// A map of differences.
@@ -56,7 +56,7 @@ pub fn ldr(image: &[f32], reference: &[f32], size: [usize; 2], pixels_per_degree
 
 /// The difference at any exposure: the tone mapping is Narkowicz's fit of ACES without its pre-exposure [Narkowicz15], the
 /// exposures reach from where the reference's brightest pixel is displayed at 0.85 to where its median pixel is (the median of
-/// what is not black, if that is less than half), in steps of at most two stops and usually one [Andersson21 §4].
+/// what is not black, if that is less than half), in steps of at most two stops and usually one [Andersson21].
 ///
 /// # Panics
 /// As [`ldr`].
@@ -136,7 +136,7 @@ impl Observer {
         Observer { size, spatial: filter::Spatial::new(pixels_per_degree), feature: filter::Feature::new(pixels_per_degree) }
     }
 
-    /// The map of differences between the images after `display` [Andersson20 (8)]: the colour's, raised by the features'.
+    /// The map of differences between the images after `display` [Andersson20 §4.3]: the colour's, raised by the features'.
     fn differences(&self, image: &[f32], reference: &[f32], display: impl Fn(f32) -> f32 + Sync) -> Vec<f32> {
         let (a, b) = (self.see(image, &display), self.see(reference, &display));
         let largest = color::largest_difference().powf(COLOR_EXPONENT);
@@ -165,7 +165,7 @@ struct Seen {
     features: Vec<[f32; 2]>,
 }
 
-/// Colour differences become 0 to 1, the large ones compressed into the last part [Andersson20 §4.1.4].
+/// Colour differences become 0 to 1, the large ones compressed into the last part [Andersson20 §4.1].
 fn compress(difference: f32, largest: f32) -> f32 {
     let knee = COLOR_KNEE * largest;
     if difference < knee {

@@ -1,0 +1,125 @@
+//! The verdict on images of known means.
+
+use super::*;
+use crate::film::Crop;
+use crate::render::compare::side::Origin;
+use crate::stats::test_random::Random;
+
+const SIZE: [usize; 2] = [32, 24];
+const SPP: u64 = 64;
+const REPLICATES: usize = 4;
+
+fn side(name: &str, seed: u64, colors: Vec<f32>, errors: Option<Vec<f32>>) -> Side {
+    let origin = Origin {
+        path: name.into(),
+        method: None,
+        spp: Some(SPP),
+        seed: Some(seed),
+        replicates: errors.as_ref().map(|_| REPLICATES as u64),
+        scene: None,
+        settings: None,
+        relmse: None,
+        pixel_hash: String::new(),
+        hash_matches: None,
+    };
+    let size = SIZE.map(|s| s as u32);
+    Side { origin, size, crop: Crop { x0: 0, y0: 0, x1: size[0], y1: size[1] }, colors, errors }
+}
+
+/// An image of exponential samples whose mean at pixel i and channel c is `mean(i, c)`, with its errors.
+fn render(seed: u64, mean: impl Fn(usize, usize) -> f64) -> Side {
+    let mut random = Random::new(seed);
+    let mut replicate = || (0..16).map(|_| random.exponential()).sum::<f64>() / 16.0;
+    let pixel = |i: usize| {
+        let replicates: [f64; REPLICATES] = std::array::from_fn(|_| replicate() * mean(i / 3, i % 3));
+        let m = replicates.iter().sum::<f64>() / 4.0;
+        let variance = replicates.iter().map(|r| (r - m) * (r - m)).sum::<f64>() / 12.0;
+        (m as f32, variance.sqrt() as f32)
+    };
+    let (colors, errors) = (0..3 * SIZE[0] * SIZE[1]).map(pixel).unzip();
+    side("image", seed, colors, Some(errors))
+}
+
+fn verdict(image: Side, reference: Side, level: f64) -> Verdict {
+    Verdict::of(&Pair::of(image, reference), level)
+}
+
+fn plain(i: usize, c: usize) -> f64 {
+    0.1 + 0.01 * (i % 7) as f64 + c as f64
+}
+
+/// Images of the same mean are told apart in at most 5 % of cases at level 5 % (Holm is exact or conservative): one-sided
+/// binomial test of 400 at level 1e-6 (4.75 σ).
+#[test]
+fn equal_means_are_left_in_peace() {
+    let trials: u64 = 400;
+    let differ = |k: &u64| verdict(render(2 * k, plain), render(2 * k + 1, plain), 0.05).outcome == Outcome::Differ;
+    let rejected = (0..trials).filter(differ).count() as f64;
+    let n = trials as f64;
+    assert!(rejected < 0.05 * n + 4.75 * (n * 0.05 * 0.95).sqrt(), "{rejected}");
+    assert!(rejected > 0.0, "a test that never rejects tests nothing: at 5 % this has a chance below 1e-8");
+}
+
+/// A pixel's error is 1/8 of its mean, so that of a difference of tiles is 2.2 % and that of images 0.6 %: a channel that is 5 % too
+/// bright is 2 standard errors of a tile off and 8 of the image, a tile that is 20 % too bright 8 of its own; 39 tests at
+/// 1e-3 reject beyond 4.2.
+#[test]
+fn wrong_means_are_convicted_and_placed() {
+    let global = verdict(render(1, |i, c| plain(i, c) * if c == 1 { 1.05 } else { 1.0 }), render(2, plain), 1e-3);
+    assert_eq!(global.outcome, Outcome::Differ);
+    let worst = &global.rejections[0];
+    assert!(worst.channel == "G" && worst.tile.is_none() && worst.difference > 0.0, "{worst:?}");
+    assert!(global.means[1].interval[0] > 0.0 && global.sentence().contains("differ at level 0.001"));
+    let spot =
+        |i: usize, c: usize| plain(i, c) * if (8..16).contains(&(i % 32)) && (16..24).contains(&(i / 32)) { 1.2 } else { 1.0 };
+    let local = verdict(render(3, spot), render(4, plain), 1e-3);
+    assert_eq!((local.outcome, local.tile), (Outcome::Differ, 8));
+    assert_eq!(local.rejections[0].tile, Some([8, 16]), "{local:?}");
+}
+
+/// One firefly that makes a tile's error does not make it differ, and one exact tile that differs does.
+#[test]
+fn fireflies_convict_nobody_and_exact_tiles_do() {
+    let mut image = render(5, plain);
+    image.colors[300] += 1000.0;
+    image.errors.as_mut().unwrap()[300] = 1000.0;
+    assert_eq!(verdict(image, render(6, plain), 1e-3).outcome, Outcome::NoDifference);
+    let exact = |value: f32, seed| {
+        let n = 3 * SIZE[0] * SIZE[1];
+        side("exact", seed, vec![value; n], Some(vec![0.0; n]))
+    };
+    assert_eq!(verdict(exact(1.0, 7), exact(1.001, 8), 1e-3).outcome, Outcome::Differ);
+    // One ulp is rounding.
+    assert_eq!(verdict(exact(1.0, 7), exact(1.0 + f32::EPSILON, 8), 1e-3).outcome, Outcome::NoDifference);
+}
+
+#[test]
+fn what_cannot_be_tested_is_not() {
+    let same = verdict(render(9, plain), render(9, |i, c| plain(i, c) * 2.0), 1e-3);
+    assert!(same.outcome == Outcome::Untested && same.sentence().contains("both have seed 9"), "{same:?}");
+    let colors = render(10, plain).colors;
+    let bare = verdict(render(11, plain), side("bare.exr", 12, colors, None), 1e-3);
+    assert!(bare.outcome == Outcome::Untested && bare.sentence().contains("bare.exr has no standard errors"), "{bare:?}");
+    let mut foreign = render(13, plain);
+    foreign.origin.replicates = None;
+    assert!(verdict(foreign, render(14, plain), 1e-3).sentence().contains("has no number of replicates"));
+    assert_eq!(verdict(render(15, plain), render(15, plain), 1e-3).outcome, Outcome::Identical);
+}
+
+#[test]
+fn what_is_not_finite_is_left_out() {
+    let mut image = render(16, plain);
+    image.colors[0] = f32::NAN;
+    image.errors.as_mut().unwrap()[5] = f32::INFINITY;
+    let verdict_ = verdict(image, render(17, plain), 1e-3);
+    assert_eq!((verdict_.outcome, verdict_.pixels_left_out), (Outcome::NoDifference, 2));
+    let mut nothing = render(18, plain);
+    nothing.colors.fill(f32::NAN);
+    assert_eq!(verdict(nothing, render(19, plain), 1e-3).outcome, Outcome::Untested);
+}
+
+#[test]
+fn tiles_have_enough_samples() {
+    assert_eq!([1, 4, 16, 64, 4096].map(|spp| tile([2000, 1000], spp)), [64, 32, 16, 8, 8]);
+    assert_eq!(tile([20, 10], 1), 32);
+}
