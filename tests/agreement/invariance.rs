@@ -7,7 +7,7 @@ use etendue::scene::description::Description;
 use glam::{DAffine3, DVec3, Vec3};
 
 /// A floor, two boxes' worth of walls and a light, with everything moved and scaled by `by`.
-fn still_life(by: DAffine3) -> Description {
+pub(crate) fn still_life(by: DAffine3) -> Description {
     let mut scene = Description::default();
     add_square(&mut scene, Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0, matte(0.6, 0.0));
     add_square(&mut scene, Vec3::new(-0.7, 0.5, 0.0), Vec3::Y * 0.5, Vec3::Z * 0.8, matte(0.3, 0.0));

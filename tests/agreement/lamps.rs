@@ -15,7 +15,7 @@ const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
 
 /// A plane of half side `half` through the origin, facing up, and a camera that looks at so small a part around the origin
 /// that irradiance is constant there to second order in 1e-3.
-fn ground(half: f32) -> Description {
+pub(crate) fn ground(half: f32) -> Description {
     let mut scene = Description::default();
     add_square(&mut scene, Vec3::ZERO, Vec3::X * half, Vec3::NEG_Z * half, matte(REFLECTANCE, 0.0));
     scene.cameras.push(narrow(camera(DVec3::new(0.2, 0.4, 0.1), DVec3::ZERO), 1e-3));
@@ -23,7 +23,7 @@ fn ground(half: f32) -> Description {
 }
 
 /// Radiance of the ground under `irradiance`.
-fn reflected(irradiance: f64) -> f64 {
+pub(crate) fn reflected(irradiance: f64) -> f64 {
     f64::from(REFLECTANCE) * FRAC_1_PI * irradiance
 }
 

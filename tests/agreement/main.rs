@@ -3,17 +3,30 @@
 //! Every judgement is a hypothesis test whose level is said where it is made; seeds are fixed, so a right renderer never
 //! fails by chance twice. `ETENDUE_TEST_DEEP=1` runs the long versions (`make test-deep`).
 
+#[allow(dead_code, reason = "tests/sampling uses what is not used here")]
+#[path = "../support/random.rs"]
+mod random;
+#[path = "../support/slope.rs"]
+mod slope;
+
 #[cfg(feature = "embree")]
 mod backends;
 mod closed_forms;
 mod coverage;
 mod enclosures;
 mod environments;
+mod equilibrium;
 mod hard_cases;
+mod images_of_lights;
 mod invariance;
 mod lamps;
 mod moved;
 mod picture;
+mod pixel_filters;
+mod reciprocity;
 mod references;
+mod rough_bodies;
 mod sides;
+mod slopes;
 mod studio;
+mod symmetries;

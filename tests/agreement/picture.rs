@@ -37,11 +37,12 @@ pub(crate) struct Shot {
     pub(crate) seed: u64,
     pub(crate) depth: Option<u32>,
     pub(crate) sampler: SamplerKind,
+    pub(crate) filter: Filter,
 }
 
 impl Shot {
     pub(crate) fn new(method: Method, side: u32, spp: u64) -> Self {
-        Shot { method, side, spp, seed: 1, depth: None, sampler: SamplerKind::Sobol }
+        Shot { method, side, spp, seed: 1, depth: None, sampler: SamplerKind::Sobol, filter: Filter::Box }
     }
 }
 
@@ -55,7 +56,7 @@ pub(crate) fn scene_under(backend: Backend, description: Description) -> Scene {
     Scene::build(description, &BuildOptions { backend, build: Default::default(), threads: 1 }).expect("a valid scene")
 }
 
-/// Renders the first camera's view with a box filter; no guard may fire.
+/// Renders the first camera's view, unless told otherwise with a box filter; no guard may fire.
 pub(crate) fn render(scene: &Scene, shot: Shot) -> Picture {
     let (picture, guards) = render_guarded(scene, shot);
     assert_eq!(guards, Guards::default(), "a guard fired");
@@ -67,7 +68,7 @@ pub(crate) fn render_guarded(scene: &Scene, shot: Shot) -> (Picture, Guards) {
     let options = Options {
         seed: shot.seed,
         sampler: shot.sampler,
-        filter: Filter::Box,
+        filter: shot.filter,
         max_depth: shot.depth,
         clamp: None,
         replicates: REPLICATES,

@@ -34,6 +34,15 @@ pub(crate) fn add_square(scene: &mut Description, c: Vec3, u: Vec3, v: Vec3, mat
     add(scene, corners, vec![[0, 1, 2], [0, 2, 3]], material);
 }
 
+/// Adds the closed box around `centre` with the half sides `half`, fronts outward.
+pub(crate) fn add_box(scene: &mut Description, centre: Vec3, half: Vec3, material: Material) {
+    const FACES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let side = |corner: u32, axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+    let corners = (0..8).map(|c| centre + half * Vec3::new(side(c, 0), side(c, 1), side(c, 2))).collect();
+    let triangles = FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    add(scene, corners, triangles, material);
+}
+
 /// Adds the six inner walls of the cube from −1 to 1, all of one material.
 pub(crate) fn add_room(scene: &mut Description, material: &Material) {
     for axis in 0..3 {

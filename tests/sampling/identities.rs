@@ -14,7 +14,7 @@ use etendue::transport::Transport;
 const ALPHAS: [f32; 5] = [1e-4, 1e-3, 0.05, 0.3, 1.0];
 const WAYS: [Transport; 2] = [Transport::Light, Transport::Camera];
 
-fn value(surface: &Surface, toward: Transport, known: Local<f64>, other: Local<f64>) -> f64 {
+pub(crate) fn value(surface: &Surface, toward: Transport, known: Local<f64>, other: Local<f64>) -> f64 {
     let (wi, wo) = toward.flow(known, other);
     surface.eval(wi, wo, Lobes::SMOOTH)[1]
 }

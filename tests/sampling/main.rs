@@ -12,13 +12,20 @@ mod chi_square;
 mod quadrature;
 #[path = "../support/random.rs"]
 mod random;
+#[path = "../support/slope.rs"]
+mod slope;
 
+mod cameras;
+mod choices;
 mod distributions;
 mod environments;
 mod furnace;
+mod grazing;
 mod identities;
 mod inverses;
 mod lights;
 mod models;
+mod monte_carlo;
+mod punctual;
 mod shading;
 mod warps;

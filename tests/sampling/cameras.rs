@@ -1,0 +1,104 @@
+//! Cameras: where rays begin and go against the density that a uniform film position has there.
+
+use crate::chi_square::{SphereCells, p_value, sidak};
+use crate::random::{Random, samples};
+use etendue::camera::{Camera, Orthographic, Pinhole, Pose};
+use glam::{DVec3, Vec3};
+
+const SAMPLES: u32 = 40_000;
+/// Width and height in pixels.
+const SIZE: [u32; 2] = [30, 20];
+const ASPECT: f64 = 1.5;
+
+fn pose() -> Pose {
+    let backward = Vec3::new(0.3, -0.4, 0.5).normalize();
+    let right = Vec3::Y.cross(backward).normalize();
+    Pose { position: Vec3::new(1.0, 2.0, -3.0), right, up: backward.cross(right), backward }
+}
+
+fn film(random: &mut Random) -> [f32; 2] {
+    let [x, y] = random.cube();
+    [x * SIZE[0] as f32, y * SIZE[1] as f32]
+}
+
+/// Film area becomes solid angle by cos³: the density of `w` is 1 / (A cos³) with the image's area A in the distance 1.
+fn pinhole_density(w: DVec3, yfov: f64, power: i32) -> f64 {
+    let pose = pose();
+    let along = |axis: Vec3| w.dot(axis.as_dvec3());
+    let (cos, top) = (-along(pose.backward), (0.5 * yfov).tan());
+    let inside = cos > 0.0 && (along(pose.up) / cos).abs() < top && (along(pose.right) / cos).abs() < top * ASPECT;
+    if inside { (4.0 * top * top * ASPECT * cos.powi(power)).recip() } else { 0.0 }
+}
+
+/// p-value of a pinhole camera's directions against cos^−`power`.
+fn directions_follow(yfov: f64, power: i32, seed: u64) -> f64 {
+    let camera = Camera::Pinhole(Pinhole::new(pose(), yfov, SIZE[0], SIZE[1]));
+    let cells = SphereCells::new((-pose().backward).as_dvec3().to_array(), 0.25 * (0.5 * yfov).powi(2));
+    let expected = cells.integrate(1e-6, &|w| pinhole_density(DVec3::from(w), yfov, power)); // of a probability
+    let total: f64 = expected.iter().sum();
+    let (mut random, n) = (Random::new(seed), samples(SAMPLES));
+    let mut observed = vec![0.0; cells.len()];
+    for _ in 0..n {
+        let ray = camera.ray(film(&mut random));
+        assert_eq!(ray.origin, pose().position);
+        assert!((ray.direction.length() - 1.0).abs() < 4.0 * f32::EPSILON);
+        observed[cells.index(ray.direction.as_dvec3().to_array())] += 1.0;
+    }
+    let expected: Vec<f64> = expected.iter().map(|p| p * f64::from(n) / total).collect();
+    p_value(&observed, &expected)
+}
+
+#[test]
+fn directions_of_a_pinhole_have_the_density_of_its_film() {
+    let results: Vec<f64> = [0.3, 1.0, 2.4].iter().zip(80..).map(|(&yfov, seed)| directions_follow(yfov, 3, seed)).collect();
+    assert!(results.iter().all(|&p| p > sidak(results.len())), "{results:?}");
+    // Planted: a cosine less.
+    assert!(directions_follow(1.0, 2, 83) < sidak(1));
+}
+
+#[test]
+fn an_orthographic_camera_covers_its_rectangle_evenly() {
+    const YMAG: f64 = 0.7;
+    let camera = Camera::Orthographic(Orthographic::new(pose(), YMAG, SIZE[0], SIZE[1]));
+    let (mut random, n) = (Random::new(84), samples(SAMPLES));
+    let mut observed = vec![0.0; 400];
+    for _ in 0..n {
+        let ray = camera.ray(film(&mut random));
+        assert_eq!(ray.direction, -pose().backward);
+        let offset = (ray.origin - pose().position).as_dvec3();
+        let [x, y] =
+            [(pose().right, YMAG * ASPECT), (pose().up, YMAG)].map(|(axis, half)| 0.5 + 0.5 * offset.dot(axis.as_dvec3()) / half);
+        // Rays begin on the camera's plane, to the rounding of positions of magnitude 4.
+        assert!(offset.dot(pose().backward.as_dvec3()).abs() < 16.0 * f64::from(f32::EPSILON));
+        let cell = |t: f64| ((t * 20.0).floor().clamp(0.0, 19.0)) as usize;
+        observed[cell(y) * 20 + cell(x)] += 1.0;
+    }
+    let p = p_value(&observed, &vec![f64::from(n) / 400.0; 400]);
+    assert!(p > sidak(1), "{p}");
+}
+
+/// x runs to the right, y down, and a smaller image of the view has the same rays at the same places.
+#[test]
+fn film_positions_mean_the_same_at_any_size() {
+    let cameras = [
+        Camera::Pinhole(Pinhole::new(pose(), 1.0, SIZE[0], SIZE[1])),
+        Camera::Orthographic(Orthographic::new(pose(), 0.7, SIZE[0], SIZE[1])),
+    ];
+    // Positions of magnitude 4 and directions of 1, a few roundings each.
+    const ROUNDING: f32 = 32.0 * f32::EPSILON;
+    for camera in cameras {
+        let small = camera.resized(SIZE, [15, 4]);
+        let corner = |c: &Camera, x: f32, y: f32| {
+            let ray = c.ray([x, y]);
+            ray.origin + ray.direction
+        };
+        let [left, right] = [0.0, 30.0].map(|x| corner(&camera, x, 10.0).dot(pose().right));
+        let [top, bottom] = [0.0, 20.0].map(|y| corner(&camera, 15.0, y).dot(pose().up));
+        assert!(right > left && top > bottom, "{camera:?}");
+        for [u, v] in [[0.0, 0.0], [0.3, 0.8], [1.0, 0.5]] {
+            let (a, b) = (camera.ray([u * 30.0, v * 20.0]), small.ray([u * 15.0, v * 4.0]));
+            let off = a.origin.distance(b.origin) + a.direction.distance(b.direction);
+            assert!(off < ROUNDING, "{camera:?} {u} {v}: {off}");
+        }
+    }
+}

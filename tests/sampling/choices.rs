@@ -1,0 +1,142 @@
+//! Discrete choices against the probabilities that they state: tables, lights, Dirac lobes.
+
+use crate::chi_square::{p_value, sidak};
+use crate::models::{Model, direction, models};
+use crate::random::{Random, samples};
+use etendue::bsdf::{Bsdf, Lobes};
+use etendue::geometry::Local;
+use etendue::light::{Light, Lights, PointLight, Receiver};
+use etendue::sampling::{Density, Distribution};
+use etendue::spectrum::Spectrum;
+use etendue::transport::Transport;
+use glam::Vec3;
+
+const SAMPLES: u32 = 100_000;
+/// Cells for the number that is left over.
+const REST: usize = 16;
+
+/// Zeros at both ends and inside, weights that differ by 1e5, many equal ones.
+fn tables() -> [Vec<f64>; 4] {
+    let many = (0..200).map(|i| f64::from(i % 7)).collect();
+    [vec![1.0], vec![0.0, 3.0, 0.0, 1.0, 0.0], vec![1e-2, 1e3, 2.0, 0.0, 50.0], many]
+}
+
+fn counted(n: u32, cells: usize, seed: u64, choose: impl Fn(f32) -> usize) -> Vec<f64> {
+    let (mut random, mut observed) = (Random::new(seed), vec![0.0; cells]);
+    (0..n).for_each(|_| observed[choose(random.f32())] += 1.0);
+    observed
+}
+
+#[test]
+fn tables_choose_with_the_probabilities_that_they_state() {
+    let n = samples(SAMPLES);
+    let mut results = Vec::new();
+    for (weights, seed) in tables().into_iter().zip(200..) {
+        let table = Distribution::new(weights.iter().copied()).expect("positive weights");
+        let total: f64 = weights.iter().sum();
+        for (i, weight) in weights.iter().enumerate() {
+            // a difference of f32 numbers up to 1
+            assert!(
+                (f64::from(table.pmf(i).value()) - weight / total).abs() < 2.0 * f64::from(f32::EPSILON),
+                "{i} of {weights:?}"
+            );
+        }
+        let observed = counted(n, weights.len(), seed, |u| table.sample(u).0);
+        assert!(observed.iter().zip(&weights).all(|(o, w)| *w > 0.0 || *o <= 0.0), "a weight of zero was chosen");
+        let expected: Vec<f64> = weights.iter().map(|w| w / total * f64::from(n)).collect();
+        results.push(p_value(&observed, &expected));
+        // What is left of the number is uniform in every interval.
+        let cell = |u: f32| {
+            let (i, rest) = table.sample_within(u);
+            assert!((0.0..1.0).contains(&rest));
+            i * REST + (rest * REST as f32) as usize
+        };
+        let observed = counted(n, weights.len() * REST, seed + 50, cell);
+        let expected: Vec<f64> = expected.iter().flat_map(|e| [e / REST as f64; REST]).collect();
+        results.push(p_value(&observed, &expected));
+    }
+    assert!(results.iter().all(|&p| p > sidak(results.len())), "{results:?}");
+    // Planted: a table that takes its first index twice as often.
+    let table = Distribution::new([2.0, 3.0, 5.0]).expect("positive weights");
+    let observed = counted(n, 3, 300, |u| table.sample(u).0);
+    assert!(p_value(&observed, &[1.0, 3.0, 5.0].map(|w| w / 9.0 * f64::from(n))) < sidak(1));
+}
+
+#[test]
+fn lights_are_chosen_with_the_probability_that_is_asked_for_later() {
+    let lamp = |i: f32| Light::Point(PointLight { position: Vec3::X * i, intensity: Spectrum::splat(i) });
+    let lights = Lights::new([1.0, 0.0, 20.0, 3.0, 1e-3].map(lamp).into(), 1.0);
+    let at = Receiver { p: Vec3::ZERO, ng: Vec3::Y };
+    let n = samples(SAMPLES);
+    let (mut random, mut observed) = (Random::new(210), vec![0.0; 5]);
+    for _ in 0..n {
+        let (light, stated) = lights.choose(&at, random.f32()).expect("lights");
+        let index = lights.all().iter().position(|l| std::ptr::eq(l, light)).expect("one of them");
+        assert_eq!(stated, lights.pmf(&at, index));
+        observed[index] += 1.0;
+    }
+    let expected: Vec<f64> = (0..5).map(|i| f64::from(lights.pmf(&at, i).value()) * f64::from(n)).collect();
+    assert!(p_value(&observed, &expected) > sidak(1), "{observed:?} {expected:?}");
+    assert!(observed[1] <= 0.0, "a dark light was chosen");
+}
+
+/// A lobe and the probability that it states; a mixture may mirror by its layer and by its glass, each with its own.
+type Dirac = (Lobes, f32);
+
+/// How often each Dirac lobe was drawn at `known`, how often a smooth one, and how often nothing.
+fn drawn(model: &Model, known: Local, toward: Transport, n: u32, seed: u64) -> (Vec<(Dirac, f64)>, [f64; 2]) {
+    let (mut random, mut dirac, mut rest) = (Random::new(seed), Vec::<(Dirac, f64)>::new(), [0.0; 2]);
+    for _ in 0..n {
+        match model.surface.sample(known, toward, random.cube()) {
+            None => rest[1] += 1.0,
+            Some(sample) => match sample.density {
+                Density::Smooth(_) => rest[0] += 1.0,
+                Density::Delta(p) => {
+                    assert_eq!(sample.lobe == Lobes::DIRAC_REFLECT, known.same_side(sample.direction), "{}", model.name);
+                    match dirac.iter_mut().find(|(key, _)| *key == (sample.lobe, p)) {
+                        Some((_, count)) => *count += 1.0,
+                        None => dirac.push(((sample.lobe, p), 1.0)),
+                    }
+                }
+            },
+        }
+    }
+    (dirac, rest)
+}
+
+/// ∫ of the density over all directions, which here depends on the cosine alone and is linear in it: the midpoint rule.
+fn smooth_share(model: &Model, known: Local, toward: Transport) -> f64 {
+    const POINTS: u32 = 256;
+    let cosine = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(POINTS) - 1.0;
+    let pdf = |z: f64| model.surface.pdf(known.cast(), Local::new((1.0 - z * z).sqrt(), 0.0, z), toward, Lobes::SMOOTH);
+    std::f64::consts::TAU * 2.0 / f64::from(POINTS) * (0..POINTS).map(|i| pdf(cosine(i))).sum::<f64>()
+}
+
+/// Dirac lobes have the probability that comes with their samples, and what is left of 1 is the smooth lobes' integral.
+#[test]
+fn smooth_faces_choose_their_lobes_as_stated() {
+    let n = samples(SAMPLES / 10);
+    let mut results = Vec::new();
+    for (i, model) in models(0.0).iter().enumerate() {
+        for (j, cos) in [0.9, 0.5, 0.01, 1e-4, -0.7, -0.01].into_iter().enumerate() {
+            let known = direction(cos, 0.7);
+            for toward in [Transport::Light, Transport::Camera] {
+                let seed = (i * 100 + j) as u64 + 1000 * (toward == Transport::Camera) as u64;
+                let (dirac, rest) = drawn(model, known, toward, n, seed);
+                let smooth = smooth_share(model, known, toward);
+                let mut expected: Vec<f64> = dirac.iter().map(|((_, p), _)| f64::from(*p)).collect();
+                expected.push(smooth);
+                let total: f64 = expected.iter().sum();
+                // the midpoint rule's error, and f32 probabilities
+                assert!(total < 1.0 + 1e-6, "{} cos {cos}: {dirac:?} and {smooth}", model.name);
+                expected.push((1.0 - total).max(0.0));
+                expected.iter_mut().for_each(|p| *p *= f64::from(n));
+                let observed: Vec<f64> = dirac.iter().map(|(_, count)| *count).chain(rest).collect();
+                results.push((p_value(&observed, &expected), format!("{} cos {cos} {observed:?} {expected:?}", model.name)));
+            }
+        }
+    }
+    let level = sidak(results.len());
+    let failed: Vec<_> = results.into_iter().filter(|(p, _)| *p < level).collect();
+    assert!(failed.is_empty(), "{failed:#?}");
+}
