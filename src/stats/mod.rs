@@ -4,6 +4,7 @@
 mod chi_squared;
 mod estimate;
 mod hypothesis;
+pub mod image;
 mod moments;
 mod multiple;
 mod student;
