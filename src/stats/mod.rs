@@ -7,6 +7,7 @@ mod hypothesis;
 pub mod image;
 mod moments;
 mod multiple;
+mod power_law;
 mod student;
 #[cfg(test)]
 pub(crate) mod test_random;
@@ -16,4 +17,5 @@ pub use estimate::Estimate;
 pub use hypothesis::{TestResult, t_test, welch_test, z_test};
 pub use moments::Moments;
 pub use multiple::{holm, sidak_level, sidak_p_value};
+pub use power_law::{PowerLaw, WeightedPoint};
 pub use student::{student_p_value, student_quantile};
