@@ -5,4 +5,5 @@ pub mod environment;
 pub mod exr;
 pub mod gltf;
 pub mod hdr;
+pub mod page;
 pub mod png;

@@ -2,7 +2,8 @@
 
 use super::atomic::write_atomically;
 use crate::error::{Error, Kind, Result};
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -77,6 +78,29 @@ fn save(path: &Path, width: u32, height: u32, bytes: &[u8], color: ExtendedColor
         PngEncoder::new(&mut file).write_image(bytes, width, height, color).map_err(io::Error::other)?;
         file.flush()
     })
+}
+
+/// The same without alpha, as the bytes of a file.
+///
+/// # Errors
+/// [`Kind::Internal`] if there are not width × height pixels.
+pub fn bytes(width: u32, height: u32, rgb: &[f32], exposure: f32, curve: Curve) -> Result<Vec<u8>> {
+    display_bytes(width, height, &encode(rgb, None, exposure.exp2(), curve).0)
+}
+
+/// A picture of eight-bit display values, row by row, as the bytes of a file.
+///
+/// # Errors
+/// [`Kind::Internal`] if there are not width × height pixels.
+pub fn display_bytes(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
+    let refuse = || Error::new(Kind::Internal, format!("a picture does not have {width}×{height} pixels"));
+    if rgb.len() != 3 * width as usize * height as usize {
+        return Err(refuse());
+    }
+    let mut file = Vec::new();
+    let encoder = PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::Adaptive);
+    encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8).map_err(|cause| refuse().because(cause))?;
+    Ok(file)
 }
 
 fn encode(rgb: &[f32], alpha: Option<&[f32]>, gain: f32, curve: Curve) -> (Vec<u8>, ExtendedColorType) {

@@ -11,6 +11,7 @@ pub mod film_file;
 pub mod images;
 pub mod machine;
 pub mod merge;
+pub mod methods;
 mod outputs;
 mod plan;
 mod progress;

@@ -1,0 +1,180 @@
+//! What the repetitions of one curve say together.
+
+use super::contestant::Contestant;
+use crate::stats::{Moments, PowerLaw, WeightedPoint};
+use serde::Serialize;
+
+/// A render at one moment.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Mark {
+    /// Samples per pixel.
+    pub spp: u64,
+    /// Processor time, user and system, since before the prelude.
+    pub cpu_seconds: f64,
+    /// Wall-clock time.
+    pub wall_seconds: f64,
+    /// relMSE against the reference, the reference's noise subtracted where it is known: 0 or less where noise is all there is.
+    pub relmse: f64,
+    /// Rays so far.
+    pub rays: u64,
+}
+
+/// A positive number with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Interval {
+    /// The geometric mean over repetitions.
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// A slope with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Slope {
+    /// The exponent.
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// All repetitions at one sample count.
+#[derive(Debug, Clone, Serialize)]
+pub struct Point {
+    /// Samples per pixel.
+    pub spp: u64,
+    /// Processor time, geometric mean.
+    pub cpu_seconds: f64,
+    /// Wall-clock time, geometric mean.
+    pub wall_seconds: f64,
+    /// The error; `None` where it is lost in the reference's noise.
+    pub relmse: Option<Interval>,
+}
+
+/// Error against time of one method with one backend on one scene.
+#[derive(Debug, Clone, Serialize)]
+pub struct Curve {
+    /// Method and backend.
+    pub label: String,
+    /// What the method cannot see in the scene: its curve ends at that error and is left out of ratios.
+    pub blind_spots: Vec<String>,
+    /// The curve.
+    pub points: Vec<Point>,
+    /// Exponent of error against processor time.
+    pub slope_in_time: Option<Slope>,
+    /// Exponent of error against samples: −1 for independent ones.
+    pub slope_in_samples: Option<Slope>,
+    /// 1 / (relMSE × processor seconds) at the last point.
+    pub efficiency: Option<Interval>,
+    /// Million rays per second of wall-clock time.
+    pub mrays_per_second: f64,
+    /// Million rays per second of processor time.
+    pub mrays_per_cpu_second: f64,
+    /// Bytes of film, geometry, textures and ray-tracing structure.
+    pub memory_bytes: u64,
+    /// Seconds that loading took.
+    pub load_seconds: f64,
+    /// Seconds that building took, not in the curve.
+    pub build_seconds: f64,
+    /// The repetitions.
+    pub runs: Vec<Vec<Mark>>,
+}
+
+impl Interval {
+    /// The geometric mean of positive `values` with Student's interval of their logarithms; `None` with less than two, or one
+    /// that is not positive.
+    pub(super) fn geometric(values: impl IntoIterator<Item = f64>) -> Option<Interval> {
+        let logs: Vec<f64> = values.into_iter().map(|v| if v > 0.0 { v.ln() } else { f64::NAN }).collect();
+        let estimate = logs.iter().copied().collect::<Moments>().estimate().filter(|e| e.value.is_finite())?;
+        let [low, high] = estimate.interval95();
+        Some(Interval { value: estimate.value.exp(), low: low.exp(), high: high.exp() })
+    }
+}
+
+/// 1 / (relMSE × processor seconds) at the last point of a repetition.
+pub(super) fn efficiency(run: &[Mark]) -> f64 {
+    run.last().map_or(f64::NAN, |m| 1.0 / (m.relmse * m.cpu_seconds))
+}
+
+impl Curve {
+    /// The curve of a contestant; `noise` is what was subtracted.
+    pub(super) fn of(contestant: &Contestant<'_>, noise: f64) -> Curve {
+        let (runs, info) = (&contestant.runs, &contestant.stage.info);
+        let last = || runs.iter().filter_map(|run| run.last());
+        let sum = |f: fn(&Mark) -> f64| last().map(f).sum::<f64>();
+        let rays = sum(|m| m.rays as f64) / 1e6;
+        let layout = contestant.settings.layout();
+        let film = crate::film::Film::bytes_per_pixel(&layout, contestant.settings.replicates) * layout.pixels();
+        Curve {
+            label: contestant.label(),
+            blind_spots: contestant.blind_spots.clone(),
+            points: (0..runs.first().map_or(0, Vec::len)).map(|at| point(runs, at)).collect(),
+            slope_in_time: slope(runs, noise, |m| m.cpu_seconds),
+            slope_in_samples: slope(runs, noise, |m| m.spp as f64),
+            efficiency: Interval::geometric(runs.iter().map(|run| efficiency(run))),
+            mrays_per_second: rays / sum(|m| m.wall_seconds),
+            mrays_per_cpu_second: rays / sum(|m| m.cpu_seconds),
+            memory_bytes: (film + info.geometry_bytes + info.accel_bytes + info.texture_bytes) as u64,
+            load_seconds: contestant.stage.load_seconds,
+            build_seconds: contestant.stage.build_seconds,
+            runs: runs.clone(),
+        }
+    }
+}
+
+fn point(runs: &[Vec<Mark>], at: usize) -> Point {
+    let marks: Vec<&Mark> = runs.iter().filter_map(|run| run.get(at)).collect();
+    let mean = |f: fn(&Mark) -> f64| marks.iter().map(|m| f(m).ln()).collect::<Moments>().mean().exp();
+    Point {
+        spp: marks.first().map_or(0, |m| m.spp),
+        cpu_seconds: mean(|m| m.cpu_seconds),
+        wall_seconds: mean(|m| m.wall_seconds),
+        relmse: Interval::geometric(marks.iter().map(|m| m.relmse)),
+    }
+}
+
+/// ln e scatters alike at every sample count, but where the reference's noise n was subtracted that grows as 1 + n/e.
+fn slope(runs: &[Vec<Mark>], noise: f64, x: impl Fn(&Mark) -> f64) -> Option<Slope> {
+    let weigh = |m: &Mark| WeightedPoint { x: x(m), y: m.relmse, weight: (m.relmse / (m.relmse + noise)).powi(2) };
+    let curves: Vec<Vec<WeightedPoint>> = runs.iter().map(|run| run.iter().map(weigh).collect()).collect();
+    let slope = PowerLaw::of_curves(&curves)?.slope;
+    let [low, high] = slope.interval95();
+    Some(Slope { value: slope.value, low, high })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn geometric_means_have_the_interval_of_their_logarithms() {
+        // ln: 0 and 2; mean 1, standard error 1, t at one degree of freedom 12.7062.
+        let interval = Interval::geometric([1.0, 2.0_f64.exp()]).unwrap();
+        assert!((interval.value.ln() - 1.0).abs() < 1e-12, "rounding");
+        assert!((interval.low.ln() - (1.0 - 12.7062)).abs() < 5.1e-5 && (interval.high.ln() - 13.7062).abs() < 5.1e-5);
+        for lost in [vec![1.0], vec![1.0, 0.0], vec![1.0, -1.0, 2.0], vec![f64::NAN, 1.0]] {
+            assert_eq!(Interval::geometric(lost), None);
+        }
+    }
+
+    #[test]
+    fn an_error_that_falls_as_one_over_samples_has_slope_minus_one_in_both() {
+        let run = |scale: f64| {
+            let mark = |k: u32| {
+                let spp = 4 << k;
+                Mark { spp, cpu_seconds: 0.1 * spp as f64, wall_seconds: 0.05 * spp as f64, relmse: scale / spp as f64, rays: 0 }
+            };
+            (0..5).map(mark).collect::<Vec<_>>()
+        };
+        let runs = [run(1.0), run(1.5), run(0.7)];
+        for slope in [slope(&runs, 0.01, |m| m.cpu_seconds), slope(&runs, 0.01, |m| m.spp as f64)] {
+            assert!((slope.unwrap().value + 1.0).abs() < 1e-12, "rounding: {slope:?}");
+        }
+        let point = point(&runs, 4);
+        assert!((point.cpu_seconds - 6.4).abs() < 1e-12, "rounding");
+        assert!((efficiency(&runs[0]) - 10.0).abs() < 1e-12, "1 / (1/64 × 6.4), to rounding");
+    }
+}

@@ -1,0 +1,194 @@
+//! What images are compared with: a file, or a render made for it.
+
+use super::contestant::{self, Contestant, label};
+use super::{Request, Subject, defect};
+use crate::error::{Error, Result};
+use crate::film::{Film, Plane};
+use crate::integrator::{self, Method};
+use crate::io::exr;
+use crate::parallel::Cancel;
+use crate::render::{Outputs, Program, Report, Settings, images};
+use clap::ValueEnum;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// ε is the square of this share of the reference's mean, as in the error that films estimate.
+const FLOOR: f64 = 0.1;
+/// A made reference has at most this share of the error of what is compared with it.
+const SHARE: f64 = 0.1;
+/// The compared errors are foretold as those of independent samples; low-discrepancy points are better than that by less than
+/// this factor at the sample counts of a curve.
+const MARGIN: f64 = 2.0;
+/// Where the seeds of made references are taken from: none of a repetition.
+const SEED: u32 = u32::MAX;
+
+/// A reference image.
+pub(super) struct Reference {
+    /// Its pixels, 3 values each.
+    pub(super) rgb: Vec<f32>,
+    /// Where it comes from.
+    pub(super) record: Record,
+}
+
+/// Where a reference comes from and how good it is.
+#[derive(Debug, Clone, Serialize)]
+pub struct Record {
+    /// Its file.
+    pub file: PathBuf,
+    /// Who made it.
+    pub origin: String,
+    /// The ε of relMSE, (0.1 × its mean)².
+    pub epsilon: f64,
+    /// Its own relMSE, which is subtracted; `None` if unknown and not subtracted.
+    pub noise: Option<f64>,
+    /// The relMSE that was wanted of a made one.
+    pub target: Option<f64>,
+    /// Whether that was reached.
+    pub is_target_met: bool,
+}
+
+impl Reference {
+    /// The reference that was given for a subject, if one was.
+    pub(super) fn given(subject: &Subject) -> Result<Option<Reference>> {
+        let Some((path, noise)) = &subject.reference else { return Ok(None) };
+        let (_, settings) = subject.stages.first().ok_or_else(|| defect("a scene without a backend"))?;
+        let mut reference = Reference::read(path, settings)?;
+        reference.record.noise = noise.or(reference.record.noise);
+        Ok(Some(reference))
+    }
+
+    fn read(path: &Path, settings: &Settings) -> Result<Reference> {
+        let image = exr::read(path)?;
+        let crop = image.crop;
+        let size = [image.width, image.height];
+        if size != [settings.width, settings.height] || settings.layout().crop != crop {
+            let (w, h) = (settings.width, settings.height);
+            let what = format!("the reference {} is {}×{} and the images are {w}×{h}", path.display(), size[0], size[1]);
+            return Err(Error::usage(format!("{what}: use --size {}x{}", size[0], size[1])));
+        }
+        let channels = |names: [&str; 3]| {
+            let [r, g, b] = names.map(|name| image.channel(name));
+            let (r, g, b) = (r?, g?, b?);
+            Some(r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b]).collect::<Vec<f32>>())
+        };
+        let missing = || Error::usage(format!("the reference {} has no channels R, G and B", path.display()));
+        let rgb = channels(["R", "G", "B"]).ok_or_else(missing)?;
+        let epsilon = epsilon(&rgb);
+        let noise = channels(["stderr.R", "stderr.G", "stderr.B"]).map(|stderr| noise(&rgb, &stderr, epsilon));
+        let origin = if noise.is_some() { "given, with its standard error" } else { "given" };
+        let record = Record { file: path.into(), origin: origin.into(), epsilon, noise, target: None, is_target_met: true };
+        Ok(Reference { rgb, record })
+    }
+}
+
+fn epsilon(rgb: &[f32]) -> f64 {
+    let finite = rgb.iter().copied().map(f64::from).filter(|v| v.is_finite());
+    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
+    // A black image has no scale: any ε will do.
+    let mean: f64 = if sum > 0.0 { sum / count } else { 1.0 };
+    (FLOOR * mean).powi(2)
+}
+
+/// The relMSE that an image has by its standard error.
+fn noise(rgb: &[f32], stderr: &[f32], epsilon: f64) -> f64 {
+    let terms = rgb.iter().zip(stderr).map(|(&v, &s)| f64::from(s).powi(2) / (f64::from(v).powi(2) + epsilon));
+    let (sum, count) = terms.filter(|t| t.is_finite()).fold((0.0, 0.0), |(sum, count), t| (sum + t, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// The reference that an earlier call left in the folder if it is the one wanted, else a new one.
+pub(super) fn make(
+    request: &Request,
+    subject: &Subject,
+    field: &[Contestant<'_>],
+    note: &mut dyn FnMut(&str),
+) -> Result<Reference> {
+    let path = request.folder.join(format!("reference-{}.exr", subject.name));
+    let best = field.iter().filter(|c| c.counts()).map(Contestant::last_error).fold(f64::INFINITY, f64::min);
+    let target = SHARE * best / MARGIN;
+    let (host, method) = chosen(request, field)?;
+    let settings =
+        Settings { method, seed: contestant::seed(host.settings.seed, SEED), aovs: Vec::new(), ..host.settings.clone() };
+    let name = label(&settings);
+    let same = if request.methods.contains(&method) { ", also compared, with another seed" } else { "" };
+    let origin = format!("made by {name}{same}");
+    if let Some(kept) = kept(&path, &settings, host).filter(|r| r.record.noise.is_some_and(|n| n <= target)) {
+        note(&format!("{}: taking {}", subject.name, path.display()));
+        return Ok(Reference { record: Record { origin, target: Some(target), ..kept.record }, ..kept });
+    }
+    note(&format!("{}: making a reference by {name}{same}, to a relMSE of {target:.1e}", subject.name));
+    render(request, &settings, host, target, &path)?;
+    let made = Reference::read(&path, &settings)?;
+    let reached = made.record.noise.unwrap_or(f64::INFINITY);
+    let is_target_met = reached <= target;
+    if !is_target_met {
+        note(&format!("warning: {}: the reference's time is over at a relMSE of {reached:.1e}", subject.name));
+    }
+    Ok(Reference { record: Record { origin, target: Some(target), is_target_met, ..made.record }, ..made })
+}
+
+/// Who makes a reference: a method that sees everything and is not compared, else the last that sees everything.
+fn chosen<'a, 'b>(request: &Request, field: &'a [Contestant<'b>]) -> Result<(&'a Contestant<'b>, Method)> {
+    let host = field.first().ok_or_else(|| Error::usage("nothing to compare: name a method and a backend"))?;
+    // From the plainest to the best.
+    let seeing: Vec<Method> =
+        Method::value_variants().iter().copied().filter(|&m| integrator::blind_spots(m, &host.stage.scene).is_empty()).collect();
+    let other = seeing.iter().rev().find(|m| !request.methods.contains(m));
+    let method = other.or(seeing.last()).ok_or_else(|| Error::usage("no method sees all of the scene: give a --reference"))?;
+    Ok((host, *method))
+}
+
+/// What an earlier call made of the same scene by the same program and settings.
+fn kept(path: &Path, settings: &Settings, host: &Contestant<'_>) -> Option<Reference> {
+    let image = exr::read(path).ok()?;
+    let program = Program::current();
+    let wanted = [
+        ("etendue.settings_hash", Some(settings.hash())),
+        ("etendue.scene.hash", Some(host.stage.scene.hash().to_owned())),
+        ("etendue.program.version", Some(program.version)),
+        ("etendue.program.revision", program.revision),
+    ];
+    let has =
+        |(name, value): &(&str, Option<String>)| image.attributes.get(*name) == value.clone().map(exr::Attribute::Text).as_ref();
+    if wanted.iter().all(has) { Reference::read(path, settings).ok() } else { None }
+}
+
+/// Renders until the noise is down to `target` or the time is over.
+fn render(request: &Request, settings: &Settings, host: &Contestant<'_>, target: f64, path: &Path) -> Result<()> {
+    let (cancel, start) = (Cancel::new(), Instant::now());
+    let judge = |film: &Film, _| {
+        // Another doubling takes as long again as all so far.
+        if film_noise(film) <= target || 2 * start.elapsed() > request.reference_budget {
+            cancel.request();
+        }
+        0.0
+    };
+    let (session, _) = contestant::render(host.stage, settings, super::MOST_DOUBLINGS, &cancel, judge)?;
+    let layers = images::layers(session.provenance(), session.film(), None);
+    let outputs = Outputs { exr: Some(path.into()), ..Outputs::default() };
+    let report = Report::new(session.provenance(), session.film(), &layers, &outputs, Some(host.stage));
+    images::write(&outputs, session.provenance(), session.film(), &layers, &report)
+}
+
+fn film_noise(film: &Film) -> f64 {
+    let Some(stderr) = film.standard_error() else { return f64::INFINITY };
+    let rgb = film.mean(Plane::Color);
+    noise(&rgb, &stderr, epsilon(&rgb))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_what_the_standard_error_says() {
+        // (0.1² / (1 + ε) + 0 + 0.2² / (4 + ε)) / 3 with ε = (0.1 × 1)².
+        let (rgb, stderr) = ([1.0, 0.0, 2.0], [0.1, 0.0, 0.2]);
+        let epsilon = epsilon(&rgb);
+        assert!((epsilon - 0.01).abs() < 1e-15, "rounding");
+        let exact = (0.01 / 1.01 + 0.04 / 4.01) / 3.0;
+        assert!((noise(&rgb, &stderr, epsilon) / exact - 1.0).abs() < 1e-6, "0.1 and 0.2 as f32");
+        assert_eq!(noise(&[f32::NAN; 3], &stderr, epsilon).to_bits(), 0);
+    }
+}

@@ -1,0 +1,176 @@
+//! What was measured, as one JSON document and as a table of all points.
+
+use super::contestant::Contestant;
+use super::curve::{Curve, Interval, efficiency};
+use super::reference::{Record, Reference};
+use super::{Request, Subject};
+use crate::error::{Error, Kind, Result};
+use crate::io::atomic::write_atomically;
+use crate::render::machine::{Processor, peak_memory};
+use crate::render::{Program, provenance};
+use serde::Serialize;
+use std::io::Write;
+
+/// All that was measured.
+#[derive(Debug, Clone, Serialize)]
+pub struct MethodsReport {
+    /// The program.
+    pub program: Program,
+    /// The processor's name, where the system tells it.
+    pub processor: Option<String>,
+    /// Threads.
+    pub threads: usize,
+    /// The most memory the whole run took, all scenes and backends together.
+    pub peak_memory_bytes: Option<u64>,
+    /// The command.
+    pub command: String,
+    /// When it ended, in UTC.
+    pub finished: String,
+    /// Seconds that all repetitions of a curve could take together.
+    pub budget_seconds: f64,
+    /// Repetitions of each curve.
+    pub repetitions: u32,
+    /// By scene.
+    pub scenes: Vec<SceneReport>,
+    /// Ratios of the geometric means over scenes, where there are several.
+    pub over_scenes: Vec<Ratio>,
+}
+
+/// What was measured on a scene.
+#[derive(Debug, Clone, Serialize)]
+pub struct SceneReport {
+    /// Its name.
+    pub name: String,
+    /// Hash of its content.
+    pub hash: String,
+    /// Size of the images.
+    pub size: [u32; 2],
+    /// Settings that all curves share, in words.
+    pub settings: String,
+    /// What images were compared with.
+    pub reference: Record,
+    /// Method by method, each with every backend.
+    pub curves: Vec<Curve>,
+    /// All pairs of curves that see everything.
+    pub ratios: Vec<Ratio>,
+}
+
+/// How many times as efficient one curve is as another: 1 / (relMSE × processor seconds), paired by repetition.
+#[derive(Debug, Clone, Serialize)]
+pub struct Ratio {
+    /// The one.
+    pub of: String,
+    /// The other.
+    pub to: String,
+    /// The geometric mean over repetitions with its 95 % interval; `None` where an error is lost in the reference's noise.
+    pub efficiency: Option<Interval>,
+}
+
+/// A line of `points.csv`.
+#[derive(Serialize)]
+struct Row<'a> {
+    scene: &'a str,
+    curve: &'a str,
+    is_blind: bool,
+    repetition: usize,
+    spp: u64,
+    cpu_seconds: f64,
+    wall_seconds: f64,
+    relmse: f64,
+    rays: u64,
+}
+
+pub(super) fn report(
+    request: &Request,
+    repetitions: u32,
+    subjects: &[Subject],
+    fields: &[Vec<Contestant<'_>>],
+    references: &[Reference],
+) -> MethodsReport {
+    let all: Vec<&[Contestant<'_>]> = fields.iter().map(Vec::as_slice).collect();
+    let scene = |((subject, field), reference): ((&Subject, &Vec<Contestant<'_>>), &Reference)| scene(subject, field, reference);
+    MethodsReport {
+        program: Program::current(),
+        processor: Processor::detect().model,
+        threads: subjects.iter().flat_map(|s| &s.stages).map(|(stage, _)| stage.threads).max().unwrap_or(1),
+        peak_memory_bytes: peak_memory(),
+        command: request.command.clone(),
+        finished: provenance::now(),
+        budget_seconds: request.budget.as_secs_f64(),
+        repetitions,
+        scenes: subjects.iter().zip(fields).zip(references).map(scene).collect(),
+        over_scenes: if fields.len() > 1 { ratios(&all) } else { Vec::new() },
+    }
+}
+
+fn scene(subject: &Subject, field: &[Contestant<'_>], reference: &Reference) -> SceneReport {
+    let noise = reference.record.noise.unwrap_or(0.0);
+    let settings = field.first().map(|c| &c.settings);
+    let word = |value: serde_json::Value| value.as_str().map(str::to_owned).unwrap_or_default();
+    let words = settings.map(|s| {
+        let depth = s.depth.map_or("unlimited depth".into(), |d| format!("depth {d}"));
+        let (filter, sampler) = (word(serde_json::json!(s.filter)), word(serde_json::json!(s.sampler)));
+        format!("{filter} filter, {depth}, {sampler} sampler in {} replicates", s.replicates)
+    });
+    SceneReport {
+        name: subject.name.clone(),
+        hash: field.first().map(|c| c.stage.scene.hash().to_owned()).unwrap_or_default(),
+        size: settings.map_or([0; 2], |s| [s.width, s.height]),
+        settings: words.unwrap_or_default(),
+        reference: reference.record.clone(),
+        curves: field.iter().map(|contestant| Curve::of(contestant, noise)).collect(),
+        ratios: ratios(&[field]),
+    }
+}
+
+/// All pairs, over the scenes where both see everything. Pairs are those of places, which mean the same in every scene.
+fn ratios(fields: &[&[Contestant<'_>]]) -> Vec<Ratio> {
+    let count = fields.iter().map(|field| field.len()).min().unwrap_or(0);
+    let pairs = (0..count).flat_map(|a| (0..count).filter(move |&b| a != b).map(move |b| (a, b)));
+    pairs.filter_map(|(a, b)| ratio(fields, a, b)).collect()
+}
+
+fn ratio(fields: &[&[Contestant<'_>]], a: usize, b: usize) -> Option<Ratio> {
+    let seeing: Vec<_> = fields.iter().map(|f| (&f[a], &f[b])).filter(|(a, b)| a.counts() && b.counts()).collect();
+    let (one, other) = seeing.first()?;
+    let repetition = |r: usize| {
+        let log = |(a, b): &(&Contestant<'_>, &Contestant<'_>)| (efficiency(&a.runs[r]) / efficiency(&b.runs[r])).ln();
+        (seeing.iter().map(log).sum::<f64>() / seeing.len() as f64).exp()
+    };
+    let repetitions = seeing.iter().map(|(a, b)| a.runs.len().min(b.runs.len())).min().unwrap_or(0);
+    // The ratio of two lost errors may be positive: each must be.
+    let is_lost = seeing.iter().flat_map(|(a, b)| a.runs.iter().chain(&b.runs)).any(|run| efficiency(run) <= 0.0);
+    let efficiency = if is_lost { None } else { Interval::geometric((0..repetitions).map(repetition)) };
+    Some(Ratio { of: one.label(), to: other.label(), efficiency })
+}
+
+/// Writes `report.json` and `points.csv`.
+pub(super) fn write(request: &Request, report: &MethodsReport) -> Result<()> {
+    let internal = |what: &str| Error::new(Kind::Internal, format!("cannot make {what}"));
+    let json = serde_json::to_vec_pretty(report).map_err(|cause| internal("report.json").because(cause))?;
+    write_atomically(&request.folder.join("report.json"), |file| file.write_all(&json))?;
+    let mut table = csv::Writer::from_writer(Vec::new());
+    for row in rows(report) {
+        table.serialize(row).map_err(|cause| internal("points.csv").because(cause))?;
+    }
+    let table = table.into_inner().map_err(|cause| internal("points.csv").because(cause.into_error()))?;
+    write_atomically(&request.folder.join("points.csv"), |file| file.write_all(&table))
+}
+
+fn rows(report: &MethodsReport) -> impl Iterator<Item = Row<'_>> {
+    let curves = report.scenes.iter().flat_map(|scene| scene.curves.iter().map(move |curve| (&scene.name, curve)));
+    let runs = curves.flat_map(|(name, curve)| curve.runs.iter().enumerate().map(move |(r, run)| (name, curve, r, run)));
+    runs.flat_map(|(scene, curve, repetition, run)| {
+        run.iter().map(move |m| Row {
+            scene,
+            curve: &curve.label,
+            is_blind: !curve.blind_spots.is_empty(),
+            repetition,
+            spp: m.spp,
+            cpu_seconds: m.cpu_seconds,
+            wall_seconds: m.wall_seconds,
+            relmse: m.relmse,
+            rays: m.rays,
+        })
+    })
+}
