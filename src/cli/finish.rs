@@ -3,6 +3,7 @@
 use super::args::StrictArgs;
 use super::{Console, console};
 use crate::error::{Error, Kind, Result};
+use crate::film::ImageError;
 use crate::io::atomic::write_atomically;
 use crate::render::{Ended, Outputs, Report, Session, Stage, images};
 use std::io::Write;
@@ -92,8 +93,8 @@ fn complain(report: &Report, console: Console) {
     if guards.overlong_paths > 0 {
         console.warn(&format!("{} paths reached the emergency length limit and were cut", guards.overlong_paths));
     }
-    if report.error().is_some_and(|error| !error.is_trustworthy()) {
-        console.warn("a few samples carry the error, and there may be larger ones to come: its interval is not to be trusted");
+    if let Some(why) = report.error().and_then(ImageError::distrust) {
+        console.warn(&format!("{why}: the interval of relMSE is not to be trusted"));
     }
     if let Some(missed) = report.target_missed() {
         console.warn(&missed);

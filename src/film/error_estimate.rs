@@ -28,6 +28,8 @@ const BLOCK: usize = 8;
 /// What taking out an excess of δ takes out in second order, and what may then be left, times δ²: see the module's head. With m
 /// normal, E g(m)/g = 1 + 3 v + 15 v² and δ = 3 v + 21 v²; with sums of exponential samples 1 + 3 v + 7 v² and 3 v − 3 v².
 const SECOND_ORDER: f64 = 0.2;
+/// Where more of relMSE than this was bias, orders beyond the second matter, and the result is good for its magnitude only.
+const MOST_BIAS: f64 = 0.3;
 const RESIDUAL: f64 = 0.9;
 
 /// Mean squared error relative to the squared value, and its 95 % interval.
@@ -43,8 +45,11 @@ pub struct RelMse {
     /// Standard error of the logarithm of `value`; infinite (`null` in JSON) where nothing is known of it.
     #[serde(deserialize_with = "null_is_infinite")]
     pub log_standard_error: f64,
-    /// Degrees of freedom of `log_standard_error`.
+    /// Degrees of freedom of the interval; infinite (`null` in JSON) where the noise was estimated within pixels.
+    #[serde(deserialize_with = "null_is_infinite")]
     pub dof: f64,
+    /// What was taken out of `value` as bias of noisy denominators, as a share of it.
+    pub bias_removed: f64,
     /// What `value` may be off besides, on either side.
     pub bias_bound: f64,
 }
@@ -94,8 +99,19 @@ fn null_is_infinite<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, 
 }
 
 impl RelMse {
-    fn new(value: f64, noise: Noise, bias_bound: f64) -> Self {
-        let empty = RelMse { value, low: 0.0, high: 0.0, log_standard_error: noise.log_error, dof: noise.dof, bias_bound };
+    fn of(blocks: &[Block]) -> Self {
+        let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
+        let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
+        let Noise { log_error, dof } = Noise::of(blocks, relative, values);
+        let empty = RelMse {
+            value: relative / values,
+            low: 0.0,
+            high: 0.0,
+            log_standard_error: log_error,
+            dof,
+            bias_removed: if relative > 0.0 { sum(|b| b.removed) / relative } else { 0.0 },
+            bias_bound: sum(|b| b.residual) / values,
+        };
         let [low, high] = [-1.0, 1.0].map(|side| empty.limit(0.025, side));
         RelMse { low, high, ..empty }
     }
@@ -119,9 +135,15 @@ impl ImageError {
         self.relmse.limit(level, 1.0)
     }
 
-    /// Whether the interval of `relmse` can be trusted: whether the samples seen have no tail that hides most of the error.
-    pub fn is_trustworthy(&self) -> bool {
-        self.tail.as_ref().is_none_or(Tail::is_trusted)
+    /// Why the interval of `relmse` cannot be trusted, if it cannot.
+    pub fn distrust(&self) -> Option<&'static str> {
+        if !self.tail.as_ref().is_none_or(Tail::is_trusted) {
+            Some("a few samples carry the error, and there may be larger ones to come")
+        } else if self.relmse.bias_removed > MOST_BIAS {
+            Some("the image is too noisy to divide its error by")
+        } else {
+            None
+        }
     }
 }
 
@@ -159,7 +181,7 @@ impl Film {
         let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
         let largest = blocks.iter().map(|b| b.relative).fold(0.0, f64::max);
         Some(ImageError {
-            relmse: RelMse::new(relative / values, Noise::of(&blocks, relative, values), sum(|b| b.residual) / values),
+            relmse: RelMse::of(&blocks),
             rmse: (sum(|b| b.variance) / values).sqrt(),
             mean: mean.value,
             mean_standard_error: mean.standard_error,
@@ -176,29 +198,37 @@ impl Film {
 struct Block {
     values: f64,
     variance: f64,
-    /// The bias of denominators taken out.
+    /// Without the bias of denominators.
     relative: f64,
-    /// What of that bias may be left.
+    /// That bias.
+    removed: f64,
+    /// What of it may be left.
     residual: f64,
-    /// Σ over pixels of the variance of their `relative`, and of its square; `None` where it is not known within a pixel.
-    spread: Option<[f64; 2]>,
+    /// Σ over pixels of the variance of their `relative`; `None` where it is not known within a pixel.
+    spread: Option<f64>,
 }
 
 impl Block {
     fn of(pixels: impl Iterator<Item = PixelError>) -> Self {
-        let (mut values, mut variance, mut relative, mut excess, mut spread) = (0.0, 0.0, 0.0, 0.0, Some([0.0; 2]));
+        let (mut values, mut variance, mut relative, mut excess, mut spread) = (0.0, 0.0, 0.0, 0.0, Some(0.0));
         for pixel in pixels {
             values += COLOR as f64;
             variance += pixel.variance;
             relative += pixel.relative;
             excess += pixel.excess;
-            spread = spread.zip(pixel.spread).map(|([sum, squares], s)| [sum + s, squares + s * s]);
+            spread = spread.zip(pixel.spread).map(|(sum, s)| sum + s);
         }
         let delta = if relative > 0.0 { (excess / relative).max(0.0) } else { 0.0 };
         let share = 1.0 / (1.0 + delta + SECOND_ORDER * delta * delta);
-        let relative = relative * share;
-        let spread = spread.map(|[sum, squares]| [sum * share.powi(2), squares * share.powi(4)]);
-        Block { values, variance, relative, residual: RESIDUAL * delta * delta * relative, spread }
+        let (removed, relative) = (relative * (1.0 - share), relative * share);
+        Block {
+            values,
+            variance,
+            relative,
+            removed,
+            residual: RESIDUAL * delta * delta * relative,
+            spread: spread.map(|s| s * share * share),
+        }
     }
 }
 
@@ -214,12 +244,11 @@ impl Noise {
         Noise::within_pixels(blocks, relative).unwrap_or_else(|| Noise::between_blocks(blocks, relative, values))
     }
 
-    /// From the noise of each pixel. Its degrees of freedom are those of Satterthwaite for as many pixels as carry it [Welch47].
+    /// From the noise of each pixel. Logarithm and normal quantile together cover 95.5 to 97 % in the study of tests/agreement
+    /// (coverage); Student's quantile at Satterthwaite's degrees of freedom would cover 98 %.
     fn within_pixels(blocks: &[Block], relative: f64) -> Option<Self> {
-        let both = blocks.iter().map(|b| b.spread).collect::<Option<Vec<_>>>()?;
-        let [sum, squares] = both.iter().fold([0.0; 2], |[a, b], [sum, squares]| [a + sum, b + squares]);
-        let is_usable = sum > 0.0 && relative > 0.0;
-        is_usable.then(|| Noise { log_error: sum.sqrt() / relative, dof: (2.0 * sum * sum / squares).max(1.0) })
+        let sum = blocks.iter().map(|b| b.spread).sum::<Option<f64>>()?;
+        (sum > 0.0 && relative > 0.0).then(|| Noise { log_error: sum.sqrt() / relative, dof: f64::INFINITY })
     }
 
     /// By the jackknife over blocks [Efron81].

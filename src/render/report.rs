@@ -160,9 +160,7 @@ impl Report {
     pub fn target_missed(&self) -> Option<String> {
         let target = self.target.filter(|target| !target.reached)?;
         let found = match target.last_look {
-            Some(look) if look.upper_limit <= target.relmse => {
-                "the tail of the samples is too heavy to trust the interval".into()
-            }
+            Some(look) if look.upper_limit <= target.relmse => "the interval is not to be trusted".into(),
             Some(look) => format!("at {} samples per pixel it is only known to be below {:.3e}", look.passes, look.upper_limit),
             None => "there were too few samples to look at it".into(),
         };

@@ -34,7 +34,7 @@ pub fn check(film: &Film, target: f64) -> Option<Check> {
     let (passes, level) = (film.passes().len(), level_at(film)?);
     let error = film.image_error()?;
     let upper_limit = error.upper_limit(level);
-    Some(Check { target, passes, level, upper_limit, reached: upper_limit <= target && error.is_trustworthy() })
+    Some(Check { target, passes, level, upper_limit, reached: upper_limit <= target && error.distrust().is_none() })
 }
 
 /// How many passes will do, going by `check`: the next number of a look at which the error, falling as 1/n, is below the
