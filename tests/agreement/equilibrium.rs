@@ -85,9 +85,9 @@ impl Maker {
     /// A material that emits what it does not scatter.
     fn material(&mut self) -> Material {
         let kinds: &[u32] = match self.kind {
-            Kind::Matte => &[0, 1, 2, 3],
+            Kind::Matte => &[0, 1, 2, 2, 3],
             Kind::Lossless => &[4, 5, 6, 7, 10, 10],
-            _ => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10],
+            _ => &[0, 1, 2, 2, 2, 3, 4, 5, 6, 7, 8, 9, 10],
         };
         match kinds[self.one_of(kinds.len() as u32) as usize] {
             0 => complemented(matte(0.0, 0.0), self.colour(0.9)),
