@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod backends;
+mod bench_methods;
 mod end_to_end;
 mod environments;
 mod run;
