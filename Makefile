@@ -3,7 +3,7 @@ CARGO ?= cargo
 export PATH := $(PATH):$(HOME)/.cargo/bin
 SHELL := bash
 
-.PHONY: help setup build demo test test-deep bench fuzz scenes doc deny
+.PHONY: help setup build demo test test-deep bench reports fuzz scenes doc deny
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -34,6 +34,9 @@ test-deep: setup scenes ## all tests, those that render for minutes included
 
 bench: build ## time to error against other renderers, ray rates, start-up time (see bench/versus.sh)
 	bench/versus.sh
+
+reports: build ## the example pages in docs/reports, on a quiet machine (see bench/reports.sh)
+	bench/reports.sh
 
 # Needs cargo-fuzz and a nightly toolchain; FUZZ_SECONDS for each of the four targets. New finds go to fuzz/artifacts/.
 FUZZ_SECONDS ?= 900

@@ -4,6 +4,7 @@
 # changes nothing that is in place. Elsewhere it installs nothing and says what is missing.
 #
 #   EMBREE_DIR=/path     use that Embree 4 installation (its include/ and lib/) and install none
+#   ETENDUE_BROWSER=1    install Chromium too, which the test of the report pages drives
 #   ETENDUE_NO_EMBREE=1  skip Embree and libclang (for builds with --no-default-features)
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -144,6 +145,7 @@ if [ -n "$use_apt" ]; then
   need_packages gcc libc6-dev make pkg-config ca-certificates
   have python3 || need_packages python3
   [ -n "${ETENDUE_NO_EMBREE:-}" ] || need_packages libclang-dev
+  [ -z "${ETENDUE_BROWSER:-}" ] || have chromium || need_packages chromium fonts-dejavu-core
 fi
 
 if [ -z "${ETENDUE_NO_EMBREE:-}" ]; then

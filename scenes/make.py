@@ -5,14 +5,15 @@ each name given, all of them without a name. Needs Python 3.8 and its standard l
     scenes/make.py                # all of them, in half a minute
     scenes/make.py cornell-box
 
-The numbers are those of shared/peers/scenes.py, which the reference images were rendered from. Its conventions and what
-becomes of them here:
+But for the spheres, whose radiance is known in closed form, the numbers are those of shared/peers/scenes.py, which the
+reference images were rendered from. Its conventions and what becomes of them here:
 
 - Z up, metres; glTF is Y up: (x, y, z) becomes (x, z, -y), a rotation, so windings stay.
 - Emission is constant radiance, one-sided along the counter-clockwise normal, on a black absorber: black base colour,
   specularFactor 0, emissiveFactor at most 1 with KHR_materials_emissive_strength for the scale, single-sided.
 - Diffuse is exactly Lambert and two-sided: metallicFactor 0, roughnessFactor 1, specularFactor 0, doubleSided.
 - A mirror reflects its colour at every angle: metallicFactor 1, roughnessFactor 0, extras.etendue.fresnel "constant".
+- A GGX plate does the same at roughnessFactor √α.
 - Glass: KHR_materials_transmission, _ior and _volume (a thickness above 0 makes it solid).
 - The horizontal field of view is the vertical one, the image being square.
 - Environments are lat-long maps about the vertical, the same picture for everyone: env.exr, named in render.toml.
@@ -124,6 +125,10 @@ def mirror(*color):
             "extras": {"etendue": {"fresnel": "constant"}}}
 
 
+def plate(alpha, *color):
+    return {**mirror(*color), "pbrMetallicRoughness": surface(color, 1.0, math.sqrt(alpha))}
+
+
 def glass(ior, thickness):
     return {"pbrMetallicRoughness": surface((1.0, 1.0, 1.0), 0.0, 0.0),
             "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0},
@@ -137,7 +142,11 @@ COLOURS = {"white": diffuse(0.725, 0.71, 0.68), "red": diffuse(0.63, 0.065, 0.05
 # Origin, angle above the horizon, field of view. All look along the peers' +Y, which is glTF's -Z, the direction of an
 # unrotated camera.
 CAMERA = ((0.0, -3.9, 1.0), 0.0, 39.3)
-CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0)}
+CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
+           "veach-mis": ((0.0, -11.0, 4.0), math.atan2(-2.3, 11.0), 42.0),
+           "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
+# Point lights: position and radiant intensity.
+LAMPS = {"sphere-lamp": ((0.0, 0.0, 0.0), math.pi)}
 
 ROOM = [
     ("floor", quad((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)), "white"),
@@ -187,8 +196,54 @@ def landscape():
     return [("ground", terrain(waves, 1000, 2.0), "ground")], {"ground": diffuse(0.5, 0.45, 0.4)}
 
 
+def lit_plates():
+    """Veach's plates [Veach97 §9.2]: each is turned so that the middle light is mirrored to the camera."""
+    eye, lights = CAMERAS["veach-mis"][0], (0.0, 3.0, 4.6)
+
+    def minus(a, b):
+        return tuple(x - y for x, y in zip(a, b))
+
+    floor = quad((-20, -20, -1.2), (20, -20, -1.2), (20, 6, -1.2), (-20, 6, -1.2))
+    back = quad((-20, 6, -1.2), (20, 6, -1.2), (20, 6, 20), (-20, 6, 20))
+    objects, materials = [("floor", floor, "white"), ("back", back, "white")], {"white": diffuse(0.4, 0.4, 0.4)}
+    for i, (alpha, y, z) in enumerate(zip((0.01, 0.035, 0.1, 0.25), (1.2, -0.6, -2.4, -4.2), (2.0, 1.1, 0.35, -0.25))):
+        centre = (0.0, y, z)
+        to_eye, to_light = normalized(minus(eye, centre)), normalized(minus(lights, centre))
+        n = normalized(tuple(a + b for a, b in zip(to_eye, to_light)))
+        width, up = 3.6, (0.0, 0.62 * n[2], -0.62 * n[1])  # n × x, half as deep as the plate
+        corners = [(sx * width, y + sy * up[1], z + sy * up[2]) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        materials[f"plate{i}"] = plate(alpha, 0.99, 0.99, 0.99)
+        objects.append((f"plate{i}", quad(*corners), f"plate{i}"))
+    colors = ((1, 0.6, 0.5), (0.6, 1, 0.6), (0.5, 0.7, 1), (1, 1, 0.7))
+    for i, (x, radius, color) in enumerate(zip((-3.1, -1.2, 0.8, 3.1), (0.04, 0.12, 0.36, 0.9), colors)):
+        ball = icosphere(3, (x, lights[1], lights[2]), radius)
+        materials[f"light{i}"] = emitter(*(c * 1.6 / radius**2 for c in color))
+        objects.append((f"light{i}", (*ball[:2], None), f"light{i}"))
+    materials["fill"] = emitter(2.0, 2.0, 2.0)
+    return objects + [("fill", quad((-2, -9, 10), (-2, -5, 10), (2, -5, 10), (2, -9, 10)), "fill")], materials
+
+
+def inside_of_sphere():
+    """A unit sphere of flat triangles that face inwards."""
+    positions, triangles, _ = icosphere(4, (0.0, 0.0, 0.0), 1.0)
+    return positions, [(a, c, b) for a, b, c in triangles]
+
+
+def sphere_lamp():
+    return [("sphere", (*inside_of_sphere(), None), "gray")], {"gray": diffuse(0.5, 0.5, 0.5)}
+
+
+def sphere_cap():
+    positions, triangles = inside_of_sphere()
+    in_cap = [sum(positions[i][2] for i in t) / 3 > 0.8 for t in triangles]
+    cap, rest = ([t for t, inside in zip(triangles, in_cap) if inside == side] for side in (True, False))
+    gray = diffuse(0.5, 0.5, 0.5)
+    lamp = {**emitter(10.0, 10.0, 10.0), "pbrMetallicRoughness": surface((0.5, 0.5, 0.5), 0.0, 1.0)}
+    return [("sphere", (positions, rest, None), "gray"), ("cap", (positions, cap, None), "lamp")], {"gray": gray, "lamp": lamp}
+
+
 SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic,
-          "landscape": landscape}
+          "landscape": landscape, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
 
@@ -291,10 +346,18 @@ def document(name, objects, materials):
     origin, pitch, fov = CAMERAS.get(name, CAMERA)
     turn = {"rotation": [math.sin(pitch / 2), 0.0, 0.0, math.cos(pitch / 2)]} if pitch else {}
     nodes.append({"name": "camera", "camera": 0, "translation": list(to_gltf(origin)), **turn})
+    extensions = {}
+    if name in LAMPS:
+        position, intensity = LAMPS[name]
+        lamp = {"name": "lamp", "type": "point", "intensity": intensity}
+        extensions = {"extensions": {"KHR_lights_punctual": {"lights": [lamp]}}}
+        nodes.append({"name": "lamp", "translation": list(to_gltf(position)), "extensions": {"KHR_lights_punctual": {"light": 0}}})
+    used = {e for m in materials.values() for e in m.get("extensions", {})} | set(extensions.get("extensions", {}))
     lens = {"yfov": math.radians(fov), "aspectRatio": 1.0, "znear": 0.001}
     return {
         "asset": {"version": "2.0", "generator": "etendue scenes/make.py"},
-        "extensionsUsed": sorted({e for m in materials.values() for e in m.get("extensions", {})}),
+        "extensionsUsed": sorted(used),
+        **extensions,
         "scene": 0,
         "scenes": [{"name": name, "nodes": list(range(len(nodes)))}],
         "nodes": nodes,

@@ -4,6 +4,7 @@
 
 mod backends;
 mod compare;
+mod bench_methods;
 mod end_to_end;
 mod environments;
 mod run;

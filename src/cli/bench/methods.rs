@@ -57,6 +57,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let threads = startup::start_threads(args.threads.threads)?;
     let subjects = (0..args.scenes.len()).map(|at| subject(args, at, threads)).collect::<Result<Vec<_>>>()?;
     let report = methods::run(&request(args), &subjects, &mut |text| args.console.note(text))?;
+    for scene in report.scenes.iter().filter(|scene| scene.is_reference_poor()) {
+        args.console.warn(&format!("{}: the reference's own error is above a tenth of an error compared with it", scene.name));
+    }
     args.console.document(&report)?;
     report.scenes.iter().try_for_each(|scene| lines(scene).iter().try_for_each(|line| args.console.line(line)))?;
     args.console.line(&conditions(&report))?;

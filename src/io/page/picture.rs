@@ -88,7 +88,7 @@ fn heat(share: f32) -> [u8; 3] {
 pub fn ramp(name: &str, [low, middle, high]: [&str; 3]) -> Markup {
     let stops: Vec<String> = HEAT.iter().map(|c| format!("rgb({} {} {})", c[0], c[1], c[2])).collect();
     html! {
-        div {
+        div.key-of-map {
             div.soft { (name) }
             div.ramp aria-hidden="true" style=(format!("background:linear-gradient(to right,{})", stops.join(","))) {}
             div.ends { span { (low) } span { (middle) } span { (high) } }

@@ -17,8 +17,8 @@ pub(super) struct Contestant<'a> {
     pub(super) settings: Settings,
     /// What the method cannot see here.
     pub(super) blind_spots: Vec<String>,
-    /// relMSE of an image of one sample in each replicate, as its film estimates it; infinite where it cannot.
-    pub(super) first_error: f64,
+    /// The image of the warm-up: one sample in each replicate.
+    warm_up: Vec<f32>,
     /// The curve of each repetition.
     pub(super) runs: Vec<Vec<Mark>>,
     /// The last image of the first repetition.
@@ -30,16 +30,16 @@ pub(super) struct Contestant<'a> {
 impl<'a> Contestant<'a> {
     /// Renders one round of the replicates, to touch all memory and to know the pace.
     pub(super) fn warmed_up(stage: &'a Stage, settings: Settings) -> Result<Self> {
-        let mut first_error = None;
+        let mut warm_up = Vec::new();
         let marks = timed(stage, &settings, 0, |film, _| {
-            first_error = film.image_error().map(|e| e.relmse.value);
+            warm_up = film.mean(Plane::Color);
             0.0
         })?;
-        let first_seconds = marks.last().ok_or_else(|| defect("a warm-up without a pass"))?.wall_seconds;
+        let pace = marks.last().ok_or_else(|| defect("a warm-up without a pass"))?.cpu_seconds;
+        let first_seconds = pace / stage.threads.max(1) as f64;
         let blind_spots = integrator::blind_spots(settings.method, &stage.scene);
-        let first_error = first_error.filter(|e| e.is_finite()).unwrap_or(f64::INFINITY);
         let (runs, picture, doublings) = (Vec::new(), Vec::new(), 0);
-        Ok(Contestant { stage, settings, blind_spots, first_error, runs, picture, first_seconds, doublings })
+        Ok(Contestant { stage, settings, blind_spots, warm_up, runs, picture, first_seconds, doublings })
     }
 
     /// The name in reports.
@@ -52,7 +52,8 @@ impl<'a> Contestant<'a> {
         self.blind_spots.is_empty()
     }
 
-    /// About how long a repetition with that many doublings takes.
+    /// About how long a repetition with that many doublings takes if nothing else runs: by processor time, so that a busy
+    /// machine does not make curves short.
     pub(super) fn seconds(&self, doublings: u32) -> f64 {
         self.first_seconds * f64::from(doublings).exp2()
     }
@@ -62,9 +63,10 @@ impl<'a> Contestant<'a> {
         self.doublings = doublings;
     }
 
-    /// The error that its last image will have if it falls as that of independent samples.
-    pub(super) fn last_error(&self) -> f64 {
-        self.first_error / f64::from(self.doublings).exp2()
+    /// The error that its last image will have if it falls as that of independent samples, judged by a reference that has the
+    /// error `noise` itself.
+    pub(super) fn foretold(&self, rgb: &[f32], noise: f64, epsilon: f64) -> f64 {
+        (relmse(&self.warm_up, rgb, epsilon) - noise) / f64::from(self.doublings).exp2()
     }
 
     /// Renders a repetition.

@@ -100,13 +100,13 @@ fn section(scene: &SceneReport, look: Look, field: &[Contestant<'_>], reference:
 }
 
 fn own_error(scene: &SceneReport) -> String {
-    let record = &scene.reference;
-    let least = scene.curves.iter().filter(|c| c.blind_spots.is_empty()).filter_map(|c| c.points.last()?.relmse).map(|e| e.value);
-    let least = least.fold(f64::INFINITY, f64::min);
-    let Some(noise) = record.noise else { return "unknown and not subtracted: small errors are overstated by it".into() };
-    let share = if least.is_finite() { format!(", {:.2} of the least error compared", noise / least) } else { String::new() };
-    let missed = if record.is_target_met { "" } else { "; its time ended before it was a tenth of the errors to be compared" };
-    format!("{noise:.2e}, subtracted{share}{missed}")
+    let Some(noise) = scene.reference.noise else {
+        return "unknown and not subtracted: small errors are overstated by it".into();
+    };
+    let share = scene.reference_share.unwrap_or(f64::NAN);
+    let poor = if scene.is_reference_poor() { ", more than the tenth that makes errors trustworthy" } else { "" };
+    let cut = if scene.reference.is_cut_short { "; its time was over too soon" } else { "" };
+    format!("{noise:.2e}, subtracted; {share:.2} of the least error compared{poor}{cut}")
 }
 
 fn blind(curves: &[Curve]) -> Markup {

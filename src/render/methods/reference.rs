@@ -16,9 +16,9 @@ use std::time::Instant;
 /// ε is the square of this share of the reference's mean, as in the error that films estimate.
 const FLOOR: f64 = 0.1;
 /// A made reference has at most this share of the error of what is compared with it.
-const SHARE: f64 = 0.1;
-/// The compared errors are foretold as those of independent samples; low-discrepancy points are better than that by less than
-/// this factor at the sample counts of a curve.
+pub(super) const SHARE: f64 = 0.1;
+/// The compared errors are foretold as those of independent samples; low-discrepancy points mostly do better than that by less
+/// than this factor at the sample counts of a curve. The report says what came of it.
 const MARGIN: f64 = 2.0;
 /// Where the seeds of made references are taken from: none of a repetition.
 const SEED: u32 = u32::MAX;
@@ -42,10 +42,8 @@ pub struct Record {
     pub epsilon: f64,
     /// Its own relMSE, which is subtracted; `None` if unknown and not subtracted.
     pub noise: Option<f64>,
-    /// The relMSE that was wanted of a made one.
-    pub target: Option<f64>,
-    /// Whether that was reached.
-    pub is_target_met: bool,
+    /// Whether the time for a made one ended before its relMSE was a tenth of those foretold.
+    pub is_cut_short: bool,
 }
 
 impl Reference {
@@ -77,7 +75,7 @@ impl Reference {
         let epsilon = epsilon(&rgb);
         let noise = channels(["stderr.R", "stderr.G", "stderr.B"]).map(|stderr| noise(&rgb, &stderr, epsilon));
         let origin = if noise.is_some() { "given, with its standard error" } else { "given" };
-        let record = Record { file: path.into(), origin: origin.into(), epsilon, noise, target: None, is_target_met: true };
+        let record = Record { file: path.into(), origin: origin.into(), epsilon, noise, is_cut_short: false };
         Ok(Reference { rgb, record })
     }
 }
@@ -105,27 +103,31 @@ pub(super) fn make(
     note: &mut dyn FnMut(&str),
 ) -> Result<Reference> {
     let path = request.folder.join(format!("reference-{}.exr", subject.name));
-    let best = field.iter().filter(|c| c.counts()).map(Contestant::last_error).fold(f64::INFINITY, f64::min);
-    let target = SHARE * best / MARGIN;
     let (host, method) = chosen(request, field)?;
-    let settings =
-        Settings { method, seed: contestant::seed(host.settings.seed, SEED), aovs: Vec::new(), ..host.settings.clone() };
+    let seed = contestant::seed(host.settings.seed, SEED);
+    let settings = Settings { method, seed, aovs: Vec::new(), ..host.settings.clone() };
     let name = label(&settings);
     let same = if request.methods.contains(&method) { ", also compared, with another seed" } else { "" };
     let origin = format!("made by {name}{same}");
-    if let Some(kept) = kept(&path, &settings, host).filter(|r| r.record.noise.is_some_and(|n| n <= target)) {
+    let suffices = |r: &Reference| r.record.noise.is_some_and(|noise| suffices(field, &r.rgb, noise, r.record.epsilon));
+    if let Some(kept) = kept(&path, &settings, host).filter(suffices) {
         note(&format!("{}: taking {}", subject.name, path.display()));
-        return Ok(Reference { record: Record { origin, target: Some(target), ..kept.record }, ..kept });
+        return Ok(Reference { record: Record { origin, ..kept.record }, ..kept });
     }
-    note(&format!("{}: making a reference by {name}{same}, to a relMSE of {target:.1e}", subject.name));
-    render(request, &settings, host, target, &path)?;
+    note(&format!("{}: making a reference by {name}{same}", subject.name));
+    render(request, &settings, host, field, &path)?;
     let made = Reference::read(&path, &settings)?;
-    let reached = made.record.noise.unwrap_or(f64::INFINITY);
-    let is_target_met = reached <= target;
-    if !is_target_met {
-        note(&format!("warning: {}: the reference's time is over at a relMSE of {reached:.1e}", subject.name));
+    let is_cut_short = !suffices(&made);
+    if is_cut_short {
+        note(&format!("warning: {}: time was over before the reference was good enough", subject.name));
     }
-    Ok(Reference { record: Record { origin, target: Some(target), is_target_met, ..made.record }, ..made })
+    Ok(Reference { record: Record { origin, is_cut_short, ..made.record }, ..made })
+}
+
+/// Whether a reference with that error of its own is good enough for the images that are to come.
+fn suffices(field: &[Contestant<'_>], rgb: &[f32], noise: f64, epsilon: f64) -> bool {
+    let least = field.iter().filter(|c| c.counts()).map(|c| c.foretold(rgb, noise, epsilon)).fold(f64::INFINITY, f64::min);
+    noise <= SHARE * least / MARGIN
 }
 
 /// Who makes a reference: a method that sees everything and is not compared, else the last that sees everything.
@@ -154,12 +156,15 @@ fn kept(path: &Path, settings: &Settings, host: &Contestant<'_>) -> Option<Refer
     if wanted.iter().all(has) { Reference::read(path, settings).ok() } else { None }
 }
 
-/// Renders until the noise is down to `target` or the time is over.
-fn render(request: &Request, settings: &Settings, host: &Contestant<'_>, target: f64, path: &Path) -> Result<()> {
+/// Renders until it is good enough or the time is over.
+fn render(request: &Request, settings: &Settings, host: &Contestant<'_>, field: &[Contestant<'_>], path: &Path) -> Result<()> {
     let (cancel, start) = (Cancel::new(), Instant::now());
     let judge = |film: &Film, _| {
+        let rgb = film.mean(Plane::Color);
+        let epsilon = epsilon(&rgb);
+        let noise = film.standard_error().map_or(f64::INFINITY, |stderr| noise(&rgb, &stderr, epsilon));
         // Another doubling takes as long again as all so far.
-        if film_noise(film) <= target || 2 * start.elapsed() > request.reference_budget {
+        if suffices(field, &rgb, noise, epsilon) || 2 * start.elapsed() > request.reference_budget {
             cancel.request();
         }
         0.0
@@ -169,12 +174,6 @@ fn render(request: &Request, settings: &Settings, host: &Contestant<'_>, target:
     let outputs = Outputs { exr: Some(path.into()), ..Outputs::default() };
     let report = Report::new(session.provenance(), session.film(), &layers, &outputs, Some(host.stage));
     images::write(&outputs, session.provenance(), session.film(), &layers, &report)
-}
-
-fn film_noise(film: &Film) -> f64 {
-    let Some(stderr) = film.standard_error() else { return f64::INFINITY };
-    let rgb = film.mean(Plane::Color);
-    noise(&rgb, &stderr, epsilon(&rgb))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::contestant::Contestant;
 use super::curve::{Curve, Interval, efficiency};
-use super::reference::{Record, Reference};
+use super::reference::{Record, Reference, SHARE};
 use super::{Request, Subject};
 use crate::error::{Error, Kind, Result};
 use crate::io::atomic::write_atomically;
@@ -49,6 +49,8 @@ pub struct SceneReport {
     pub settings: String,
     /// What images were compared with.
     pub reference: Record,
+    /// The reference's own error over the least error of a last point; above a tenth, errors are not to be trusted much.
+    pub reference_share: Option<f64>,
     /// Method by method, each with every backend.
     pub curves: Vec<Curve>,
     /// All pairs of curves that see everything.
@@ -112,14 +114,30 @@ fn scene(subject: &Subject, field: &[Contestant<'_>], reference: &Reference) -> 
         let (filter, sampler) = (word(serde_json::json!(s.filter)), word(serde_json::json!(s.sampler)));
         format!("{filter} filter, {depth}, {sampler} sampler in {} replicates", s.replicates)
     });
+    let curves: Vec<Curve> = field.iter().map(|contestant| Curve::of(contestant, noise)).collect();
     SceneReport {
         name: subject.name.clone(),
         hash: field.first().map(|c| c.stage.scene.hash().to_owned()).unwrap_or_default(),
         size: settings.map_or([0; 2], |s| [s.width, s.height]),
         settings: words.unwrap_or_default(),
         reference: reference.record.clone(),
-        curves: field.iter().map(|contestant| Curve::of(contestant, noise)).collect(),
+        reference_share: reference.record.noise.map(|noise| noise / least_error(&curves)),
+        curves,
         ratios: ratios(&[field]),
+    }
+}
+
+/// The least error of a last point of a curve that sees everything; 0 if one is lost in the reference's noise.
+fn least_error(curves: &[Curve]) -> f64 {
+    let seeing = curves.iter().filter(|c| c.blind_spots.is_empty());
+    let last = seeing.filter_map(|c| c.points.last()).map(|p| p.relmse.map_or(0.0, |e| e.value));
+    last.fold(f64::INFINITY, f64::min)
+}
+
+impl SceneReport {
+    /// Whether the reference is too noisy for what it is compared with.
+    pub fn is_reference_poor(&self) -> bool {
+        self.reference_share.is_some_and(|share| share > SHARE)
     }
 }
 

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# The example pages in docs/reports/: error against time of all methods with all backends. For an otherwise idle machine; about
+# a quarter of an hour. JSON, CSV and references stay in bench/out/reports/.
+#
+#   BUDGET=20s   for each curve, all its repetitions together
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+etendue=${ETENDUE:-${CARGO_TARGET_DIR:-target}/release/etendue}
+[ -x "$etendue" ] || { echo "reports.sh: no $etendue: run make build" >&2; exit 1; }
+mkdir -p docs/reports
+
+# page NAME SCENE… [-- OPTION…]: docs/reports/NAME.html
+page() {
+  local name=$1 scenes=()
+  shift
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do scenes+=("scenes/$1/scene.gltf"); shift; done
+  [ $# = 0 ] || shift
+  "$etendue" bench methods "${scenes[@]}" --budget "${BUDGET:-20s}" "$@" -o "bench/out/reports/$name"
+  cp "bench/out/reports/$name/index.html" "docs/reports/$name.html"
+}
+page cornell-box cornell-box -- --size 80x80
+page veach-mis veach-mis -- --size 80x80
+page spheres sphere-lamp sphere-cap -- --size 48x48
