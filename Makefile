@@ -3,10 +3,10 @@ CARGO ?= cargo
 export PATH := $(PATH):$(HOME)/.cargo/bin
 SHELL := bash
 
-.PHONY: help setup build demo test test-deep bench reports fuzz scenes doc deny
+.PHONY: help setup build demo test test-deep kill-matrix kill-matrix-quarter bench reports fuzz scenes doc deny
 
 help: ## this list
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 22
 
 setup: ## install what the build needs (Debian 12 and 13)
 	@./setup.sh
@@ -20,17 +20,27 @@ demo: build ## render scenes/cornell-box to out/cornell-box.exr and .png
 
 # Dependencies are compiled once for clippy and once for the tests, and only étendue itself is built again without Embree:
 # --workspace everywhere, since without it the features of shared dependencies change and all of them are built anew.
+# The build without Embree is the one that defects can be planted in: the ordinary build has none, and nothing is built for the
+# kill matrix alone. Its quarter of the day runs among the tests (tests/kill_matrix).
+DEFECTS := --no-default-features --features defects
+
 test: setup ## format, lints, architecture, all tests with and without Embree, documentation
 	$(CARGO) fmt --all --check
 	$(CARGO) test --locked --workspace --test architecture
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	$(CARGO) clippy --locked --workspace --all-targets --no-default-features -- -D warnings
+	$(CARGO) clippy --locked --workspace --all-targets $(DEFECTS) -- -D warnings
 	$(CARGO) test --locked --workspace
-	$(CARGO) test --locked --workspace --no-default-features
+	$(CARGO) test --locked --workspace $(DEFECTS)
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 
 test-deep: setup scenes ## all tests, those that render for minutes included
 	ETENDUE_TEST_DEEP=1 $(CARGO) test --locked --workspace
+
+kill-matrix: setup ## plant every defect of src/defects.rs and see a test fail for each
+	$(CARGO) test --locked --workspace $(DEFECTS) --test kill_matrix -- --all
+
+kill-matrix-quarter: setup ## the quarter of it whose turn it is today (ETENDUE_KILL_QUARTER=0 to 3 chooses)
+	$(CARGO) test --locked --workspace $(DEFECTS) --test kill_matrix
 
 bench: build ## time to error against other renderers, ray rates, start-up time (see bench/versus.sh)
 	bench/versus.sh

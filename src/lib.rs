@@ -7,6 +7,7 @@
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
 // floor 1
+pub mod defects;
 pub mod error;
 pub mod numeric;
 pub mod parallel;

@@ -10,6 +10,7 @@ use super::conductor::invert_reflection;
 use super::fresnel::{dielectric, dielectric_between, refracted};
 use super::ggx::{DIRAC_ALPHA, Ggx, facing, half, reflect};
 use super::{Bsdf, BsdfSample, Lobes, within};
+use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::{Density, Pdf};
@@ -93,7 +94,7 @@ impl Dielectric {
 
     fn sample_smooth_face(&self, known: Local, toward: Transport, u: f32) -> BsdfSample {
         let eta = self.beyond(known);
-        let f = dielectric(known.z.abs(), eta);
+        let f = dielectric(known.z.abs(), if planted(Defect::FresnelFromOutside) { self.eta } else { eta });
         let p = self.reflect_probability(f);
         if u < p {
             return BsdfSample {
@@ -151,6 +152,7 @@ impl Dielectric {
 #[inline]
 fn radiance_scale(eta: f32, toward: Transport) -> f32 {
     match toward {
+        Transport::Light if planted(Defect::Eta2Forgotten) => 1.0,
         Transport::Light => (eta * eta).recip(),
         Transport::Camera => 1.0,
     }
@@ -202,7 +204,8 @@ impl Bsdf for Dielectric {
         }
         self.refracting_facet(known, other).map_or(T::ZERO, |facet| {
             let p = T::ONE - self.reflect_probability(facet.f);
-            let measure = facet.eta.squared() / facet.length2;
+            let square = if planted(Defect::RefractionPdfWithoutEta2) { T::ONE } else { facet.eta.squared() };
+            let measure = square / facet.length2;
             p * self.ggx.visible_normal_pdf(known, facet.h) * other.dot(facet.h).abs() * measure
         })
     }

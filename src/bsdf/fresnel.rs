@@ -1,6 +1,7 @@
 //! How much light a facet reflects by its angle. [`Fresnel::Schlick`] is glTF's model of metals and dielectrics,
 //! [`Fresnel::Dielectric`] exact for clear media, [`Fresnel::Constant`] for ideal mirrors. Reference: [Schlick94].
 
+use crate::defects::{Defect, planted};
 use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
 
@@ -45,7 +46,7 @@ pub fn schlick<T: Scalar>(f0: Spectrum, f90: Spectrum, cos: T) -> Spectrum<T> {
 #[inline]
 pub fn schlick_weight<T: Scalar>(cos: T) -> T {
     let m = (T::ONE - cos).max(T::ZERO);
-    m.squared().squared() * m
+    if planted(Defect::SchlickFourth) { m.squared().squared() } else { m.squared().squared() * m }
 }
 
 /// Exact reflectance of a boundary of index ratio `eta` (beyond over before) at incidence cosine `cos` ≥ 0; one under

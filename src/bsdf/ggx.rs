@@ -5,6 +5,7 @@
 //! in f32 it loses 3 % of the density at α = 1e-3 and all of it at 1e-4, this one 2e-8 / α. Limits: one bounce between
 //! facets only, so rough surfaces lose energy. References: [Walter07], [Heitz14], [Dupuy23].
 
+use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::warp::{into_unit, turn};
@@ -56,6 +57,12 @@ impl Ggx {
     /// D G₂ / (4 |cos cos|) of a reflection by facets of normal `h`, heights correlated [Heitz14 (99)].
     #[inline]
     pub fn reflection<T: Scalar>(self, wi: Local<T>, wo: Local<T>, h: Local<T>) -> T {
+        if planted(Defect::GgxOneMasking) {
+            return T::of(0.25) * self.d(h) * self.g1_over_cos(wo) / wi.z.abs();
+        }
+        if planted(Defect::GgxUncorrelated) {
+            return T::of(0.25) * self.d(h) * self.g1_over_cos(wo) * self.g1_over_cos(wi);
+        }
         let masking = wo.z.abs() * self.root(wi) + wi.z.abs() * self.root(wo);
         self.d(h) / (T::of(2.0) * masking)
     }
@@ -63,7 +70,11 @@ impl Ggx {
     /// Density per solid angle of the reflection of `known` in a normal `h` that `known` sees.
     #[inline]
     pub fn reflection_pdf<T: Scalar>(self, known: Local<T>, h: Local<T>) -> T {
-        T::of(0.25) * self.g1_over_cos(known) * self.d(h)
+        if planted(Defect::GgxPdfOfNormal) {
+            return self.visible_normal_pdf(known, h);
+        }
+        let quarter = if planted(Defect::GgxPdf2Percent) { 0.255 } else { 0.25 };
+        T::of(quarter) * self.g1_over_cos(known) * self.d(h)
     }
 
     /// Density of the normals that `w` sees, per solid angle of the normal [Heitz14 (16)].

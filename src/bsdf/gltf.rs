@@ -15,6 +15,7 @@ use super::fresnel::schlick;
 use super::ggx::{Ggx, facing, half, reflect, through};
 use super::lambert::{cosine_direction, cosine_pdf, invert_cosine};
 use super::{Bsdf, BsdfSample, Dielectric, Lobes, within};
+use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::warp::into_unit;
@@ -190,7 +191,8 @@ impl Bsdf for Gltf {
     fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
         let choice = self.choice(known)?;
         let smooth_end = choice.specular + choice.diffuse;
-        if u[0] < choice.specular {
+        let specular_end = if planted(Defect::LobesChosenEvenly) { 0.5 * smooth_end } else { choice.specular };
+        if u[0] < specular_end {
             if self.ggx.is_dirac() {
                 return Some(self.dirac(known, Lobes::DIRAC_REFLECT, choice.specular));
             }

@@ -3,6 +3,7 @@
 use super::albedo::Albedo;
 use super::gltf::{Gltf, Schlick, Transmission};
 use super::{Conductor, Dielectric, Fresnel, Ggx, Lambert, Surface, Thin};
+use crate::defects::{Defect, planted};
 use crate::spectrum::Spectrum;
 
 /// What is behind a surface that transmits light.
@@ -41,7 +42,8 @@ pub struct MetallicRoughness {
 impl MetallicRoughness {
     /// The surface with these parameters: a plain model where one is the same, [`Surface::Gltf`] for mixtures.
     pub fn surface(&self) -> Surface {
-        let ggx = Ggx::new(self.roughness * self.roughness);
+        let alpha = if planted(Defect::RoughnessNotSquared) { self.roughness } else { self.roughness * self.roughness };
+        let ggx = Ggx::new(alpha);
         if self.metallic >= 1.0 {
             return Surface::Conductor(Conductor { ggx, fresnel: Fresnel::Schlick { f0: self.base, f90: self.metal_f90 } });
         }
@@ -70,7 +72,8 @@ impl MetallicRoughness {
             None => (Transmission::Thin(self.base * transmitting), dielectric),
         };
         let albedo = Albedo::of(ggx);
-        let below = Spectrum::ONE - albedo.mean(layer.f0, layer.f90);
+        let passed = Spectrum::ONE - albedo.mean(layer.f0, layer.f90);
+        let below = if planted(Defect::BaseUncoupled) { Spectrum::ONE } else { passed };
         Gltf {
             ggx,
             base: self.base,

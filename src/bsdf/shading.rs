@@ -6,6 +6,7 @@
 //! offered; |wi·ng| → 0 remains in the light walk's, where the model itself is unbounded.
 
 use super::{Bsdf, Lobes, Surface};
+use crate::defects::{Defect, planted};
 use crate::geometry::{Local, SurfacePoint};
 use crate::sampling::{Density, Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
@@ -67,7 +68,8 @@ impl<'a> Shading<'a> {
         if f.is_black() {
             return None;
         }
-        let f_cos = f * (o.z.abs() * self.adjoint(other, o));
+        let cos = if planted(Defect::CosineToNg) { self.cos(other) } else { o.z.abs() };
+        let f_cos = f * (cos * self.adjoint(other, o));
         Some(Scattering { f_cos, pdf: Pdf::new(self.surface.pdf(self.local, o, self.toward, Lobes::SMOOTH)) })
     }
 
@@ -89,6 +91,7 @@ impl<'a> Shading<'a> {
             return None;
         }
         let cos = match sample.density {
+            Density::Smooth(pdf) if planted(Defect::CosineDropped) => pdf.value().recip(),
             Density::Smooth(pdf) => sample.direction.z.abs() / pdf.value(),
             Density::Delta(probability) => probability.recip(),
         };

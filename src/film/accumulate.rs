@@ -7,6 +7,7 @@
 use super::peaks::Peaks;
 use super::sums::{Spill, Sums, add_rounded};
 use super::{Layout, PassFilm, PassSet, Plane, Units};
+use crate::defects::{Defect, planted};
 use crate::error::{Error, Result};
 use crate::sampling::mix64;
 use rayon::prelude::*;
@@ -79,7 +80,8 @@ impl Film {
         let key = mix64(self.seed ^ mix64(pass.wrapping_add(0x6669_6c6d)));
         let row = (self.layout.crop.x1 - self.layout.crop.x0) as usize * channels.len();
         let layout = &self.layout;
-        let sums = &mut self.sums[(pass % u64::from(self.replicates)) as usize];
+        let turn = if planted(Defect::ReplicatesInTurn) { pass / u64::from(self.replicates) } else { pass };
+        let sums = &mut self.sums[(turn % u64::from(self.replicates)) as usize];
         let rows = sums.low_mut().par_chunks_mut(row).zip(values.values().par_chunks(row)).enumerate();
         let spill = rows.map(|(y, (sums, values))| add_row(sums, values, y, layout, &channels, key));
         let spill = spill.reduce(Spill::default, Spill::join);

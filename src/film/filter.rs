@@ -1,6 +1,7 @@
 //! Pixel filters, applied by filter importance sampling: sample positions are drawn from the filter, so every weight is 1 and
 //! pixels own their samples [Ernst06]. That needs filters that are nowhere negative, which all of these are.
 
+use crate::defects::{Defect, planted};
 use statrs::function::erf::erf;
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
@@ -89,6 +90,7 @@ impl FilterSampler {
     pub fn sample(&self, u: [f32; 2]) -> [f32; 2] {
         match &self.shape {
             Shape::Box => u.map(|u| u - 0.5),
+            Shape::Tent if planted(Defect::TentIsBox) => u.map(|u| mirrored(u, |v| v)),
             Shape::Tent => u.map(|u| mirrored(u, |v| 1.0 - (1.0 - v).sqrt())),
             Shape::Table(table) => u.map(|u| mirrored(u, |v| interpolate(table, v))),
         }

@@ -1,5 +1,7 @@
 //! Which pixels and which planes a film holds.
 
+use crate::defects::{Defect, planted};
+
 /// The rectangle of pixels that is rendered: x0 ≤ x < x1, y0 ≤ y < y1, from the top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Crop {
@@ -93,6 +95,7 @@ impl Layout {
     #[inline]
     pub fn pixel(&self, index: usize) -> [u32; 2] {
         let w = (self.crop.x1 - self.crop.x0) as usize;
-        [self.crop.x0 + (index % w) as u32, self.crop.y0 + (index / w) as u32]
+        let [x, y] = [(index % w) as u32, (index / w) as u32];
+        if planted(Defect::CropAtOrigin) { [x, y] } else { [self.crop.x0 + x, self.crop.y0 + y] }
     }
 }

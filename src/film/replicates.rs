@@ -1,6 +1,7 @@
 //! What the replicates of a film say about each pixel: means, the variance of their mean, the variance relative to the square.
 
 use super::{Film, Plane};
+use crate::defects::{Defect, planted};
 use crate::stats::Estimate;
 use rayon::prelude::*;
 
@@ -81,7 +82,8 @@ impl<'a> Replicates<'a> {
     pub(super) fn variance(&self, means: &[f64]) -> f64 {
         let mean = self.mean(means);
         let squares: f64 = means.iter().zip(&self.counts).map(|(m, n)| n / self.total * (m - mean) * (m - mean)).sum();
-        squares / (self.counts.len() as f64 - 1.0)
+        let one = if planted(Defect::ErrorOfOneReplicate) { self.counts.len() as f64 } else { 1.0 };
+        one * squares / (self.counts.len() as f64 - 1.0)
     }
 
     /// The mean of the image with its standard error.
@@ -165,7 +167,7 @@ impl<'a> Replicates<'a> {
     /// share its expectation is above g(μ), to first order: E g(m) ≈ g + g″ Var(m) / 2. 0 with fewer than two others.
     fn weight(&self, means: &[f64], pair: &Pair, sum: f64, epsilon: f64) -> [f64; 2] {
         let inverse = |m: f64| 1.0 / (m * m + epsilon);
-        if means.len() == 2 {
+        if means.len() == 2 || planted(Defect::RelmseDependent) {
             return [inverse(sum / self.total), 0.0];
         }
         let mean = (sum - means[pair.a] * self.counts[pair.a] - means[pair.b] * self.counts[pair.b]) * pair.others;

@@ -1,5 +1,6 @@
 //! All geometry of a scene, as backends are given it.
 
+use crate::defects::{Defect, planted};
 use crate::geometry::{Hit, Triangle, TriangleMesh};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -62,6 +63,7 @@ impl Geometry {
         let n = mix(mesh.attributes().normals.as_ref()?, mesh.triangles()[hit.primitive as usize], barycentric);
         match &object.placement {
             None => n.try_normalize(),
+            Some(m) if planted(Defect::InstanceNormal) => (m.matrix3 * n).try_normalize(),
             Some(m) => (m.matrix3.inverse().transpose() * n).try_normalize(),
         }
     }
@@ -120,4 +122,26 @@ where
     let [a, b, c] = corners.map(|i| values[i as usize]);
     let [u, v] = barycentric;
     a * (1.0 - u - v) + b * u + c * v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Attributes;
+
+    /// Normals of a flat mesh stay perpendicular to it, whatever its placement scales and shears.
+    #[test]
+    fn placed_normals_stay_perpendicular() {
+        let positions = vec![Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+        let normals = Some(vec![Vec3::ONE.normalize(); 3]);
+        let mesh = TriangleMesh::new("flat", positions, vec![[0, 1, 2]], Attributes { normals, ..Attributes::default() });
+        let squeeze = Affine3A::from_scale(Vec3::new(0.2, 1.0, -3.0)) * Affine3A::from_rotation_y(0.7);
+        let object = Object { mesh: 0, placement: Some(squeeze), filtered: false };
+        let geometry = Geometry { meshes: vec![Arc::new(mesh.expect("a valid mesh"))], objects: vec![object] };
+        let hit = Hit { object: 0, primitive: 0 };
+        let ns = geometry.shading_normal(hit, [0.3, 0.3]).expect("a normal");
+        let cos = ns.as_dvec3().dot(geometry.triangle(hit).scaled_normal().normalize());
+        // a matrix inverted in f32, of condition 15: sixteen roundings of it
+        assert!((cos.abs() - 1.0).abs() < f64::from(16.0 * 15.0 * f32::EPSILON), "{cos}");
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::{Guards, Integrator, InvalidSample, Options, PassReport, RayCounts};
 use crate::camera::Camera;
+use crate::defects::{Defect, planted};
 use crate::film::{FilterSampler, Layout, PassFilm, Plane};
 use crate::geometry::Ray;
 use crate::parallel::Cancel;
@@ -38,7 +39,8 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
     #[inline]
     fn camera_ray(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> Ray {
         let offset = self.filter.sample(sampler.u2(0, Slot::Aux));
-        self.camera.ray([pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]])
+        let centre = if planted(Defect::PixelCorner) { 0.0 } else { 0.5 };
+        self.camera.ray([pixel[0] as f32 + centre + offset[0], pixel[1] as f32 + centre + offset[1]])
     }
 
     /// Renders consecutive pixels from `first` on.
@@ -105,7 +107,8 @@ impl<M: Radiance> Integrator for CameraPass<'_, M> {
             }
             SamplerKind::Sobol => {
                 let replicates = u64::from(self.options.replicates);
-                let (of_replicate, index) = (seed.with(pass % replicates), (pass / replicates) as u32);
+                let replicate = if planted(Defect::OneScrambling) { 0 } else { pass % replicates };
+                let (of_replicate, index) = (seed.with(replicate), (pass / replicates) as u32);
                 self.passes(pass, cancel, out, |pixel| Sobol::new(of_replicate.with(pixel), index))
             }
         }

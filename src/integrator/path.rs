@@ -9,10 +9,11 @@
 
 use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
+use crate::defects::{Defect, planted};
 use crate::geometry::{Local, Ray, SurfacePoint};
 use crate::light::{End, Light, LightSample, Receiver};
 use crate::path::{Departure, Tally, Walk};
-use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
+use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, balance, power, warp};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::Transport;
@@ -79,7 +80,7 @@ impl Strategy for Combined {
     }
     #[inline]
     fn share_of_scattering(scattering: f32, light: f32) -> f32 {
-        power(scattering, light)
+        if planted(Defect::MixedHeuristics) { balance(scattering, light) } else { power(scattering, light) }
     }
 }
 
@@ -103,9 +104,10 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     fn share_of_hit(&self, departure: &Departure, light: usize, pdf: impl FnOnce() -> f32) -> f32 {
         match departure {
             Departure::Surface(from, Density::Smooth(scattering)) => {
-                let pmf = self.scene.lights().pmf(from, light).value();
+                let pmf = if planted(Defect::LightPmfNotInHit) { 1.0 } else { self.scene.lights().pmf(from, light).value() };
                 S::share_of_scattering(scattering.value(), pmf * pdf())
             }
+            Departure::Surface(_, Density::Delta(_)) if planted(Defect::EmissionLostAfterDirac) => 0.0,
             Departure::Surface(_, Density::Delta(_)) | Departure::Camera => 1.0,
         }
     }
@@ -119,7 +121,12 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         if radiance.is_black() {
             return radiance;
         }
-        let pdf = |from: &Receiver| light.pdf_toward((point.p - from.p).length_squared(), wi).value();
+        let pdf = |from: &Receiver| {
+            if planted(Defect::HitPdfOverArea) {
+                return light.pdf_toward(1.0, point.ng).value();
+            }
+            light.pdf_toward((point.p - from.p).length_squared(), wi).value()
+        };
         let share = match &walk.departure {
             Departure::Surface(from, _) => self.share_of_hit(&walk.departure, index, || pdf(from)),
             Departure::Camera => 1.0,
@@ -145,9 +152,11 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let Some((light, pmf)) = lights.choose(&receiver, sampler.u1(walk.depth, Slot::LightPick)) else {
             return Spectrum::ZERO;
         };
-        let Some(sample) = light.sample_toward(&receiver, sampler.u2(walk.depth, Slot::LightPoint)) else {
-            return Spectrum::ZERO;
-        };
+        let mut u = sampler.u2(walk.depth, Slot::LightPoint);
+        if planted(Defect::LightPickReused) {
+            u[0] = sampler.u1(walk.depth, Slot::LightPick);
+        }
+        let Some(sample) = light.sample_toward(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
         tally.shadows += 1;
@@ -161,7 +170,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         match sample.density {
             Density::Delta(probability) => (pmf.value() * probability).recip(),
             Density::Smooth(pdf) => {
-                let density = pdf.choose(pmf).value();
+                let density = if planted(Defect::LightPmfNotInSample) { pdf.value() } else { pdf.choose(pmf).value() };
                 S::share_of_light(density, scattering.pdf.value()) / density
             }
         }
@@ -194,7 +203,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         loop {
             let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
             total += self.emitted(&walk, &point);
-            if walk.depth >= self.max_depth {
+            if walk.depth >= self.max_depth.saturating_add(u32::from(planted(Defect::DepthOneMore))) {
                 return total;
             }
             let surface = self.scene.surface(&mut point);

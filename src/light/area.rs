@@ -1,6 +1,7 @@
 //! Emitting triangles: constant radiance, or a texture, over each.
 
 use super::{End, LightSample};
+use crate::defects::{Defect, planted};
 use crate::geometry::Triangle;
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
@@ -107,7 +108,11 @@ impl AreaLight {
         let d2 = to.length_squared();
         let wi = to / d2.sqrt();
         let coverage = self.emission.coverage.as_ref().map_or(1.0, |c| c.at(barycentric));
-        let radiance = self.radiance(barycentric, -wi) * coverage;
+        let toward = if planted(Defect::LampShinesBackward) { self.ng } else { -wi };
+        let mut radiance = self.radiance(barycentric, toward) * coverage;
+        if planted(Defect::LampMeanInSample) && !radiance.is_black() {
+            radiance = self.mean_radiance * coverage;
+        }
         let pdf = self.pdf_toward(d2, wi);
         if radiance.is_black() || pdf.value() <= 0.0 || d2 == 0.0 {
             return None;

@@ -15,6 +15,7 @@
 //! Limits: numbers have 24 bits, as have the tables; cells rarer than 2⁻²⁴ share numbers with their neighbours.
 
 use super::{End, LightSample};
+use crate::defects::{Defect, planted};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Distribution, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
@@ -81,7 +82,9 @@ impl LatLong {
         let strips: Vec<Strip> = (0..=height).map(|j| Strip::new(j, height)).collect();
         let weight = |(j, strip): (usize, &Strip)| {
             let [above, below] = neighbours(j, height);
-            consts::PI * (strip.cosines[0] - strip.cosines[1]) * (rows[above] + rows[below])
+            let height =
+                if planted(Defect::MapRowsAlike) { 2.0 / strips.len() as f64 } else { strip.cosines[0] - strip.cosines[1] };
+            consts::PI * height * (rows[above] + rows[below])
         };
         let weights: Vec<f64> = strips.iter().enumerate().map(weight).collect();
         let integral = weights.iter().sum::<f64>();
@@ -143,7 +146,8 @@ impl LatLong {
     #[inline]
     fn place(&self, w: Vec3) -> Place {
         let [width, height] = self.map.size();
-        let x = (0.5 + self.turn - (-w.z).atan2(w.x) / TAU) * width as f32 - 0.5;
+        let half = if planted(Defect::MapHalfTexel) { 0.0 } else { 0.5 };
+        let x = (0.5 + self.turn - (-w.z).atan2(w.x) / TAU) * width as f32 - half;
         let left = (x.floor() as i64).rem_euclid(width as i64) as usize;
         let theta = (w.x * w.x + w.z * w.z).sqrt().atan2(w.y);
         let v = theta / PI * height as f32 + 0.5;
@@ -204,7 +208,7 @@ impl LatLong {
     /// The azimuth that column `u` shows.
     #[inline]
     fn azimuth(&self, u: f32) -> f32 {
-        let turns = 0.5 + self.turn - u;
+        let turns = 0.5 + if planted(Defect::MapTurnsBack) { -self.turn } else { self.turn } - u;
         (turns - turns.round()) * TAU
     }
 }

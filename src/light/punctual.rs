@@ -1,6 +1,7 @@
 //! Lights without extent: point, spot, directional (KHR_lights_punctual). Only light sampling finds them.
 
 use super::{End, LightSample};
+use crate::defects::{Defect, planted};
 use crate::sampling::Density;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -24,7 +25,8 @@ impl PointLight {
         if d2 == 0.0 {
             return None;
         }
-        let (wi, radiance) = (to / d2.sqrt(), self.intensity / d2);
+        let falloff = if planted(Defect::PointLightLinear) { d2.sqrt() } else { d2 };
+        let (wi, radiance) = (to / d2.sqrt(), self.intensity / falloff);
         Some(LightSample { wi, radiance, density: Density::Delta(1.0), end: End::Point(self.position) })
     }
 
@@ -57,7 +59,7 @@ impl SpotLight {
     #[inline]
     fn falloff(&self, cos: f32) -> f32 {
         let x = ((cos - self.cos_outer) * self.slope).clamp(0.0, 1.0);
-        x * x
+        if planted(Defect::SpotEdgeLinear) { x } else { x * x }
     }
 
     /// The direction from `p` to the light; `None` outside the cone.

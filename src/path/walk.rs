@@ -4,6 +4,7 @@
 //! of the edge between two vertices and never vertices themselves.
 
 use crate::bsdf::ShadingSample;
+use crate::defects::{Defect, planted};
 use crate::geometry::{MediumId, Ray, SurfacePoint};
 use crate::light::Receiver;
 use crate::numeric::BELOW_ONE;
@@ -98,7 +99,9 @@ impl<'a> Walk<'a> {
                 return Some(point);
             }
             // What is left of u is uniform again: one number serves all surfaces of the edge.
-            u = ((u - alpha) / (1.0 - alpha)).min(BELOW_ONE);
+            if !planted(Defect::BlendsShareNumber) {
+                u = ((u - alpha) / (1.0 - alpha)).min(BELOW_ONE);
+            }
             self.absorb(point.t);
             self.ray = Ray { medium: self.ray.medium, time: self.ray.time, ..point.spawn(self.ray.direction) };
         }
@@ -109,7 +112,7 @@ impl<'a> Walk<'a> {
 
     #[inline]
     fn absorb(&mut self, length: f32) {
-        if self.ray.medium != MediumId::VACUUM {
+        if self.ray.medium != MediumId::VACUUM && !planted(Defect::GlassClear) {
             self.beta *= self.scene.absorption(self.ray.medium, length);
         }
     }
@@ -132,7 +135,11 @@ impl<'a> Walk<'a> {
         self.eta2 *= scatter.eta * scatter.eta;
         self.depth += 1;
         let medium = self.medium_toward(point, scatter.direction);
-        self.departure = Departure::Surface(Receiver::from(point), scatter.density);
+        let density = match self.departure {
+            Departure::Surface(_, before @ Density::Delta(_)) if planted(Defect::EmissionTwiceAfterDirac) => before,
+            _ => scatter.density,
+        };
+        self.departure = Departure::Surface(Receiver::from(point), density);
         self.ray = Ray { medium, time: self.ray.time, ..point.spawn(scatter.direction) };
     }
 
@@ -151,7 +158,11 @@ impl<'a> Walk<'a> {
             if sampler.u1(self.depth, Slot::Roulette) >= q {
                 return false;
             }
-            self.beta *= q.recip();
+            let mut paid = if planted(Defect::RouletteUnpaid) { 1.0 } else { q };
+            if planted(Defect::RouletteEta2) {
+                paid = (q / self.eta2).min(1.0);
+            }
+            self.beta *= paid.recip();
         }
         true
     }

@@ -68,10 +68,11 @@ pub struct Provenance {
 }
 
 impl Program {
-    /// This program.
+    /// This program. The version names the defect that is planted in it, if one is.
     pub fn current() -> Self {
+        let planted = crate::defects::current().map_or(String::new(), |d| format!("+defect.{}", d.name()));
         Program {
-            version: env!("CARGO_PKG_VERSION").into(),
+            version: format!("{}{planted}", env!("CARGO_PKG_VERSION")),
             revision: option_env!("ETENDUE_GIT_REVISION").filter(|r| !r.is_empty()).map(str::to_owned),
             isa: option_env!("ETENDUE_TARGET_FEATURES").unwrap_or(std::env::consts::ARCH).into(),
         }

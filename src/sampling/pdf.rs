@@ -1,5 +1,6 @@
 //! Densities that carry their measure in their type, so that a solid-angle density cannot be compared with an area one.
 
+use crate::defects::{Defect, planted};
 use std::marker::PhantomData;
 
 /// A measure that a density refers to.
@@ -49,6 +50,7 @@ impl Pdf<Area> {
     /// Infinite geometry (cos = 0) gives a density of 0: the caller drops such samples.
     #[inline]
     pub fn to_solid_angle(self, d2: f32, cos: f32) -> Pdf<SolidAngle> {
+        let d2 = if planted(Defect::AreaPdfWithoutDistance) { 1.0 } else { d2 };
         if cos == 0.0 { Pdf::new(0.0) } else { Pdf::new((self.0 * d2 / cos).min(f32::MAX)) }
     }
 }

@@ -7,6 +7,7 @@
 
 use super::hash::mix64;
 use super::{Address, Independent, Sampler, Slot, unit_f32};
+use crate::defects::{Defect, planted};
 
 /// Bounces from here on take independent numbers: relMSE on the Cornell box is the same for 3, 4 and 8, and 8 % more for 2.
 const PADDED_BOUNCES: u32 = 4;
@@ -24,6 +25,7 @@ impl Sobol {
     /// The point `index` of the sequence that `sequence` identifies.
     #[inline]
     pub fn new(sequence: Address, index: u32) -> Self {
+        let index = if planted(Defect::SobolSkipsFirst) { index + 1 } else { index };
         let deep = Independent::new(sequence.with(u64::from(index)));
         Sobol { sequence, index, deep }
     }

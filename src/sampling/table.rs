@@ -1,6 +1,7 @@
 //! Discrete distributions.
 
 use super::{Discrete, Pdf};
+use crate::defects::{Defect, planted};
 use crate::numeric::BELOW_ONE;
 
 /// Chooses an index with probability proportional to its weight by monotone inversion of the cumulative sum, which keeps
@@ -54,7 +55,10 @@ impl Distribution {
     /// The index at `u` in [0, 1), and its probability, which is positive.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, Pdf<Discrete>) {
-        let i = self.upper.partition_point(|&c| c <= u);
+        let mut i = self.upper.partition_point(|&c| c <= u);
+        if planted(Defect::TableOneBefore) && i > 0 && self.pmf(i - 1).value() > 0.0 {
+            i -= 1;
+        }
         (i, self.pmf(i))
     }
 

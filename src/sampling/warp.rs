@@ -4,6 +4,7 @@
 //! filled concentrically [Shirley97], a triangle by folding the square [Heitz19].
 
 use super::{Pdf, SolidAngle};
+use crate::defects::{Defect, planted};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -36,6 +37,9 @@ pub fn concentric_disk_inverse(p: Vec2) -> [f32; 2] {
 /// A direction around +z with density proportional to its cosine.
 #[inline]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
+    if planted(Defect::UniformForCosine) {
+        return uniform_hemisphere(u);
+    }
     let (radius, phi) = concentric_polar(u);
     let disk = Vec2::from_angle(phi) * radius;
     disk.extend(((1.0 - radius) * (1.0 + radius)).max(0.0).sqrt())
@@ -95,6 +99,9 @@ pub fn uniform_sphere_inverse(w: Vec3) -> [f32; 2] {
 /// Weights of a triangle's second and third vertex, uniform over its area: density 1 / area [Heitz19].
 #[inline]
 pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
+    if planted(Defect::TriangleWithoutRoot) {
+        return [u[0], u[1] * (1.0 - u[0])];
+    }
     if u[0] < u[1] {
         let b = 0.5 * u[0];
         [b, u[1] - b]

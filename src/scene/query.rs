@@ -5,6 +5,7 @@ use super::material::{Coordinates, Material};
 use super::{ObjectInfo, Scene};
 use crate::accel::Intersector;
 use crate::bsdf::Surface;
+use crate::defects::{Defect, planted};
 use crate::geometry::{AnyHit, Frame, Hit, MediumId, Opaque, Ray, SurfacePoint};
 use crate::light::Light;
 use crate::spectrum::Spectrum;
@@ -76,7 +77,7 @@ impl Scene {
     /// Share of light that passes along the segment `ray` (`t_max` finite, or free space to infinity).
     #[inline]
     pub fn transmittance(&self, ray: &Ray) -> Spectrum {
-        let through = if self.features.blends {
+        let through = if self.features.blends && !planted(Defect::ShadowsIgnoreBlend) {
             Spectrum::splat(self.passed_by_blends(*ray))
         } else if self.is_occluded(ray) {
             Spectrum::ZERO
@@ -88,7 +89,11 @@ impl Scene {
 
     #[inline]
     fn is_occluded(&self, ray: &Ray) -> bool {
-        if self.features.masks { self.accel.occluded(ray, &Mask(self)) } else { self.accel.occluded(ray, &Opaque) }
+        if self.features.masks && !planted(Defect::ShadowsIgnoreMask) {
+            self.accel.occluded(ray, &Mask(self))
+        } else {
+            self.accel.occluded(ray, &Opaque)
+        }
     }
 
     /// Product of 1 − alpha over the surfaces on a segment.
@@ -147,7 +152,7 @@ impl Scene {
         let (tangent, handedness) =
             self.geometry.tangent(point.hit, point.barycentric).or_else(|| self.uv_tangent(point, texture.uv_set))?;
         let s = (tangent - ns * ns.dot(tangent)).try_normalize()?;
-        let t = ns.cross(s) * handedness;
+        let t = ns.cross(s) * if planted(Defect::NormalMapGreen) { -handedness } else { handedness };
         let bent = s * ((2.0 * x - 1.0) * scale) + t * ((2.0 * y - 1.0) * scale) + ns * (2.0 * z - 1.0);
         let n = bent.try_normalize()?;
         (n.dot(point.ng) > 0.0).then(|| Frame::around(n))

@@ -1,5 +1,7 @@
 //! Many tests at once: the chance that any true hypothesis is rejected (family-wise error) is held at a level.
 
+use crate::defects::{Defect, planted};
+
 /// The level of each of `tests` independent tests so that all together have `level` [Sidak67].
 pub fn sidak_level(level: f64, tests: u64) -> f64 {
     -((-level).ln_1p() / tests as f64).exp_m1()
@@ -19,7 +21,8 @@ pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut so_far: f64 = 0.0;
     for (rank, &i) in order.iter().enumerate() {
         let p = if p_values[i].is_nan() { 1.0 } else { p_values[i] };
-        so_far = so_far.max(p * (p_values.len() - rank) as f64).min(1.0);
+        let left = if planted(Defect::HolmSingleStep) { p_values.len() } else { p_values.len() - rank };
+        so_far = so_far.max(p * left as f64).min(1.0);
         adjusted[i] = so_far;
     }
     adjusted

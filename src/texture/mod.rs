@@ -6,6 +6,7 @@ mod radiance_map;
 pub use image::{Image, Texels};
 pub use radiance_map::RadianceMap;
 
+use crate::defects::{Defect, planted};
 use glam::{Affine2, Vec2};
 use std::sync::Arc;
 
@@ -66,7 +67,7 @@ impl Texture {
         match self.filter {
             Filter::Nearest => texel(p.x.floor() as i64, p.y.floor() as i64),
             Filter::Linear => {
-                let q = p - 0.5;
+                let q = if planted(Defect::TextureHalfTexel) { p } else { p - 0.5 };
                 let base = q.floor();
                 let f = q - base;
                 let (x, y) = (base.x as i64, base.y as i64);

@@ -1,9 +1,9 @@
 //! What must not change a picture: where and how large the scene is, whether meshes are shared, how triangles are cut.
 
 use crate::picture::{Shot, agree, render, scene};
-use crate::studio::{add_square, camera, matte};
+use crate::studio::{Ball, add, add_square, camera, matte, point_light};
 use etendue::integrator::Method;
-use etendue::scene::description::Description;
+use etendue::scene::description::{Description, Instance};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// A floor, two boxes' worth of walls and a light, with everything moved and scaled by `by`.
@@ -58,7 +58,7 @@ fn instances_and_copies_are_the_same_scene() {
     let (positions, triangles, material) = (source.positions.clone(), source.triangles.clone(), source.material);
     let transform = apart.instances[4].transform;
     apart.instances.truncate(4);
-    crate::studio::add(&mut apart, positions, triangles, matte(0.0, 0.0));
+    add(&mut apart, positions, triangles, matte(0.0, 0.0));
     apart.materials.pop();
     apart.meshes[4].primitives[0].material = material;
     apart.instances[4].transform = transform;
@@ -66,4 +66,33 @@ fn instances_and_copies_are_the_same_scene() {
     assert!(shared.features().instances && !apart.features().instances);
     let (a, b) = (render(&shared, shot()), render(&apart, Shot { seed: 2, ..shot() }));
     agree(&a, &b, 4).unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// Smooth bodies squeezed by their nodes: a mesh that two nodes share keeps its normals in its own space, one that stands at one
+/// place has them moved with it. A point light shades them without noise but for the pixels' own.
+#[test]
+fn shared_and_moved_normals_are_the_same() {
+    let squeeze = |x: f64| DAffine3::from_translation(DVec3::X * x) * DAffine3::from_scale(DVec3::new(0.3, 1.0, 0.8));
+    let bodies = |shared: bool| {
+        let mut scene = Description::default();
+        for x in [-0.5, 0.5] {
+            if !shared || x < 0.0 {
+                let ball = Ball::new(3, 1.0);
+                let normals = ball.positions.clone();
+                add(&mut scene, ball.positions, ball.triangles, matte(0.7, 0.0));
+                scene.meshes.last_mut().expect("just added").primitives[0].normals = Some(normals);
+            } else {
+                let instance = Instance { name: "again".into(), mesh: 0, transform: DAffine3::IDENTITY };
+                scene.instances.push(instance);
+            }
+            scene.instances.last_mut().expect("just added").transform = squeeze(x);
+        }
+        scene.lights.push(point_light(DVec3::new(1.0, 2.0, 3.0), 5.0));
+        scene.cameras.push(camera(DVec3::new(0.0, 0.4, 3.0), DVec3::ZERO));
+        self::scene(scene)
+    };
+    let (shared, moved) = (bodies(true), bodies(false));
+    assert!(shared.features().instances && !moved.features().instances);
+    let at = |scene, seed| render(scene, Shot { seed, depth: Some(1), ..shot() });
+    agree(&at(&shared, 1), &at(&moved, 2), 4).unwrap_or_else(|e| panic!("{e}"));
 }

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod backends;
-mod compare;
 mod bench_methods;
+mod compare;
 mod end_to_end;
 mod environments;
 mod run;

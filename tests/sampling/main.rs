@@ -28,4 +28,5 @@ mod models;
 mod monte_carlo;
 mod punctual;
 mod shading;
+mod textbook;
 mod warps;

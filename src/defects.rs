@@ -1,0 +1,275 @@
+//! Planted defects: wrong variants of right code, which measure the tests. With the feature `defects` one of them is planted by
+//! `ETENDUE_DEFECT=name`; without it [`planted`] is a constant, and nothing of them is compiled.
+//!
+//! Each stands beside the right code as `if planted(Defect::X) { wrong } else { right }`. `make kill-matrix` plants each in turn
+//! and runs tests/kill_matrix's killers against it. To add one, give it a row here, plant it, and see a killer die of it.
+//! Limits: a defect must change pictures or figures in a way that a user would mind, and be no other one in disguise.
+
+/// Writes the enum and its table from rows `variant "name" "what is wrong" "where it is known from";`.
+macro_rules! defects {
+    ($($variant:ident $name:literal $wrong:literal $source:literal;)*) => {
+        /// Something wrong that can be planted.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Defect {
+            $(#[doc = $wrong] $variant,)*
+        }
+
+        impl Defect {
+            /// All of them.
+            pub const ALL: &'static [Defect] = &[$(Defect::$variant),*];
+
+            /// What `ETENDUE_DEFECT` calls it.
+            pub fn name(self) -> &'static str {
+                match self { $(Defect::$variant => $name,)* }
+            }
+
+            /// What is wrong, in a sentence.
+            pub fn wrong(self) -> &'static str {
+                match self { $(Defect::$variant => $wrong,)* }
+            }
+
+            /// Where it is known from.
+            pub fn known_from(self) -> &'static str {
+                match self { $(Defect::$variant => $source,)* }
+            }
+        }
+    };
+}
+
+defects! {
+    // sampling
+    SobolSkipsFirst "sobol-skips-first"
+        "The Sobol' sequence begins with its second point, so that no power of two of points is a net."
+        "a common advice for unscrambled Sobol', and wrong for scrambled";
+    OneScrambling "one-scrambling"
+        "All replicates have one scrambling, so that they agree and the error bar vanishes."
+        "randomised QMC with one seed";
+    LightPickReused "light-pick-reused"
+        "One number chooses the light and the point on it, so that each light shows one strip of itself."
+        "renderers that save random dimensions without rescaling";
+    TableOneBefore "table-one-before"
+        "The discrete table takes the index before the right one."
+        "off-by-one in a binary search";
+    TriangleWithoutRoot "triangle-without-root"
+        "Points on a triangle crowd at a corner, the square root being left out."
+        "ray tracers' own maps to a triangle";
+    UniformForCosine "uniform-for-cosine"
+        "Directions are uniform over the hemisphere where their density says cosine."
+        "the first path tracer of many";
+    MixedHeuristics "mixed-heuristics"
+        "Scattering is weighted by the balance heuristic and light samples by the power heuristic, so that weights do not sum to 1."
+        "light-transport.md 1.5";
+    // scattering
+    GgxPdf2Percent "ggx-pdf-2-percent"
+        "The density of reflection is 1.02 times too high."
+        "field-survey.md 4.7";
+    GgxPdfOfNormal "ggx-pdf-of-normal"
+        "The density of reflection is that of the normal, the Jacobian of the half vector being left out."
+        "the commonest error in microfacet models";
+    GgxOneMasking "ggx-one-masking"
+        "Reflection is masked toward the eye and not toward the light."
+        "G1 taken for G2";
+    GgxUncorrelated "ggx-uncorrelated"
+        "Masking and shadowing are independent of one another, which darkens rough metal."
+        "the older Smith G2";
+    RefractionPdfWithoutEta2 "refraction-pdf-without-eta2"
+        "pdf() of refraction lacks the square of the index that sample() has."
+        "two copies of [Walter07 (17)]";
+    Eta2Forgotten "eta2-forgotten"
+        "Radiance is not scaled by the square of the refractive index."
+        "light-transport.md 2.1";
+    FresnelFromOutside "fresnel-from-outside"
+        "A smooth glass face reflects from inside as it does from outside: no total reflection."
+        "the wrong side's index";
+    SchlickFourth "schlick-fourth"
+        "Schlick's Fresnel has the fourth power."
+        "a multiplication too few";
+    ThinLosesNothing "thin-loses-nothing"
+        "A thin wall transmits what it has reflected already."
+        "transmission without its Fresnel factor";
+    LambertWithoutPi "lambert-without-pi"
+        "The value of a diffuse surface is its albedo and not albedo over π, in eval() alone."
+        "the π of lights given in other units";
+    LobesChosenEvenly "lobes-chosen-evenly"
+        "Lobes are chosen with probability one half where the density says by albedo."
+        "three-gpu-pathtracer issue 847";
+    RoughnessNotSquared "roughness-not-squared"
+        "The roughness of a file is taken for α, of which it is the root."
+        "glTF importers";
+    BaseUncoupled "base-uncoupled"
+        "The diffuse base under a layer is not divided by what the layer lets pass on average, and loses energy."
+        "additive layering";
+    // two normals
+    CosineDropped "cosine-dropped"
+        "The throughput lacks the cosine of a sampled direction."
+        "field-survey.md 4.7";
+    CosineToNg "cosine-to-ng"
+        "Light samples take the cosine to the geometric normal, scattered ones that to the shading normal."
+        "[Veach97 §5.3]";
+    InstanceNormal "instance-normal"
+        "Normals of instances are moved by the matrix and not by its inverse transpose."
+        "every scene graph's first version";
+    // lights
+    PointLightLinear "point-light-linear"
+        "A point light falls off with the distance and not with its square."
+        "lights of raster engines";
+    SpotEdgeLinear "spot-edge-linear"
+        "A spot's edge is a ramp and not the ramp's square."
+        "KHR_lights_punctual read in haste";
+    AreaPdfWithoutDistance "area-pdf-without-distance"
+        "A density over area becomes one over solid angle without the squared distance."
+        "light-transport.md 1.2";
+    LampShinesBackward "lamp-shines-backward"
+        "Light sampling takes single-sided lamps for two-sided ones; rays do not."
+        "light-transport.md 2.1 (e)";
+    HitPdfOverArea "hit-pdf-over-area"
+        "Scattered rays are weighed against the lamp's density over area in place of that over solid angle."
+        "light-transport.md 2.1 (d)";
+    LightPmfNotInSample "light-pmf-not-in-sample"
+        "A light sample is not divided by the probability of its light."
+        "field-survey.md 4.7";
+    LightPmfNotInHit "light-pmf-not-in-hit"
+        "Light found by scattering is weighed without the probability of its light."
+        "light-transport.md 2.1 (c)";
+    EmissionTwiceAfterDirac "emission-twice-after-dirac"
+        "The flag of a mirror bounce stays, so that emission counts in full again after the next bounce."
+        "light-transport.md 2.1 (b)";
+    EmissionLostAfterDirac "emission-lost-after-dirac"
+        "Lamps are black in mirrors."
+        "light-transport.md 2.1 (b)";
+    MapRowsAlike "map-rows-alike"
+        "Rows of an environment map are chosen as if all had the solid angle of the equator."
+        "light-transport.md 2.14, the sine at the poles";
+    MapHalfTexel "map-half-texel"
+        "Rays look an environment map up half a texel beside the place that is sampled."
+        "texel centres at whole numbers";
+    MapTurnsBack "map-turns-back"
+        "Samples of an environment map are turned against the rotation that rays see."
+        "a sign in one of two places";
+    // the walk
+    ShadowsIgnoreMask "shadows-ignore-mask"
+        "Leaves throw the shadow of their whole card."
+        "light-transport.md 2.1 (g)";
+    ShadowsIgnoreBlend "shadows-ignore-blend"
+        "Half-transparent surfaces throw full shadows."
+        "light-transport.md 2.1 (g)";
+    SegmentMeetsItsEnd "segment-meets-its-end"
+        "A segment to a lamp ends on the lamp and not before it."
+        "étendue, before the far end had a bound";
+    RouletteUnpaid "roulette-unpaid"
+        "Survivors of roulette are not scaled up."
+        "field-survey.md 4.7";
+    RouletteEta2 "roulette-eta2"
+        "Roulette decides with the square of the index divided out and pays with it left in."
+        "light-transport.md 2.1 (h)";
+    DepthOneMore "depth-one-more"
+        "A limit of n scattering events lets n + 1 pass."
+        "light-transport.md 2.1 (i)";
+    GlassClear "glass-clear"
+        "The inside of glass does not absorb along a path."
+        "absorption in shadow rays alone";
+    // camera and film
+    PixelCorner "pixel-corner"
+        "The filter stands on the pixel's corner: pictures are half a pixel off."
+        "pixel centres at whole numbers";
+    TentIsBox "tent-is-box"
+        "The tent filter is a box of its width."
+        "filter importance sampling without the root";
+    FilmRoundsDown "film-rounds-down"
+        "What the film adds is rounded down and not at random, so that dim light vanishes."
+        "fixed-point accumulators";
+    ReplicatesInTurn "replicates-in-turn"
+        "The film gives pass k to replicate k / R, the sampler to k mod R."
+        "two readings of one convention";
+    MergeLosesCarry "merge-loses-carry"
+        "Merging films drops the carry of sums that outgrow 64 bits."
+        "étendue's own sums";
+    // figures
+    ErrorOfOneReplicate "error-of-one-replicate"
+        "The standard error is that of one replicate and not of their mean."
+        "a root of R forgotten";
+    RelmseDependent "relmse-dependent"
+        "The denominator of relMSE comes from the replicates that its numerator comes from, too."
+        "the plug-in estimator";
+    NormalForT "normal-for-t"
+        "Intervals from few replicates are those of a normal distribution."
+        "1.96 for everything";
+    HolmSingleStep "holm-single-step"
+        "Holm's test multiplies every p-value by the number of tests, and finds less."
+        "Bonferroni under another name";
+    // invented as a reviewer, after the tests for those above
+    BlendsShareNumber "blends-share-number"
+        "All blended surfaces on a ray are decided by one number, so that two of alpha one half stop half of the light."
+        "review: a number that is reused must be rescaled";
+    LampMeanInSample "lamp-mean-in-sample"
+        "Light samples of a textured lamp have its mean radiance and not that of their point."
+        "review: the radiance that decides the choice";
+    NormalMapGreen "normal-map-green"
+        "The green channel of normal maps points down."
+        "review: the other convention of normal maps";
+    TextureHalfTexel "texture-half-texel"
+        "Textures lie half a texel beside their coordinates."
+        "review: texel centres at whole numbers";
+    CropAtOrigin "crop-at-origin"
+        "A crop shows the upper left corner of the picture and not its window."
+        "review: an offset forgotten";
+}
+
+/// Whether `defect` is planted: a constant without the feature `defects`.
+#[cfg(not(feature = "defects"))]
+#[inline(always)]
+pub const fn planted(_defect: Defect) -> bool {
+    false
+}
+
+/// Whether `defect` is planted: the one that `ETENDUE_DEFECT` named when it was first asked.
+#[cfg(feature = "defects")]
+#[inline]
+pub fn planted(defect: Defect) -> bool {
+    current() == Some(defect)
+}
+
+/// The planted defect, if there is one.
+#[cfg(not(feature = "defects"))]
+pub const fn current() -> Option<Defect> {
+    None
+}
+
+/// The planted defect, if there is one. Ends the process at a name that is none: a typing error must not look like a healthy
+/// renderer.
+#[cfg(feature = "defects")]
+#[inline]
+pub fn current() -> Option<Defect> {
+    static CURRENT: std::sync::LazyLock<Option<Defect>> = std::sync::LazyLock::new(|| {
+        let name = std::env::var("ETENDUE_DEFECT").ok().filter(|name| !name.is_empty())?;
+        let found = Defect::ALL.iter().copied().find(|d| d.name() == name);
+        if found.is_none() {
+            eprintln!("error: ETENDUE_DEFECT={name} is no planted defect: see src/defects.rs");
+            std::process::exit(2);
+        }
+        found
+    });
+    *CURRENT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn names_are_distinct_and_defects_described() {
+        let names: HashSet<_> = Defect::ALL.iter().map(|d| d.name()).collect();
+        assert_eq!(names.len(), Defect::ALL.len());
+        for d in Defect::ALL {
+            assert!(d.name().chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'), "{d:?}");
+            assert!(d.wrong().ends_with('.') && !d.known_from().is_empty(), "{d:?}");
+        }
+    }
+
+    #[test]
+    #[cfg(not(feature = "defects"))]
+    fn nothing_is_planted_in_an_ordinary_build() {
+        const { assert!(!planted(Defect::GgxPdf2Percent) && current().is_none()) }
+    }
+}

@@ -1,0 +1,69 @@
+//! What the runs say: false alarms, the matrix, the verdict.
+
+use crate::binaries::Located;
+use crate::run::{Ending, LIMIT, Outcome};
+use etendue::defects::Defect;
+
+/// Every killer must pass, and in time, where nothing is planted.
+pub(crate) fn check_healthy(killers: &[Located], healthy: &[Outcome]) -> Result<(), String> {
+    let complaint = |(located, outcome): (&Located, &Outcome)| {
+        let name = located.killer.name();
+        match &outcome.ending {
+            Ending::Passed if outcome.seconds <= LIMIT => None,
+            Ending::Passed => Some(format!("{name} takes {:.1} s of a processor, at most {LIMIT}", outcome.seconds)),
+            Ending::Failed => Some(format!("{name} fails without a defect: a false alarm")),
+            Ending::Unclear(what) => Some(format!("{name}: {what}")),
+        }
+    };
+    let complaints: Vec<String> = killers.iter().zip(healthy).filter_map(complaint).collect();
+    if complaints.is_empty() { Ok(()) } else { Err(complaints.join("\n       ")) }
+}
+
+/// The heads of the columns, which are killers by number.
+pub(crate) fn print_head(killers: &[Located]) {
+    let digits = |of: fn(usize) -> usize| (0..killers.len()).map(|i| char::from(b'0' + of(i) as u8)).collect::<String>();
+    println!("\n{:28} {}\n{:28} {}", "", digits(|i| i / 10), "", digits(|i| i % 10));
+}
+
+/// A row: `x` killed, `.` survived, `?` no verdict, `>` killed too late. Then how many killed, and which was the fastest.
+pub(crate) fn print_row(defect: Defect, killers: &[Located], row: &[Outcome]) {
+    let marks: String = row.iter().map(mark).collect();
+    let kills = || row.iter().enumerate().filter(|(_, outcome)| outcome.is_kill());
+    let fastest = kills().min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds));
+    let fastest = fastest.map_or("SURVIVES".into(), |(i, outcome)| {
+        format!("{:2} killers, {:.2} s by {i:2} {}", kills().count(), outcome.seconds, killers[i].killer.test)
+    });
+    println!("{:28} {marks} {fastest}", defect.name());
+}
+
+/// The killers by number: seconds without a defect, and how many of the defects each kills.
+pub(crate) fn print_killers(killers: &[Located], healthy: &[Outcome], rows: &[Vec<Outcome>]) {
+    println!("\n   seconds  kills  killer");
+    for (i, (located, outcome)) in killers.iter().zip(healthy).enumerate() {
+        let kills = rows.iter().filter(|row| row[i].is_kill()).count();
+        println!("{i:2} {:7.2} {kills:6}  {}", outcome.seconds, located.killer.name());
+    }
+}
+
+fn mark(outcome: &Outcome) -> char {
+    match outcome.ending {
+        Ending::Failed if outcome.is_kill() => 'x',
+        Ending::Failed => '>',
+        Ending::Passed => '.',
+        Ending::Unclear(_) => '?',
+    }
+}
+
+/// All that was spent on killers.
+pub(crate) fn processor_seconds(healthy: &[Outcome], rows: &[Vec<Outcome>]) -> f64 {
+    rows.iter().flatten().chain(healthy).map(|outcome| outcome.seconds).sum()
+}
+
+/// `killed N/N`, or who survived.
+pub(crate) fn verdict(defects: &[Defect], rows: &[Vec<Outcome>]) -> Result<(), String> {
+    let survives = |row: &[Outcome]| !row.iter().any(Outcome::is_kill);
+    let survivors: Vec<_> = defects.iter().zip(rows).filter(|(_, row)| survives(row)).map(|(d, _)| d).collect();
+    let report = survivors.iter().map(|d| format!("\n       {} survives: {}", d.name(), d.wrong())).collect::<String>();
+    println!("killed {}/{}", defects.len() - survivors.len(), defects.len());
+    if survivors.is_empty() { Ok(()) } else { Err(format!("{} survived{report}", survivors.len())) }
+}

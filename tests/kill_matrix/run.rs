@@ -1,0 +1,87 @@
+//! Runs killers, each in a process of its own on one processor, and says how each ended.
+
+use crate::binaries::Located;
+use etendue::defects::Defect;
+use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Processor seconds that a killer may take.
+pub(crate) const LIMIT: f64 = 5.0;
+
+/// How a killer ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// One test ran and passed.
+    Passed,
+    /// One test ran and failed.
+    Failed,
+    /// Neither: it does not exist, was stopped at three times the limit, or died without a verdict. No kill.
+    Unclear(String),
+}
+
+/// How a killer ended and how long it took.
+#[derive(Debug, Clone)]
+pub(crate) struct Outcome {
+    pub(crate) ending: Ending,
+    /// Of a processor, user and system.
+    pub(crate) seconds: f64,
+}
+
+impl Outcome {
+    /// Whether it is a kill in time.
+    pub(crate) fn is_kill(&self) -> bool {
+        self.ending == Ending::Failed && self.seconds <= LIMIT
+    }
+}
+
+/// The outcome of every killer with `planted` in the renderer, on all processors.
+pub(crate) fn all(planted: Option<Defect>, killers: &[Located]) -> Vec<Outcome> {
+    let (next, done) = (AtomicUsize::new(0), Mutex::new(vec![None; killers.len()]));
+    let work = || {
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let Some(killer) = killers.get(i) else { return };
+            let outcome = one(planted, killer);
+            done.lock().unwrap_or_else(PoisonError::into_inner)[i] = Some(outcome);
+        }
+    };
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| (0..workers).for_each(|_| _ = scope.spawn(work)));
+    done.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().flatten().collect()
+}
+
+/// The shell stops what hangs and knows how much processor time its children took.
+const SCRIPT: &str = r#"ulimit -t 15; "$0" --exact "$1" --test-threads=1; times"#;
+
+fn one(planted: Option<Defect>, located: &Located) -> Outcome {
+    let mut shell = Command::new("sh");
+    shell.arg("-c").arg(SCRIPT).arg(&located.binary).arg(located.killer.test);
+    shell.current_dir(env!("CARGO_MANIFEST_DIR")).env("RAYON_NUM_THREADS", "1");
+    shell.env("ETENDUE_DEFECT", planted.map_or("", Defect::name)).env_remove("ETENDUE_TEST_DEEP");
+    match shell.output() {
+        Ok(output) => read(&String::from_utf8_lossy(&output.stdout), &String::from_utf8_lossy(&output.stderr)),
+        Err(e) => Outcome { ending: Ending::Unclear(format!("sh does not run: {e}")), seconds: 0.0 },
+    }
+}
+
+/// The last two lines are the shell's times: its own, and its children's.
+fn read(stdout: &str, stderr: &str) -> Outcome {
+    let seconds = stdout.lines().last().map_or(0.0, |times| times.split_whitespace().filter_map(minutes).sum());
+    let ending = if stdout.contains("test result: ok. 1 passed; 0 failed") {
+        Ending::Passed
+    } else if stdout.contains("test result: FAILED. 0 passed; 1 failed") {
+        Ending::Failed
+    } else if stdout.contains("running 0 tests") {
+        Ending::Unclear("there is no such test".into())
+    } else {
+        Ending::Unclear(format!("no verdict after {seconds:.1} s: {}", stderr.lines().last().unwrap_or_default()))
+    };
+    Outcome { ending, seconds }
+}
+
+/// Seconds of `0m1.230s`.
+fn minutes(text: &str) -> Option<f64> {
+    let (minutes, seconds) = text.strip_suffix('s')?.split_once('m')?;
+    Some(minutes.parse::<f64>().ok()? * 60.0 + seconds.parse::<f64>().ok()?)
+}
