@@ -11,6 +11,7 @@ mod jackknife;
 mod moments;
 mod multiple;
 pub mod pareto;
+mod skewed;
 mod student;
 #[cfg(test)]
 pub(crate) mod test_random;
@@ -21,4 +22,5 @@ pub use hypothesis::{TestResult, t_test, welch_test, z_test};
 pub use jackknife::{Jackknife, jackknife};
 pub use moments::Moments;
 pub use multiple::{holm, sidak_level, sidak_p_value};
+pub use skewed::{Skewness, detectable_difference, skewed_welch_test};
 pub use student::{student_p_value, student_quantile};
