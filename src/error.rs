@@ -17,6 +17,8 @@ pub enum Kind {
     TargetMissed,
     /// Samples were not finite and `--fail-on-nonfinite` was given: exit code 6.
     NonFinite,
+    /// Pictures that should be equal differ: exit code 7.
+    Different,
     /// The memory budget does not suffice: exit code 33.
     Memory,
     /// Stopped by a signal with a valid checkpoint on disk; running again resumes: exit code 75.
@@ -33,6 +35,7 @@ impl Kind {
             Kind::Output => 4,
             Kind::TargetMissed => 5,
             Kind::NonFinite => 6,
+            Kind::Different => 7,
             Kind::Memory => 33,
             Kind::Interrupted => 75,
         }
