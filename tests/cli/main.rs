@@ -8,3 +8,4 @@ mod environments;
 mod run;
 mod signals;
 mod usage;
+mod verify;

@@ -4,8 +4,9 @@
 //!
 //! Use it on a scene whose picture matters, and after any change to the renderer. Its limits: what all candidates do wrong it
 //! cannot see; a method that is blind to something in the scene is left out, and says so; where a picture has met too few of the
-//! contributions that make it, a difference cannot be told from bad luck, and counts as not shown. "No difference" therefore
-//! comes with the smallest difference that would have been seen. Pixels of a method are taken as independent of each other, which
+//! contributions that make it, a difference cannot be told from bad luck, and counts as not shown. What a whole picture has not met
+//! at all it cannot suspect either: light that reaches it by fewer than about ten samples in all may be missed by chance, and one
+//! method then be said to differ from another that finds it easily (a longer budget tells). "No difference" comes with the smallest difference that would have been seen. Pixels of a method are taken as independent of each other, which
 //! methods that share chains or photons will not keep.
 
 mod candidate;
