@@ -17,7 +17,7 @@ pub enum Kind {
     TargetMissed,
     /// Samples were not finite and `--fail-on-nonfinite` was given: exit code 6.
     NonFinite,
-    /// Two images that were compared differ beyond their errors: exit code 7.
+    /// Images that were compared, or methods that should agree, differ beyond their errors: exit code 7.
     Differ,
     /// The memory budget does not suffice: exit code 33.
     Memory,

@@ -12,6 +12,7 @@ mod progress;
 mod render;
 mod resume;
 mod startup;
+mod verify;
 
 use crate::error::Result;
 use clap::{Parser, Subcommand};
@@ -47,6 +48,8 @@ enum Command {
     Bench(bench::Command),
     /// Go on with a film that was stopped, or add samples to it
     Resume(resume::Args),
+    /// Compare all methods and backends on a scene
+    Verify(Box<verify::Args>),
 }
 
 const EXAMPLES: &str = "\
@@ -56,11 +59,12 @@ Examples:
   etendue render cup.glb --shard 0/4 -o 0.film    one of four shares of the work, on any machine
   etendue merge 0.film 1.film 2.film 3.film -o cup.exr
   etendue resume cup.film --spp 1024              more samples, as if asked for at once
+  etendue verify cup.glb                          do all methods and backends agree on it?
 
 Exit codes:
   0 done   1 internal error   2 usage   3 scene invalid   4 output cannot be written
-  6 non-finite samples (with --fail-on-nonfinite)   7 images differ (compare)
-  33 out of memory   75 stopped, with a film to resume";
+  5 target not reached (with --require-target)   6 non-finite samples (with --fail-on-nonfinite)
+  7 a difference found (compare, verify)   33 out of memory   75 stopped, with a film to resume";
 
 /// Runs the program on the process's arguments.
 pub fn run() -> ExitCode {
@@ -89,6 +93,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Bench(command) => bench::run(command),
         Command::Merge(args) => merge::run(args),
         Command::Resume(args) => resume::run(args),
+        Command::Verify(args) => verify::run(*args),
     }
 }
 

@@ -16,11 +16,12 @@ pub(super) fn run(session: &mut Session<'_>, console: Console, film: Option<&Pat
     let (settings, plan) = (&session.provenance().settings, session.provenance().plan);
     let amount = plan.count().map_or_else(String::new, |passes| format!(", {passes} samples per pixel"));
     console.note(&format!("rendering {}x{}{amount}", settings.width, settings.height));
-    session.run(&cancel, &mut *observer(console), film.map(Checkpoint::new))
+    let mut watcher = Watcher { meter: Meter::new(console), error: ErrorSoFar::default() };
+    session.run(&cancel, &mut watcher, film.map(Checkpoint::new))
 }
 
 /// The first SIGINT or SIGTERM asks for a stop, the second kills.
-fn heed_signals(cancel: &Cancel) -> Result<()> {
+pub(super) fn heed_signals(cancel: &Cancel) -> Result<()> {
     use signal_hook::consts::{SIGINT, SIGTERM};
     let register = |signal| {
         // The order matters: the flag is still clear when the first signal passes the first handler.
@@ -33,24 +34,18 @@ fn heed_signals(cancel: &Cancel) -> Result<()> {
     Ok(())
 }
 
-fn observer(console: Console) -> Box<dyn Observer> {
-    if console.quiet {
-        Box::new(Silence)
-    } else if std::io::stderr().is_terminal() {
-        Box::new(Bar::new())
-    } else {
-        Box::new(Lines { next: Instant::now() + LINE_INTERVAL, error: ErrorSoFar::default() })
-    }
+/// Shows a session.
+struct Watcher {
+    meter: Meter,
+    error: ErrorSoFar,
 }
 
-/// How often a line of progress is written where there is no terminal.
-const LINE_INTERVAL: Duration = Duration::from_secs(10);
-
-/// Shows nothing.
-struct Silence;
-
-impl Observer for Silence {
-    fn pass(&mut self, _: &Progress<'_>) {}
+impl Observer for Watcher {
+    fn pass(&mut self, progress: &Progress<'_>) {
+        let error = &mut self.error;
+        let what = || format!("{} spp{}, ", progress.film.passes().len(), error.update(progress));
+        self.meter.show(progress.fraction(), progress.remaining(), what);
+    }
 }
 
 /// The error of the film, looked at only whenever the number of samples has doubled: a look costs a walk over all pixels.
@@ -72,52 +67,64 @@ impl ErrorSoFar {
     }
 }
 
-/// A line now and then.
-struct Lines {
-    next: Instant,
-    error: ErrorSoFar,
-}
-
-impl Observer for Lines {
-    fn pass(&mut self, progress: &Progress<'_>) {
-        if Instant::now() < self.next {
-            return;
-        }
-        self.next = Instant::now() + LINE_INTERVAL;
-        let (percent, spp, left) = (progress.percent(), progress.film.passes().len(), HumanDuration(progress.remaining()));
-        console::stderr(&format!("etendue: {percent}%, {spp} spp{}, {left:#} left", self.error.update(progress)));
-    }
-}
-
-/// A bar on a terminal, gone when the render is over.
-struct Bar {
-    bar: ProgressBar,
-    error: ErrorSoFar,
-}
+/// How often a line of progress is written where there is no terminal.
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
 
 /// Steps of the bar: fine enough for the widest terminal.
 const STEPS: u64 = 10_000;
 
-impl Bar {
-    fn new() -> Self {
+/// Shows how far something is.
+pub(super) enum Meter {
+    /// Not at all.
+    Silence,
+    /// By a line now and then.
+    Lines {
+        /// When the next is due.
+        next: Instant,
+    },
+    /// By a bar on a terminal, gone when it is over.
+    Bar(ProgressBar),
+}
+
+impl Meter {
+    /// What suits the console.
+    pub(super) fn new(console: Console) -> Self {
+        if console.quiet {
+            return Meter::Silence;
+        }
+        if !std::io::stderr().is_terminal() {
+            return Meter::Lines { next: Instant::now() + LINE_INTERVAL };
+        }
         let bar = ProgressBar::new(STEPS);
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
             bar.set_style(style);
         }
-        Bar { bar, error: ErrorSoFar::default() }
+        Meter::Bar(bar)
+    }
+
+    /// Shows the share that is done, what else there is to say, and the time that is left.
+    pub(super) fn show(&mut self, done: f64, left: Duration, mut what: impl FnMut() -> String) {
+        // Floored, so that 100 means done.
+        let percent = (done * 100.0).floor();
+        match self {
+            Meter::Silence => {}
+            Meter::Lines { next } if Instant::now() < *next => {}
+            Meter::Lines { next } => {
+                *next = Instant::now() + LINE_INTERVAL;
+                console::stderr(&format!("etendue: {percent}%, {}{:#} left", what(), HumanDuration(left)));
+            }
+            Meter::Bar(bar) => {
+                bar.set_position((done * STEPS as f64).floor() as u64);
+                bar.set_message(format!("{percent}%, {}{:#} left", what(), HumanDuration(left)));
+            }
+        }
     }
 }
 
-impl Observer for Bar {
-    fn pass(&mut self, progress: &Progress<'_>) {
-        self.bar.set_position((progress.fraction() * STEPS as f64).floor() as u64);
-        let (percent, spp, left) = (progress.percent(), progress.film.passes().len(), HumanDuration(progress.remaining()));
-        self.bar.set_message(format!("{percent}%, {spp} spp{}, {left:#} left", self.error.update(progress)));
-    }
-}
-
-impl Drop for Bar {
+impl Drop for Meter {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        if let Meter::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
     }
 }

@@ -24,6 +24,7 @@ mod stage;
 mod surroundings;
 pub mod target;
 mod text;
+pub mod verify;
 
 pub use aov::Aov;
 pub use checkpoint::Checkpoint;

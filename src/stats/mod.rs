@@ -12,6 +12,7 @@ mod moments;
 mod multiple;
 pub mod pareto;
 mod power_law;
+mod skewed;
 mod student;
 #[cfg(test)]
 pub(crate) mod test_random;
@@ -23,4 +24,5 @@ pub use jackknife::{Jackknife, jackknife};
 pub use moments::Moments;
 pub use multiple::{holm, sidak_level, sidak_p_value};
 pub use power_law::{PowerLaw, WeightedPoint};
+pub use skewed::{Skewness, detectable_difference, skewed_welch_test};
 pub use student::{student_p_value, student_quantile};

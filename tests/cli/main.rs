@@ -11,3 +11,4 @@ mod run;
 mod signals;
 mod targets;
 mod usage;
+mod verify;

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Long enough that no machine finishes it before the signal.
 const ENDLESS: &str = "--spp 1048576";
 
-fn signal(child: &Child, name: &str) {
+pub(crate) fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap().success());
 }
 

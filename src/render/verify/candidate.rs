@@ -1,0 +1,104 @@
+//! One method with one backend, and its picture in work.
+
+use super::lineup::{name, settings};
+use super::tiles::Pyramid;
+use crate::error::Result;
+use crate::film::{Film, Layout, PassFilm, Plane};
+use crate::integrator::{self, Integrator, Method};
+use crate::parallel::Cancel;
+use crate::render::machine::Stopwatch;
+use crate::render::{Choices, Plan, Provenance, Selection, Stage, Stop};
+
+/// Independent replicates of each candidate: their scatter is the error that differences are measured by.
+pub const REPLICATES: u32 = 32;
+
+/// A method with a backend, rendering.
+pub struct Candidate<'a> {
+    /// Method and backend: `path/embree`.
+    pub name: String,
+    /// Where the picture comes from, with the work so far.
+    pub provenance: Provenance,
+    /// The scene.
+    pub stage: &'a Stage,
+    film: Film,
+    integrator: Box<dyn Integrator + 'a>,
+    scratch: PassFilm,
+    last_block: f64,
+}
+
+impl<'a> Candidate<'a> {
+    /// A candidate with nothing rendered yet.
+    ///
+    /// # Errors
+    /// A camera that is not there, choices out of range.
+    pub fn new(stage: &'a Stage, choices: &Choices, method: Method) -> Result<Self> {
+        let settings = settings(choices, stage, method, stage.scene.backend())?;
+        let layout = settings.layout();
+        let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let prelude = integrator::prelude(&stage.scene, &camera, &settings.options(), &layout);
+        let plan = Plan { stop: Stop::after(0), selection: Selection::All };
+        Ok(Candidate {
+            name: format!("{}/{}", name(method), settings.backend.name()),
+            film: Film::new(layout.clone(), settings.replicates, settings.seed, prelude.units),
+            integrator: integrator::build(method, &stage.scene, camera, &settings.options()),
+            provenance: Provenance::new(stage, settings, plan, choices.look()?),
+            scratch: PassFilm::new(&layout),
+            last_block: 0.0,
+            stage,
+        })
+    }
+
+    /// Bytes that the films of `count` candidates with that layout take.
+    pub(super) fn bytes(layout: &Layout, count: usize) -> u64 {
+        Film::bytes_per_pixel(layout, REPLICATES) as u64 * layout.pixels() as u64 * count as u64
+    }
+
+    /// Renders one pass of every replicate; `None` if that was cancelled.
+    pub(super) fn block(&mut self, cancel: &Cancel) -> Option<()> {
+        let clock = Stopwatch::start();
+        let first = self.spp();
+        for pass in first..first + u64::from(REPLICATES) {
+            self.scratch.clear();
+            let report = self.integrator.run_pass(pass, cancel, &mut self.scratch)?;
+            self.film.commit(pass, &self.scratch);
+            self.provenance.work.passes.absorb(report);
+        }
+        self.provenance.plan.stop = Stop::after(self.spp());
+        self.last_block = clock.wall().as_secs_f64();
+        self.provenance.work.wall_seconds += self.last_block;
+        self.provenance.work.cpu_seconds += clock.cpu().as_secs_f64();
+        Some(())
+    }
+
+    /// Samples per pixel so far.
+    pub fn spp(&self) -> u64 {
+        self.film.passes().len()
+    }
+
+    /// Seconds of rendering so far.
+    pub fn seconds(&self) -> f64 {
+        self.provenance.work.wall_seconds
+    }
+
+    /// Seconds that the last block took.
+    pub(super) fn last_block(&self) -> f64 {
+        self.last_block
+    }
+
+    /// The picture.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// The means of its tiles.
+    pub fn pyramid(&self) -> Pyramid {
+        let (layout, unit) = (self.film.layout(), self.film.units().of(Plane::Color));
+        let scale: Vec<f64> = (0..REPLICATES).map(|r| unit / self.film.passes_of(r).max(1) as f64).collect();
+        let channels = layout.channels();
+        Pyramid::new(layout.crop, |pixel, channel, means: &mut Vec<f64>| {
+            let index = pixel * channels + channel;
+            means.clear();
+            means.extend(self.film.sums().iter().zip(&scale).map(|(sums, scale)| sums.value(index) * scale));
+        })
+    }
+}

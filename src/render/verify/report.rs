@@ -1,0 +1,94 @@
+//! What `verify` tells: one document for programs, and the table that is made of it for people.
+
+use super::lineup::Excluded;
+use super::tiles::CHANNELS;
+use super::{Candidate, Judgement, Lineup, Odd, Pyramid, REPLICATES};
+use crate::integrator::{Guards, Method};
+use crate::render::Program;
+use serde::Serialize;
+
+/// The result of a verification.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// Whether no difference was found.
+    pub agree: bool,
+    /// The scene's file.
+    pub scene: String,
+    /// The hash of its content.
+    pub scene_hash: String,
+    program: Program,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Independent replicates of each candidate.
+    pub replicates: u32,
+    /// Who was compared.
+    pub candidates: Vec<Entry>,
+    /// Who was not.
+    pub excluded: Vec<Excluded>,
+    /// What was found.
+    #[serde(flatten)]
+    pub judgement: Judgement,
+    /// Whom all differences have in common.
+    pub odd: Option<Odd>,
+}
+
+/// A candidate in the report.
+#[derive(Debug, Clone, Serialize)]
+pub struct Entry {
+    /// Method and backend.
+    pub name: String,
+    /// The method.
+    pub method: Method,
+    /// The backend.
+    pub backend: crate::accel::Backend,
+    /// Its seed: `render` with it, the method, the backend and 32 replicates makes the same passes.
+    pub seed: u64,
+    /// Samples per pixel.
+    pub spp: u64,
+    /// Seconds of rendering.
+    pub seconds: f64,
+    /// Mean of each channel.
+    pub mean: [f64; CHANNELS],
+    /// Its standard error.
+    pub standard_error: [f64; CHANNELS],
+    /// How often guards changed a sample.
+    pub guards: Guards,
+}
+
+impl Report {
+    /// The report on candidates with these pictures.
+    pub fn new(candidates: &[Candidate<'_>], pictures: &[Pyramid], lineup: Lineup, judgement: Judgement) -> Report {
+        let entries: Vec<Entry> = candidates.iter().zip(pictures).map(|(c, p)| Entry::new(c, p)).collect();
+        let provenance = &candidates[0].provenance;
+        Report {
+            agree: judgement.pairs.iter().all(|p| !p.differs),
+            scene: candidates[0].stage.path.display().to_string(),
+            scene_hash: provenance.scene.hash.clone(),
+            program: provenance.program.clone(),
+            size: [provenance.settings.width, provenance.settings.height],
+            replicates: REPLICATES,
+            candidates: entries,
+            excluded: lineup.excluded,
+            odd: Odd::among(candidates, &judgement),
+            judgement,
+        }
+    }
+}
+
+impl Entry {
+    fn new(candidate: &Candidate<'_>, picture: &Pyramid) -> Entry {
+        let settings = &candidate.provenance.settings;
+        let image = std::array::from_fn::<_, CHANNELS, _>(|c| picture.image().estimate(c));
+        Entry {
+            name: candidate.name.clone(),
+            method: settings.method,
+            backend: settings.backend,
+            seed: settings.seed,
+            spp: candidate.spp(),
+            seconds: candidate.seconds(),
+            mean: image.map(|e| e.value),
+            standard_error: image.map(|e| e.standard_error),
+            guards: candidate.provenance.work.passes.guards,
+        }
+    }
+}

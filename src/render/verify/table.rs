@@ -1,0 +1,111 @@
+//! The report as lines for people, at most some 90 columns wide.
+
+use super::report::{Entry, Report};
+use super::{Pair, Worst};
+
+impl Report {
+    /// The candidates, the pairs and the verdict.
+    pub fn lines(&self) -> Vec<String> {
+        let [width, height] = self.size;
+        let (replicates, level) = (self.replicates, self.judgement.level);
+        let mut lines =
+            vec![format!("{} at {width}x{height}, {replicates} replicates, level {level} for everything together", self.scene)];
+        lines.push(String::new());
+        lines.push(format!("{:18} {:>8} {:>9}   {}", "candidate", "spp", "seconds", "mean of red, green, blue ± standard error"));
+        lines.extend(self.candidates.iter().map(Entry::line));
+        lines.extend(self.excluded.iter().flat_map(|e| &e.reasons).map(|reason| format!("left out: {reason}")));
+        lines.push(String::new());
+        lines.push(format!("{:37} {:>10} {:>9}  {:>8} {:>14}", "", "image mean", "", "tiles", ""));
+        lines.push(format!("{:37} {:>10} {:>9}  {:>8} {:>14}", "pair", "differs by", "seen from", "different", "seen from"));
+        lines.extend(self.judgement.pairs.iter().map(|pair| self.pair_line(pair)));
+        lines.push(String::new());
+        lines.extend(self.judgement.pairs.iter().filter(|p| p.differs).map(|pair| self.difference(pair)));
+        lines.push(self.verdict());
+        lines
+    }
+
+    /// The last line: what to make of it.
+    pub fn verdict(&self) -> String {
+        let (count, level) = (self.judgement.pairs.iter().filter(|p| p.differs).count(), self.judgement.level);
+        if count == 0 {
+            let seen = self.judgement.pairs.iter().map(|p| p.detectable).collect::<Option<Vec<_>>>();
+            let worth = match seen.map(|s| s.into_iter().fold(0.0, f64::max)) {
+                Some(seen) => format!("errors of {} in the image mean would have been seen nine times of ten", percent(seen)),
+                None => "but some pairs are too noisy to tell: give them a larger --budget".into(),
+            };
+            return format!("no difference between {} candidates; {worth}", self.candidates.len());
+        }
+        let of = self.judgement.pairs.len();
+        match &self.odd {
+            Some(odd) if odd.from_all => {
+                format!("DIFFERENT at level {level}: {count} of {of} pairs; the odd one out is {}", odd.who)
+            }
+            Some(odd) => format!("DIFFERENT at level {level}: {count} of {of} pairs; all of them involve {}", odd.who),
+            None => format!("DIFFERENT at level {level}: {count} of {of} pairs"),
+        }
+    }
+
+    fn names(&self, pair: &Pair) -> String {
+        format!("{} - {}", self.candidates[pair.a].name, self.candidates[pair.b].name)
+    }
+
+    fn pair_line(&self, pair: &Pair) -> String {
+        let tile = match (pair.detectable_tile, pair.detectable_side) {
+            (Some(seen), Some(side)) => format!("{} ({side} px)", percent(seen)),
+            _ => "too noisy".into(),
+        };
+        let different = format!("{}/{}", pair.tiles_different, pair.tiles);
+        let image = pair.detectable.map_or_else(|| "too noisy".into(), percent);
+        let mark = if pair.differs { "  DIFFERENT" } else { "" };
+        format!("{:37} {:>10} {image:>9}  {different:>8} {tile:>14}{mark}", self.names(pair), signed(pair.image.relative))
+    }
+
+    /// Where a pair differs and by how much.
+    fn difference(&self, pair: &Pair) -> String {
+        let significant = |w: &Worst| w.p_value < self.judgement.level;
+        let mut parts = Vec::new();
+        if significant(&pair.image) {
+            parts.push(format!("the image's {}", amount(&pair.image)));
+        }
+        if let Some(tile) = pair.tile.filter(significant) {
+            let a = tile.area;
+            let place = format!("pixels {},{} to {},{}", a.x0, a.y0, a.x1 - 1, a.y1 - 1);
+            parts.push(format!("{} of {} tiles, most at {place}: {}", pair.tiles_different, pair.tiles, amount(&tile)));
+        }
+        format!("{}: {}", self.names(pair), parts.join(";\n    "))
+    }
+}
+
+impl Entry {
+    fn line(&self) -> String {
+        let mean: Vec<String> =
+            self.mean.iter().zip(self.standard_error).map(|(mean, error)| format!("{mean:.5} ± {error:.5}")).collect();
+        let guards = match self.guards.nonfinite {
+            0 => String::new(),
+            n => format!("  ({n} samples not finite)"),
+        };
+        format!("{:18} {:>8} {:>9.2}   {}{guards}", self.name, self.spp, self.seconds, mean.join("  "))
+    }
+}
+
+/// The channel, the difference, its interval and t.
+fn amount(w: &Worst) -> String {
+    let channel = ["red", "green", "blue"].get(w.channel).copied().unwrap_or("?");
+    let [low, high] = w.interval.map(signed);
+    format!("{channel} by {} [{low}, {high}], t {:.1}", signed(w.relative), w.t)
+}
+
+/// A share in per cent with two or three digits.
+fn percent(share: f64) -> String {
+    let p = 100.0 * share;
+    match p {
+        _ if p >= 10.0 => format!("{p:.0} %"),
+        _ if p >= 1.0 => format!("{p:.1} %"),
+        _ if p >= 0.1 => format!("{p:.2} %"),
+        _ => format!("{p:.3} %"),
+    }
+}
+
+fn signed(share: f64) -> String {
+    format!("{}{}", if share < 0.0 { '-' } else { '+' }, percent(share.abs()))
+}
