@@ -160,7 +160,7 @@ fn render_all(candidates: &mut [Candidate<'_>], effort: Effort, console: Console
     };
     console.note(&format!("rendering {} candidates {amount}", candidates.len()));
     let mut meter = Meter::new(console);
-    match render(candidates, effort, &cancel, &mut |done, left| meter.show(done, left, || String::new())) {
+    match render(candidates, effort, &cancel, &mut |done, left| meter.show(done, left, String::new)) {
         Ran::Complete => Ok(()),
         Ran::Interrupted => Err(Error::new(Kind::Interrupted, "stopped by a signal: nothing was verified")),
     }
