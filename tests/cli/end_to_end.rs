@@ -90,15 +90,6 @@ fn spp_is_rounded_up_and_said() {
 }
 
 #[test]
-fn a_time_budget_ends_in_balanced_replicates() {
-    let place = Place::new();
-    let report = place.report(&format!("render {} --time 500ms -o x.exr", cornell()));
-    let spp = report["render"]["spp"].as_u64().unwrap();
-    assert!(spp < 4 || spp % 4 == 0, "{spp}");
-    assert!(report["render"]["wall_seconds"].as_f64().unwrap() > 0.0);
-}
-
-#[test]
 fn the_report_file_is_the_document_on_stdout() {
     let place = Place::new();
     let report = place.report(&format!("render {} --spp 4 -o x.exr --report x.json", cornell()));
