@@ -2,7 +2,8 @@
 # The example pages in docs/reports/: error against time of all methods with all backends. For an otherwise idle machine; about
 # a quarter of an hour. JSON, CSV and references stay in bench/out/reports/.
 #
-#   BUDGET=20s   for each curve, all its repetitions together
+#   BUDGET=20s             for each curve, all its repetitions together
+#   REFERENCE_BUDGET=300s  for each reference at most; one that is cut short shows as a warning, and its page is not worth keeping
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -16,7 +17,7 @@ page() {
   shift
   while [ $# -gt 0 ] && [ "$1" != -- ]; do scenes+=("scenes/$1/scene.gltf"); shift; done
   [ $# = 0 ] || shift
-  "$etendue" bench methods "${scenes[@]}" --budget "${BUDGET:-20s}" "$@" -o "bench/out/reports/$name"
+  "$etendue" bench methods "${scenes[@]}" --budget "${BUDGET:-20s}" --reference-budget "${REFERENCE_BUDGET:-300s}" "$@" -o "bench/out/reports/$name"
   cp "bench/out/reports/$name/index.html" "docs/reports/$name.html"
 }
 page cornell-box cornell-box -- --size 80x80

@@ -66,9 +66,9 @@ pub fn facts<'a>(rows: impl IntoIterator<Item = (&'a str, String)>) -> Markup {
 /// A table that scrolls by itself where the page is narrow. The first cell of a row names it.
 pub fn table(caption: &str, head: &[String], rows: &[Vec<String>]) -> Markup {
     html! {
+        p.caption { (caption) }
         div.scroll role="region" aria-label=(caption) tabindex="0" {
-            table {
-                caption { (caption) }
+            table aria-label=(caption) {
                 thead { tr { @for cell in head { th scope="col" { (cell) } } } }
                 tbody {
                     @for row in rows {

@@ -1,6 +1,7 @@
 //! A headless Chromium, driven by the DevTools protocol over its pipes: commands are JSON documents that end with a zero byte.
 //! Named pipes stand at the file descriptors 3 and 4, which a shell opens for it.
 
+use base64::Engine;
 use serde_json::{Value, json};
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
@@ -109,6 +110,15 @@ impl Browser {
         for kind in ["keyDown", "keyUp"] {
             self.call("Input.dispatchKeyEvent", &json!({"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code}));
         }
+    }
+
+    /// Writes the whole page as a picture, to be looked at.
+    pub(crate) fn photograph(&mut self, path: &Path) {
+        let size = self.call("Page.getLayoutMetrics", &json!({}))["cssContentSize"].clone();
+        let clip = json!({"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1});
+        let shot = self.call("Page.captureScreenshot", &json!({"captureBeyondViewport": true, "clip": clip}));
+        let png = base64::engine::general_purpose::STANDARD.decode(shot["data"].as_str().unwrap()).unwrap();
+        std::fs::write(path, png).unwrap();
     }
 
     /// The addresses that the page asked for.

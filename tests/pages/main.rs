@@ -1,5 +1,6 @@
 //! Report pages in a real browser: Debian's Chromium, headless. Where it is not installed the test says so and passes, unless
-//! ETENDUE_BROWSER is set, as it is in continuous integration (`ETENDUE_BROWSER=1 ./setup.sh` installs it).
+//! ETENDUE_BROWSER is set, as it is in continuous integration (`ETENDUE_BROWSER=1 ./setup.sh` installs it). With
+//! ETENDUE_SCREENSHOTS=FOLDER it leaves pictures of the page there, and with ETENDUE_PAGE=FILE it takes that page.
 
 #![allow(clippy::unwrap_used)]
 
@@ -20,6 +21,9 @@ fn browser() -> Option<Browser> {
 
 /// A page of two scenes, one with a blind method.
 fn page(folder: &Path) -> PathBuf {
+    if let Some(page) = std::env::var_os("ETENDUE_PAGE") {
+        return std::path::absolute(page).unwrap();
+    }
     let scene = |name: &str| format!("{}/scenes/{name}/scene.gltf", env!("CARGO_MANIFEST_DIR"));
     let ran = Command::new(env!("CARGO_BIN_EXE_etendue"))
         .args(["bench", "methods", &scene("cornell-box"), &scene("sphere-lamp"), "--backends", "obvhs", "--size", "24x24"])
@@ -60,8 +64,11 @@ fn a_report_works_on_desktop_and_phone_by_day_and_night() {
         assert_eq!(stroke.as_str().unwrap(), format!("rgb({}, {}, {})", channel(0), channel(2), channel(4)));
         let broken = browser.value("[...document.images].filter(i => !i.complete || i.naturalWidth === 0).length");
         assert_eq!(broken, 0, "pictures that do not load");
+        if let Some(folder) = std::env::var_os("ETENDUE_SCREENSHOTS") {
+            browser.photograph(&Path::new(&folder).join(format!("{width}-{scheme}.png")));
+        }
         let requests = browser.requests();
-        let outside: Vec<_> = requests.iter().filter(|url| !url.starts_with("data:") && !url.ends_with("/index.html")).collect();
+        let outside: Vec<_> = requests.iter().filter(|url| !url.starts_with("data:") && !url.ends_with(".html")).collect();
         assert!(!requests.is_empty() && outside.is_empty(), "{outside:?}");
         assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());
     }

@@ -10,7 +10,7 @@ use std::ops::Range;
 /// Size of the drawing in its own units; the page scales it.
 const SIZE: (u32, u32) = (960, 720);
 /// Height of labels: legible where the drawing is shrunk to a phone.
-const TEXT: u32 = 30;
+const TEXT: u32 = 32;
 /// How many colours and dash patterns there are; more series repeat them.
 const HUES: usize = 8;
 const DASHES: [&str; 4] = ["none", "16 9", "4 7", "20 7 4 7"];

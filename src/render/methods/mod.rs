@@ -12,7 +12,7 @@ mod page;
 mod reference;
 mod report;
 
-pub use curve::{Curve, Interval, Mark, Point};
+pub use curve::{Curve, Interval, Mark, Point, Slope};
 pub use reference::Record as ReferenceRecord;
 pub use report::{MethodsReport, Ratio, SceneReport};
 
