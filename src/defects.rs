@@ -188,8 +188,8 @@ defects! {
     ErrorOfOneReplicate "error-of-one-replicate"
         "The standard error is that of one replicate and not of their mean."
         "a root of R forgotten";
-    RelmseDependent "relmse-dependent"
-        "The denominator of relMSE comes from the replicates that its numerator comes from, too."
+    RelmseBiased "relmse-biased"
+        "The noise in the denominators of relMSE is left in, which makes noisy images look worse than they are."
         "the plug-in estimator";
     NormalForT "normal-for-t"
         "Intervals from few replicates are those of a normal distribution."

@@ -7,11 +7,12 @@
 //! picture do not pass for noise; with fewer, blocks of pixels are taken as a sample of blocks, and the interval is too wide.
 //! The interval is one of the logarithm: errors are positive, and their estimates skewed.
 //!
-//! Bias: the m² of a denominator is itself an estimate, from the replicates that the numerator does not use. At relative
-//! variance v of m (about relMSE × R/(R−2)) that makes the result too high by 3 v. With R ≥ 4 that excess is estimated to first
-//! order, δ, block by block, and taken out as 1 / (1 + δ + δ²/5), which lies between what normal samples (1 + δ − ⅔ δ²) and
-//! exponential ones (1 + δ + 10/9 δ²) call for; what may be left widens the interval ([`RESIDUAL`]). With R < 4 nothing is
-//! taken out.
+//! Bias: the m² of a denominator is itself an estimate. At relative variance v of m that makes the result too high by 3 v for
+//! normal samples and too low by v for exponential ones, whose large V come with large m. Both effects are estimated to first
+//! order, together δ, block by block, and taken out as 1 / (1 + δ + δ²/2). Simulated with four replicates of normal, exponential
+//! and binary samples at v up to 0.1, what is left is below half the square of the curvature's part ([`RESIDUAL`]): it widens the
+//! interval. (Denominators from replicates that the numerator does not use are noisier: a pixel that sees a small lamp in one
+//! of two then has the error of a black one.)
 
 use super::peaks::Peak;
 use super::replicates::{COLOR, PixelError, Replicates};
@@ -25,12 +26,14 @@ use rayon::prelude::*;
 const FLOOR: f64 = 0.1;
 /// Side of the blocks of pixels that share work, and whose share of the error is reported; halved until there are at least 16.
 const BLOCK: usize = 8;
-/// What taking out an excess of δ takes out in second order, and what may then be left, times δ²: see the module's head. With m
-/// normal, E g(m)/g = 1 + 3 v + 15 v² and δ = 3 v + 21 v²; with sums of exponential samples 1 + 3 v + 7 v² and 3 v − 3 v².
-const SECOND_ORDER: f64 = 0.2;
-/// Where more of relMSE than this was bias, orders beyond the second matter, and the result is good for its magnitude only.
+/// See the module's head.
+const SECOND_ORDER: f64 = 0.5;
+const RESIDUAL: f64 = 0.5;
+/// No block is corrected by more than what doubles it: such a δ is noise.
+const LEAST_DELTA: f64 = -0.5;
+/// Where the curvature's part of the bias, about 3 v, is more than this share, orders beyond the second matter, and the result is
+/// good for its magnitude only.
 const MOST_BIAS: f64 = 0.3;
-const RESIDUAL: f64 = 0.9;
 
 /// Mean squared error relative to the squared value, and its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -48,8 +51,8 @@ pub struct RelMse {
     /// Degrees of freedom of the interval; infinite (`null` in JSON) where the noise was estimated within pixels.
     #[serde(deserialize_with = "null_is_infinite")]
     pub dof: f64,
-    /// What was taken out of `value` as bias of noisy denominators, as a share of it.
-    pub bias_removed: f64,
+    /// What noisy denominators do to `value` by the curvature of the division, as a share of it; taken out to first order.
+    pub curvature_bias: f64,
     /// What `value` may be off besides, on either side.
     pub bias_bound: f64,
 }
@@ -109,7 +112,7 @@ impl RelMse {
             high: 0.0,
             log_standard_error: log_error,
             dof,
-            bias_removed: if relative > 0.0 { sum(|b| b.removed) / relative } else { 0.0 },
+            curvature_bias: if relative > 0.0 { sum(|b| b.curvature) / relative } else { 0.0 },
             bias_bound: sum(|b| b.residual) / values,
         };
         let [low, high] = [-1.0, 1.0].map(|side| empty.limit(0.025, side));
@@ -139,7 +142,7 @@ impl ImageError {
     pub fn distrust(&self) -> Option<&'static str> {
         if !self.tail.as_ref().is_none_or(Tail::is_trusted) {
             Some("a few samples carry the error, and there may be larger ones to come")
-        } else if self.relmse.bias_removed > MOST_BIAS {
+        } else if self.relmse.curvature_bias > MOST_BIAS {
             Some("the image is too noisy to divide its error by")
         } else {
             None
@@ -200,8 +203,8 @@ struct Block {
     variance: f64,
     /// Without the bias of denominators.
     relative: f64,
-    /// That bias.
-    removed: f64,
+    /// The curvature's part of that bias.
+    curvature: f64,
     /// What of it may be left.
     residual: f64,
     /// Σ over pixels of the variance of their `relative`; `None` where it is not known within a pixel.
@@ -210,25 +213,30 @@ struct Block {
 
 impl Block {
     fn of(pixels: impl Iterator<Item = PixelError>) -> Self {
-        let (mut values, mut variance, mut relative, mut excess, mut spread) = (0.0, 0.0, 0.0, 0.0, Some(0.0));
+        let mut block = Block { values: 0.0, variance: 0.0, relative: 0.0, curvature: 0.0, residual: 0.0, spread: Some(0.0) };
+        let mut excess = 0.0;
         for pixel in pixels {
-            values += COLOR as f64;
-            variance += pixel.variance;
-            relative += pixel.relative;
+            block.values += COLOR as f64;
+            block.variance += pixel.variance;
+            block.relative += pixel.relative;
+            block.curvature += pixel.curvature;
+            block.spread = block.spread.zip(pixel.spread).map(|(sum, s)| sum + s);
             excess += pixel.excess;
-            spread = spread.zip(pixel.spread).map(|(sum, s)| sum + s);
         }
-        let delta = if relative > 0.0 { (excess / relative).max(0.0) } else { 0.0 };
+        if block.relative > 0.0 {
+            block.correct(excess / block.relative);
+        }
+        block
+    }
+
+    /// Takes out the bias that makes up the share `delta` of `relative`.
+    fn correct(&mut self, delta: f64) {
+        let (delta, curvature) = (delta.max(LEAST_DELTA), self.curvature / self.relative);
         let share = 1.0 / (1.0 + delta + SECOND_ORDER * delta * delta);
-        let (removed, relative) = (relative * (1.0 - share), relative * share);
-        Block {
-            values,
-            variance,
-            relative,
-            removed,
-            residual: RESIDUAL * delta * delta * relative,
-            spread: spread.map(|s| s * share * share),
-        }
+        self.relative *= share;
+        self.curvature *= share;
+        self.residual = RESIDUAL * curvature * curvature * self.relative;
+        self.spread = self.spread.map(|s| s * share * share);
     }
 }
 

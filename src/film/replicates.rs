@@ -23,8 +23,6 @@ struct Pair {
     b: usize,
     /// (m_a − m_b)² times this estimates Var(m) without bias.
     variance_weight: f64,
-    /// 1 over the passes of the other replicates; 0 where there are none.
-    others: f64,
 }
 
 /// Σ over the channels of a pixel.
@@ -32,10 +30,12 @@ struct Pair {
 pub(super) struct PixelError {
     /// Var(m).
     pub(super) variance: f64,
-    /// Var(m) / (m² + ε), too high for the noise in m.
+    /// Var(m) / (m² + ε), biased by the noise in m.
     pub(super) relative: f64,
-    /// By how much, to first order.
+    /// That bias, to first order.
     pub(super) excess: f64,
+    /// The part of it that is due to the curvature of the division.
+    pub(super) curvature: f64,
     /// An unbiased estimate of the variance of `relative`; may be negative. `None` with fewer than four replicates.
     pub(super) spread: Option<f64>,
 }
@@ -123,8 +123,7 @@ impl<'a> Replicates<'a> {
 
     fn pair(&self, a: usize, b: usize) -> Pair {
         let (na, nb) = (self.counts[a], self.counts[b]);
-        let others = if self.counts.len() > 2 { 1.0 / (self.total - na - nb) } else { 0.0 };
-        Pair { a, b, variance_weight: 1.0 / ((1.0 / na + 1.0 / nb) * self.total), others }
+        Pair { a, b, variance_weight: 1.0 / ((1.0 / na + 1.0 / nb) * self.total) }
     }
 
     /// Space for [`Replicates::pixel`].
@@ -137,50 +136,41 @@ impl<'a> Replicates<'a> {
         let mut error = PixelError::default();
         for channel in 0..COLOR {
             self.means(pixel, channel, &mut scratch.means);
-            error.variance += self.variance(&scratch.means);
-            error.excess += self.relative(&scratch.means, pairs, channel, &mut scratch.terms);
+            self.add_channel(channel, pairs, scratch, &mut error);
         }
         error.relative = scratch.terms.iter().map(square).sum::<f64>() / scratch.terms.len() as f64;
         error.spread = pairs.spread(&scratch.terms);
         error
     }
 
-    /// Each pair's root of Var(m) from that pair over m² + ε from the other replicates, so that the two are independent. By how
-    /// much the mean over pairs is too high, to first order.
-    fn relative(&self, means: &[f64], pairs: &Pairs, channel: usize, terms: &mut [[f64; COLOR]]) -> f64 {
-        let sum = self.mean(means) * self.total;
-        let mut excess = 0.0;
-        for (pair, term) in pairs.pairs.iter().zip(terms) {
-            let difference = means[pair.a] - means[pair.b];
-            let variance = difference * difference * pair.variance_weight;
-            term[channel] = 0.0;
-            if variance > 0.0 {
-                let [weight, share] = self.weight(means, pair, sum, pairs.epsilon);
-                term[channel] = (variance * weight).sqrt().copysign(difference);
-                excess += variance * weight * share;
-            }
+    /// Adds a channel's variance and bias, and sets its root of Var(m) / (m² + ε) by each pair.
+    ///
+    /// With V an estimate of Var(m) and g(m) = 1 / (m² + ε), E V g(m) is V g(μ) + g″ V² / 2 + g′ κ to first order: g is curved, and a
+    /// skewed m (third cumulant κ) is large where V is. V² of R normal values is too large by (R + 1) / (R − 1).
+    fn add_channel(&self, channel: usize, pairs: &Pairs, scratch: &mut Scratch, error: &mut PixelError) {
+        let (means, replicates) = (&scratch.means, self.counts.len() as f64);
+        let (mean, variance) = (self.mean(means), self.variance(means));
+        let g = 1.0 / (mean * mean + pairs.epsilon);
+        let second = (6.0 * mean * mean - 2.0 * pairs.epsilon) * g * g * g;
+        let curvature = 0.5 * second * variance * variance * (replicates - 1.0) / (replicates + 1.0);
+        error.variance += variance;
+        error.curvature += curvature;
+        if !planted(Defect::RelmseBiased) {
+            error.excess += curvature - 2.0 * mean * g * g * third_cumulant(means, mean);
         }
-        excess / pairs.pairs.len() as f64
+        for (pair, term) in pairs.pairs.iter().zip(&mut scratch.terms) {
+            term[channel] = (means[pair.a] - means[pair.b]) * (pair.variance_weight * g).sqrt();
+        }
     }
+}
 
-    /// g(m) = 1 / (m² + ε) for the mean of the replicates that are not in the pair (of all if there are no others), and by which
-    /// share its expectation is above g(μ), to first order: E g(m) ≈ g + g″ Var(m) / 2. 0 with fewer than two others.
-    fn weight(&self, means: &[f64], pair: &Pair, sum: f64, epsilon: f64) -> [f64; 2] {
-        let inverse = |m: f64| 1.0 / (m * m + epsilon);
-        if means.len() == 2 || planted(Defect::RelmseDependent) {
-            return [inverse(sum / self.total), 0.0];
-        }
-        let mean = (sum - means[pair.a] * self.counts[pair.a] - means[pair.b] * self.counts[pair.b]) * pair.others;
-        let g = inverse(mean);
-        if means.len() == 3 {
-            return [g, 0.0];
-        }
-        let is_other = |r: &usize| *r != pair.a && *r != pair.b;
-        let deviation = |r: usize| self.counts[r] * (means[r] - mean) * (means[r] - mean);
-        let squares: f64 = (0..means.len()).filter(is_other).map(deviation).sum();
-        let variance = squares * pair.others / (means.len() as f64 - 3.0);
-        [g, (3.0 * mean * mean - epsilon) * g * g * variance]
+/// The third cumulant of the `mean` of some values, without bias; 0 for two, which cannot be skewed.
+fn third_cumulant(values: &[f64], mean: f64) -> f64 {
+    let n = values.len() as f64;
+    if n < 3.0 {
+        return 0.0;
     }
+    values.iter().map(|v| (v - mean).powi(3)).sum::<f64>() / (n * (n - 1.0) * (n - 2.0))
 }
 
 impl Pairs {

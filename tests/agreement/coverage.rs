@@ -143,8 +143,8 @@ fn judge_relmse(runs: &[Run], truth: &Truth, out: &mut Outcome) {
     let spread = (mean(&|e| log(e).powi(2)) - mean(&log).powi(2)).sqrt();
     let stated = mean(&|e| e.relmse.log_standard_error.powi(2)).sqrt();
     println!("  its logarithm: mean error {:+.4}, deviation {spread:.4}, stated {stated:.4}", mean(&log));
-    let [removed, bound] = [mean(&|e| e.relmse.bias_removed), mean(&|e| e.relmse.bias_bound / e.relmse.value)];
-    println!("  bias taken out: {removed:.4} of the value; allowed for: {bound:.4}");
+    let [removed, bound] = [mean(&|e| e.relmse.curvature_bias), mean(&|e| e.relmse.bias_bound / e.relmse.value)];
+    println!("  bias by curvature, taken out: {removed:.4} of the value; allowed for: {bound:.4}");
     let holds = |low: f64, high: f64| (low..=high).contains(&expected);
     let hits = trusted.iter().filter(|e| holds(e.relmse.low, e.relmse.high)).count() as u64;
     if trusted.len() * 2 >= errors.len() {
