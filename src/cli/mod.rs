@@ -15,7 +15,7 @@ mod startup;
 mod verify;
 
 use crate::error::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use console::Console;
 use std::process::ExitCode;
 
@@ -49,6 +49,7 @@ enum Command {
     /// Go on with a film that was stopped, or add samples to it
     Resume(resume::Args),
     /// Compare all methods and backends on a scene
+    #[command(long_about = verify::LONG, after_help = verify::AFTER)]
     Verify(Box<verify::Args>),
 }
 
@@ -69,7 +70,8 @@ Exit codes:
 /// Runs the program on the process's arguments.
 pub fn run() -> ExitCode {
     startup::report_panics();
-    let cli = match Cli::try_parse() {
+    let parsed = command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(refusal) => return startup::refuse(&refusal),
     };
@@ -83,6 +85,11 @@ pub fn run() -> ExitCode {
         // The panic hook has told what happened.
         Err(_) => ExitCode::from(crate::error::Kind::Internal.exit_code()),
     }
+}
+
+/// The command line, each subcommand with its own view of the flags they share.
+fn command() -> clap::Command {
+    Cli::command().mut_subcommand("verify", verify::command)
 }
 
 fn execute(command: Command) -> Result<()> {
@@ -101,6 +108,6 @@ fn execute(command: Command) -> Result<()> {
 mod tests {
     #[test]
     fn the_command_line_is_consistent() {
-        <super::Cli as clap::CommandFactory>::command().debug_assert();
+        super::command().debug_assert();
     }
 }

@@ -12,7 +12,7 @@ use crate::render::{Budget, Choices, Stage, round_spp, writable};
 use std::path::PathBuf;
 use std::time::Duration;
 
-const LONG: &str = "\
+pub(super) const LONG: &str = "\
 Compares all methods and backends on a scene
 
 Every method that sees all of the scene renders it with every backend, each with its own random numbers in 32 independent
@@ -21,7 +21,7 @@ upwards, so that all right candidates are found to agree with a probability of a
 cannot be seen. The picture is that of render.toml (camera, depth, filter, environment) but small, whole and unclamped unless
 --size or --crop say otherwise.";
 
-const AFTER: &str = "\
+pub(super) const AFTER: &str = "\
 Examples:
   etendue verify cup.glb                           all there are, for two minutes
   etendue verify cup.glb --methods path,path-nee --backends obvhs --budget 30s
@@ -33,7 +33,6 @@ Exit codes:
 
 /// Arguments of `verify`.
 #[derive(Debug, clap::Args)]
-#[command(long_about = LONG, after_help = AFTER)]
 pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
@@ -101,6 +100,16 @@ pub(super) fn run(args: Args) -> Result<()> {
         write_pictures(folder, &candidates, &judgement)?;
     }
     tell(&Report::new(&candidates, &pictures, lineup, judgement), console)
+}
+
+/// The command as clap shows it: what of `render`'s flags means nothing here is hidden, what means something else says so.
+pub(super) fn command(mut command: clap::Command) -> clap::Command {
+    for flag in ["method", "backend", "time", "target_error", "replicates", "clamp", "aovs"] {
+        command = command.mut_arg(flag, |arg| arg.hide(true));
+    }
+    let spp = "Samples per pixel of each candidate instead of a time, rounded up to 32 times a power of two";
+    let size = "Image size; without a height the camera's aspect decides [default: 128 on the longer side]";
+    command.mut_arg("spp", |arg| arg.help(spp)).mut_arg("size", |arg| arg.help(size))
 }
 
 /// Refuses flags of `render` that mean nothing here.

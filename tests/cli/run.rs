@@ -26,6 +26,12 @@ impl Place {
         Ran(self.command(line).output().unwrap())
     }
 
+    /// Runs with a planted defect.
+    #[cfg(feature = "defects")]
+    pub(crate) fn run_with(&self, defect: &str, line: &str) -> Ran {
+        Ran(self.command(line).env("ETENDUE_DEFECT", defect).output().unwrap())
+    }
+
     pub(crate) fn start(&self, line: &str) -> Child {
         self.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }

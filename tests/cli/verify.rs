@@ -120,3 +120,16 @@ fn a_stopped_verification_says_that_nothing_was_verified() {
     output.stderr = said.into_bytes();
     Ran(output).fails(75, "nothing was verified");
 }
+
+/// Wrong in one method or differently in each: seen. (What is wrong alike in all of them is not: `roughness-not-squared`.)
+#[cfg(feature = "defects")]
+#[test]
+fn wrong_methods_are_convicted() {
+    let place = Place::new();
+    for defect in ["mixed-heuristics", "hit-pdf-over-area", "area-pdf-without-distance", "lambert-without-pi", "cosine-dropped"] {
+        let ran = place.run_with(defect, &box_line("--spp 128"));
+        ran.fails(7, "DIFFERENT");
+        assert!(ran.stdout().contains("the image's") || ran.stdout().contains("most at pixels"), "{defect}: {}", ran.stdout());
+    }
+    assert_eq!(place.run_with("roughness-not-squared", &box_line("--spp 128")).code(), 0);
+}

@@ -43,7 +43,7 @@ pub struct Pair {
     pub detectable: Option<f64>,
     /// The same for the median tile of the size given in `detectable_side`.
     pub detectable_tile: Option<f64>,
-    /// Side in pixels of the smallest tiles of which half or more can tell a difference.
+    /// Side in pixels of the smallest tiles of which half or more can tell twice as bright.
     pub detectable_side: Option<u32>,
 }
 
@@ -138,13 +138,13 @@ impl Tested {
         }
     }
 
-    /// The median detectable difference of the smallest tiles where it is finite, and their side.
+    /// The median detectable difference of the smallest tiles where it is no more than the mean itself, and their side.
     fn smallest_decided(&self, each: f64) -> Option<(f64, u32)> {
         let of = |(i, level): (usize, &Vec<Comparison>)| {
             let mut found: Vec<f64> = level.iter().filter(|c| c.mean() > 0.0).map(|c| c.detectable(each)).collect();
             found.sort_by(f64::total_cmp);
             let median = *found.get(found.len() / 2)?;
-            median.is_finite().then_some((median, super::tiles::SIDE << i))
+            (median <= 1.0).then_some((median, super::tiles::SIDE << i))
         };
         self.levels[..self.levels.len() - 1].iter().enumerate().find_map(of)
     }
