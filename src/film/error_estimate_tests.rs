@@ -142,7 +142,7 @@ fn fireflies_show_in_the_share() {
     let mut pass = PassFilm::new(&layout);
     let mut film = Film::new(layout, 4, 0, Units::from_exponents(-24, 0).unwrap());
     for k in 0..8 {
-        pass.par_chunks(1).for_each(|(p, v)| v.fill(if p == 77 && k == 3 { 1e6 } else { 1.0 + 0.01 * k as f32 }));
+        pass.par_chunks(1).for_each(|(p, v)| v.fill(if p == 77 && k == 3 { 1e6 } else { 1.0 + 0.001 * k as f32 }));
         film.commit(k, &pass);
     }
     assert!(film.image_error().unwrap().max_share > 0.99);

@@ -150,6 +150,10 @@ impl<'a> Replicates<'a> {
     fn add_channel(&self, channel: usize, pairs: &Pairs, scratch: &mut Scratch, error: &mut PixelError) {
         let (means, replicates) = (&scratch.means, self.counts.len() as f64);
         let (mean, variance) = (self.mean(means), self.variance(means));
+        scratch.terms.iter_mut().for_each(|term| term[channel] = 0.0);
+        if variance <= 0.0 {
+            return; // black, perhaps in a black image, where even ε is 0
+        }
         let g = 1.0 / (mean * mean + pairs.epsilon);
         let second = (6.0 * mean * mean - 2.0 * pairs.epsilon) * g * g * g;
         let curvature = 0.5 * second * variance * variance * (replicates - 1.0) / (replicates + 1.0);
