@@ -29,6 +29,9 @@ const BLOCK: usize = 8;
 /// See the module's head.
 const SECOND_ORDER: f64 = 0.5;
 const RESIDUAL: f64 = 0.5;
+/// The spread within pixels treats denominators as known. With v = curvature / 3, theirs adds 4 v to the 2/3 and more of a pixel's own,
+/// and that of the correction a little: this times the curvature's part covers it in the study of tests/agreement (coverage).
+const NOISE_OF_DENOMINATORS: f64 = 3.0;
 /// No block is corrected by more than what doubles it: such a δ is noise.
 const LEAST_DELTA: f64 = -0.5;
 /// Where the curvature's part of the bias, about 3 v, is more than this share, orders beyond the second matter, and the result is
@@ -236,7 +239,7 @@ impl Block {
         self.relative *= share;
         self.curvature *= share;
         self.residual = RESIDUAL * curvature * curvature * self.relative;
-        self.spread = self.spread.map(|s| s * share * share);
+        self.spread = self.spread.map(|s| s * share * share * (1.0 + NOISE_OF_DENOMINATORS * curvature.max(0.0)));
     }
 }
 
@@ -252,8 +255,7 @@ impl Noise {
         Noise::within_pixels(blocks, relative).unwrap_or_else(|| Noise::between_blocks(blocks, relative, values))
     }
 
-    /// From the noise of each pixel. Logarithm and normal quantile together cover 95.5 to 97 % in the study of tests/agreement
-    /// (coverage); Student's quantile at Satterthwaite's degrees of freedom would cover 98 %.
+    /// From the noise of each pixel, of which there are many enough for a normal quantile.
     fn within_pixels(blocks: &[Block], relative: f64) -> Option<Self> {
         let sum = blocks.iter().map(|b| b.spread).sum::<Option<f64>>()?;
         (sum > 0.0 && relative > 0.0).then(|| Noise { log_error: sum.sqrt() / relative, dof: f64::INFINITY })
