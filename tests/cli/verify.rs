@@ -126,10 +126,15 @@ fn a_stopped_verification_says_that_nothing_was_verified() {
 #[test]
 fn wrong_methods_are_convicted() {
     let place = Place::new();
-    for defect in ["mixed-heuristics", "hit-pdf-over-area", "area-pdf-without-distance", "lambert-without-pi", "cosine-dropped"] {
-        let ran = place.run_with(defect, &box_line("--spp 128"));
+    let line = |methods: &str| box_line(&format!("--methods {methods} --spp 1024"));
+    for (defect, methods) in [
+        ("mixed-heuristics", "path-nee,path"),
+        ("area-pdf-without-distance", "path-naive,path"),
+        ("cosine-dropped", "path-naive,path"),
+    ] {
+        let ran = place.run_with(defect, &line(methods));
         ran.fails(7, "DIFFERENT");
         assert!(ran.stdout().contains("the image's") || ran.stdout().contains("most at pixels"), "{defect}: {}", ran.stdout());
     }
-    assert_eq!(place.run_with("roughness-not-squared", &box_line("--spp 128")).code(), 0);
+    assert_eq!(place.run_with("roughness-not-squared", &line("path-nee,path")).code(), 0);
 }
