@@ -11,8 +11,9 @@
 //! normal samples and too low by v for exponential ones, whose large V come with large m. Both effects are estimated to first
 //! order, together δ, block by block, and taken out as 1 / (1 + δ + δ²/2). What may be left widens the interval ([`RESIDUAL`]): with
 //! four replicates of normal, exponential and binary samples at v up to 0.1 it is half the square of the curvature's part, 3 v; on
-//! the Cornell box at 16 samples per pixel, whose pixels are more skewed than that, three times that square. (Denominators from replicates that the numerator does not use are noisier: a pixel that sees a small lamp in one
-//! of two then has the error of a black one.)
+//! the Cornell box at 16 samples per pixel, whose pixels are more skewed than that, three times that square. (Denominators from
+//! replicates that the numerator does not use are noisier: a pixel that sees a small lamp in one of two then has the error of a
+//! black one.)
 
 use super::peaks::Peak;
 use super::replicates::{COLOR, PixelError, Replicates};
