@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 
 etendue=${ETENDUE:-${CARGO_TARGET_DIR:-target}/release/etendue}
 [ -x "$etendue" ] || { echo "reports.sh: no $etendue: run make build" >&2; exit 1; }
-mkdir -p docs/reports
+mkdir -p docs/reports bench/out/reports
 
 # page NAME SCENE… [-- OPTION…]: docs/reports/NAME.html
 page() {
@@ -20,6 +20,13 @@ page() {
   "$etendue" bench methods "${scenes[@]}" --budget "${BUDGET:-20s}" --reference-budget "${REFERENCE_BUDGET:-300s}" "$@" -o "bench/out/reports/$name"
   cp "bench/out/reports/$name/index.html" "docs/reports/$name.html"
 }
-page cornell-box cornell-box -- --size 80x80
-page veach-mis veach-mis -- --size 80x80
+# with_reference SCENE SPP: the same with a long render of another seed for a reference: where small lamps have edges, a noisy one
+# divides by almost nothing.
+with_reference() {
+  local image=bench/out/reports/$1-80.exr
+  "$etendue" render "scenes/$1/scene.gltf" --size 80x80 --filter box --depth 64 --spp "$2" --seed 77 --quiet -o "$image"
+  page "$1" "$1" -- --size 80x80 --reference "$image"
+}
+with_reference cornell-box 8192
+with_reference veach-mis 4096
 page spheres sphere-lamp sphere-cap -- --size 48x48
