@@ -2,7 +2,7 @@
 
 use super::{Film, Plane};
 use crate::defects::{Defect, planted};
-use crate::stats::Estimate;
+use crate::stats::{Estimate, third_cumulant_of_mean};
 use rayon::prelude::*;
 
 /// Channels of colour.
@@ -160,21 +160,12 @@ impl<'a> Replicates<'a> {
         error.variance += variance;
         error.curvature += curvature;
         if !planted(Defect::RelmseBiased) {
-            error.excess += curvature - 2.0 * mean * g * g * third_cumulant(means, mean);
+            error.excess += curvature - 2.0 * mean * g * g * third_cumulant_of_mean(means, mean);
         }
         for (pair, term) in pairs.pairs.iter().zip(&mut scratch.terms) {
             term[channel] = (means[pair.a] - means[pair.b]) * (pair.variance_weight * g).sqrt();
         }
     }
-}
-
-/// The third cumulant of the `mean` of some values, without bias; 0 for two, which cannot be skewed.
-fn third_cumulant(values: &[f64], mean: f64) -> f64 {
-    let n = values.len() as f64;
-    if n < 3.0 {
-        return 0.0;
-    }
-    values.iter().map(|v| (v - mean).powi(3)).sum::<f64>() / (n * (n - 1.0) * (n - 2.0))
 }
 
 impl Pairs {

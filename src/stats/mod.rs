@@ -21,7 +21,7 @@ pub use chi_squared::{chi_squared_p_value, chi_squared_test};
 pub use estimate::Estimate;
 pub use hypothesis::{TestResult, t_test, welch_test, z_test};
 pub use jackknife::{Jackknife, jackknife};
-pub use moments::Moments;
+pub use moments::{Moments, third_cumulant_of_mean};
 pub use multiple::{holm, sidak_level, sidak_p_value};
 pub use power_law::{PowerLaw, WeightedPoint};
 pub use skewed::{Skewness, detectable_difference, skewed_welch_test};
