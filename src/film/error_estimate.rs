@@ -5,7 +5,7 @@
 //! whose pixels have their own samples and not for those that share chains, photons or light vertices. With four replicates
 //! or more the noise of each pixel's error is estimated within the pixel, so that bright and dark, easy and hard parts of a
 //! picture do not pass for noise; with fewer, blocks of pixels are taken as a sample of blocks, and the interval is too wide.
-//! The interval is one of the logarithm: errors are positive, and their estimates skewed.
+//! Errors are positive and their estimates skewed, the more the fewer pixels make up the error: the interval is Hall's.
 //!
 //! Bias: the m² of a denominator is itself an estimate. At relative variance v of m that makes the result too high by 3 v for
 //! normal samples and too low by v for exponential ones, whose large V come with large m. Both effects are estimated to first
@@ -16,11 +16,11 @@
 //! black one.)
 
 use super::peaks::Peak;
-use super::replicates::{COLOR, PixelError, Replicates};
+use super::replicates::{COLOR, PixelError, Replicates, Spread};
 use super::tail;
 use super::{Film, Layout};
 use crate::stats::pareto::Tail;
-use crate::stats::{Moments, student_quantile};
+use crate::stats::{Moments, skewed_quantile, student_quantile, third_cumulant_of_mean};
 use rayon::prelude::*;
 
 /// ε is the square of this share of the image mean, so that black pixels do not dominate.
@@ -30,9 +30,6 @@ const BLOCK: usize = 8;
 /// See the module's head.
 const SECOND_ORDER: f64 = 0.5;
 const RESIDUAL: f64 = 3.5;
-/// The spread within pixels treats denominators as known. With v = curvature / 3, theirs adds 4 v to the 2/3 and more of a pixel's own,
-/// and that of the correction a little: this times the curvature's part covers it in the study of tests/agreement (coverage).
-const NOISE_OF_DENOMINATORS: f64 = 3.0;
 /// No block is corrected by more than what doubles it: such a δ is noise.
 const LEAST_DELTA: f64 = -0.5;
 /// Where the curvature's part of the bias, about 3 v, is more than this share, orders beyond the second matter, and the result is
@@ -49,9 +46,11 @@ pub struct RelMse {
     /// Upper end; infinite (`null` in JSON) for an image of one block.
     #[serde(deserialize_with = "null_is_infinite")]
     pub high: f64,
-    /// Standard error of the logarithm of `value`; infinite (`null` in JSON) where nothing is known of it.
+    /// Standard error of `value`; infinite (`null` in JSON) where nothing is known of it.
     #[serde(deserialize_with = "null_is_infinite")]
-    pub log_standard_error: f64,
+    pub standard_error: f64,
+    /// Skewness of `value`: how much the interval is longer above than below.
+    pub skewness: f64,
     /// Degrees of freedom of the interval; infinite (`null` in JSON) where the noise was estimated within pixels.
     #[serde(deserialize_with = "null_is_infinite")]
     pub dof: f64,
@@ -109,12 +108,13 @@ impl RelMse {
     fn of(blocks: &[Block]) -> Self {
         let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
         let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
-        let Noise { log_error, dof } = Noise::of(blocks, relative, values);
+        let Noise { standard_error, skewness, dof } = Noise::of(blocks, relative, values);
         let empty = RelMse {
             value: relative / values,
             low: 0.0,
             high: 0.0,
-            log_standard_error: log_error,
+            standard_error,
+            skewness,
             dof,
             curvature_bias: if relative > 0.0 { sum(|b| b.curvature) / relative } else { 0.0 },
             bias_bound: sum(|b| b.residual) / values,
@@ -125,11 +125,11 @@ impl RelMse {
 
     /// The end of the interval on one `side` that the truth is beyond with probability `level`.
     fn limit(&self, level: f64, side: f64) -> f64 {
-        if self.log_standard_error.is_infinite() {
+        if self.standard_error.is_infinite() {
             return if side > 0.0 { f64::INFINITY } else { 0.0 };
         }
-        let factor = (side * student_quantile(1.0 - level, self.dof) * self.log_standard_error).exp();
-        (self.value * factor + side * self.bias_bound).max(0.0)
+        let quantile = skewed_quantile(-side * student_quantile(1.0 - level, self.dof), self.skewness);
+        (self.value - quantile * self.standard_error + side * self.bias_bound).max(0.0)
     }
 }
 
@@ -211,22 +211,23 @@ struct Block {
     curvature: f64,
     /// What of it may be left.
     residual: f64,
-    /// Σ over pixels of the variance of their `relative`; `None` where it is not known within a pixel.
-    spread: Option<f64>,
+    /// That of `relative`; `None` where it is not known within a pixel.
+    spread: Option<Spread>,
 }
 
 impl Block {
     fn of(pixels: impl Iterator<Item = PixelError>) -> Self {
-        let mut block = Block { values: 0.0, variance: 0.0, relative: 0.0, curvature: 0.0, residual: 0.0, spread: Some(0.0) };
-        let mut excess = 0.0;
+        let mut block = Block { values: 0.0, variance: 0.0, relative: 0.0, curvature: 0.0, residual: 0.0, spread: None };
+        let (mut excess, mut spread) = (0.0, Some(Spread::default()));
         for pixel in pixels {
             block.values += COLOR as f64;
             block.variance += pixel.variance;
             block.relative += pixel.relative;
             block.curvature += pixel.curvature;
-            block.spread = block.spread.zip(pixel.spread).map(|(sum, s)| sum + s);
+            spread = spread.zip(pixel.spread).map(|(sum, s)| sum + s);
             excess += pixel.excess;
         }
+        block.spread = spread;
         if block.relative > 0.0 {
             block.correct(excess / block.relative);
         }
@@ -240,36 +241,44 @@ impl Block {
         self.relative *= share;
         self.curvature *= share;
         self.residual = RESIDUAL * curvature * curvature * self.relative;
-        self.spread = self.spread.map(|s| s * share * share * (1.0 + NOISE_OF_DENOMINATORS * curvature.max(0.0)));
+        self.spread = self.spread.map(|spread| spread.scaled(share));
     }
 }
 
 /// The noise of an estimated relMSE.
 struct Noise {
-    /// Standard error of its logarithm.
-    log_error: f64,
+    standard_error: f64,
+    skewness: f64,
     dof: f64,
 }
 
 impl Noise {
     fn of(blocks: &[Block], relative: f64, values: f64) -> Self {
-        Noise::within_pixels(blocks, relative).unwrap_or_else(|| Noise::between_blocks(blocks, relative, values))
+        Noise::within_pixels(blocks, values).unwrap_or_else(|| Noise::between_blocks(blocks, relative, values))
     }
 
-    /// From the noise of each pixel, of which there are many enough for a normal quantile.
-    fn within_pixels(blocks: &[Block], relative: f64) -> Option<Self> {
-        let sum = blocks.iter().map(|b| b.spread).sum::<Option<f64>>()?;
-        (sum > 0.0 && relative > 0.0).then(|| Noise { log_error: sum.sqrt() / relative, dof: f64::INFINITY })
+    /// From the noise of each pixel, of which there are many enough for a normal quantile. The variance is no less than that of
+    /// normal replicates: where few pixels make up the error, one that comes out less is noise, and the interval would miss.
+    fn within_pixels(blocks: &[Block], values: f64) -> Option<Self> {
+        let add = |sum: Option<Spread>, block: &Block| sum.zip(block.spread).map(|(sum, spread)| sum + spread);
+        let spread = blocks.iter().fold(Some(Spread::default()), add)?.scaled(1.0 / values);
+        Some(Noise::new(spread.variance.max(spread.of_normal), spread.third, f64::INFINITY))
     }
 
     /// By the jackknife over blocks [Efron81].
     fn between_blocks(blocks: &[Block], relative: f64, values: f64) -> Self {
         let n = blocks.len() as f64;
-        let left_out: Moments = blocks.iter().map(|b| (relative - b.relative) / (values - b.values)).collect();
-        let error = left_out.variance().map_or(f64::INFINITY, |variance| ((n - 1.0) * (n - 1.0) / n * variance).sqrt());
-        // Black all over, nothing differs: 0/0 is no error.
-        let log_error = if error > 0.0 { error * values / relative } else { 0.0 };
-        Noise { log_error, dof: (n - 1.0).max(1.0) }
+        let pseudo = |b: &Block| n * relative / values - (n - 1.0) * (relative - b.relative) / (values - b.values);
+        let pseudo: Vec<f64> = blocks.iter().map(pseudo).collect();
+        let moments: Moments = pseudo.iter().copied().collect();
+        let variance = moments.variance().map_or(f64::INFINITY, |variance| variance / n);
+        Noise::new(variance, third_cumulant_of_mean(&pseudo, moments.mean()), (n - 1.0).max(1.0))
+    }
+
+    fn new(variance: f64, third: f64, dof: f64) -> Self {
+        let is_known = variance > 0.0 && variance.is_finite();
+        let skewness = if is_known { third / (variance * variance.sqrt()) } else { 0.0 };
+        Noise { standard_error: variance.sqrt(), skewness, dof }
     }
 }
 

@@ -36,8 +36,35 @@ pub(super) struct PixelError {
     pub(super) excess: f64,
     /// The part of it that is due to the curvature of the division.
     pub(super) curvature: f64,
-    /// An unbiased estimate of the variance of `relative`; may be negative. `None` with fewer than four replicates.
-    pub(super) spread: Option<f64>,
+    /// The noise of `relative`; `None` with fewer than four replicates.
+    pub(super) spread: Option<Spread>,
+}
+
+/// How an estimate is distributed, its denominators taken as known. Those of independent estimates add up to that of their sum.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Spread {
+    /// Its variance, without bias; may be negative.
+    pub(super) variance: f64,
+    /// What the variance would be if replicates were normal, without bias.
+    pub(super) of_normal: f64,
+    /// Its third cumulant, rather too large than too small.
+    pub(super) third: f64,
+}
+
+impl Spread {
+    /// That of `scale` times the estimate.
+    pub(super) fn scaled(self, scale: f64) -> Self {
+        let square = scale * scale;
+        Spread { variance: square * self.variance, of_normal: square * self.of_normal, third: square * scale * self.third }
+    }
+}
+
+impl std::ops::Add for Spread {
+    type Output = Spread;
+
+    fn add(self, b: Spread) -> Spread {
+        Spread { variance: self.variance + b.variance, of_normal: self.of_normal + b.of_normal, third: self.third + b.third }
+    }
 }
 
 /// How the relative variances of pixels are estimated from pairs of replicates.
@@ -45,8 +72,8 @@ pub(super) struct Pairs {
     pairs: Vec<Pair>,
     /// Pairs of pairs that share no replicate, by index.
     disjoint: Vec<[usize; 2]>,
-    /// The weights of half a squared difference and of a squared product of disjoint pairs in `spread`.
-    spread_weights: [f64; 2],
+    /// The weights of Var(d) and of tr C² in a variance, and that of the latter if samples are normal: see [`Pairs::spread`].
+    spread_weights: [f64; 3],
     epsilon: f64,
 }
 
@@ -169,13 +196,16 @@ impl<'a> Replicates<'a> {
 }
 
 impl Pairs {
-    /// An unbiased estimate of the variance of the mean of the squares of `terms`, from pairs of them that share no replicate.
+    /// The spread of the mean T of the squares of `terms`, from pairs of them that share no replicate.
     ///
     /// Let d = |e|² be the square of a pair's term, C the covariance of e and κ what Var(d) has beyond that of a normal e:
     /// Var(d) = 2 tr C² + κ/2. Squares that share a replicate covary by a quarter of 2 tr C² + κ, so that the mean of P of them, k
     /// to a replicate, has the variance (1 + k)/P tr C² + κ/R. Disjoint pairs are independent: half the squared difference of
-    /// their d estimates Var(d), the square of their e · e′ estimates tr C². Denominators are treated as known.
-    fn spread(&self, terms: &[[f64; COLOR]]) -> Option<f64> {
+    /// their d estimates Var(d), the square of their e · e′ estimates tr C².
+    ///
+    /// The third cumulant would need six replicates. With S the variance, that of a gamma distribution, as of normal samples, is
+    /// 2 S²/T; that of rare events, of which each brings T² to S, is S T. The smaller one fits both.
+    fn spread(&self, terms: &[[f64; COLOR]]) -> Option<Spread> {
         if self.disjoint.is_empty() {
             return None;
         }
@@ -183,7 +213,12 @@ impl Pairs {
             let difference = square(&terms[i]) - square(&terms[j]);
             [d + 0.5 * difference * difference, p + dot(&terms[i], &terms[j]).powi(2)]
         });
-        Some((self.spread_weights[0] * differences + self.spread_weights[1] * products) / self.disjoint.len() as f64)
+        let (deals, mean) = (self.disjoint.len() as f64, terms.iter().map(square).sum::<f64>() / terms.len() as f64);
+        let [of_differences, of_products, of_normal] = self.spread_weights;
+        let variance = (of_differences * differences + of_products * products) / deals;
+        let positive = variance.max(0.0);
+        let third = if mean > 0.0 { positive * mean.min(2.0 * positive / mean) } else { 0.0 };
+        Some(Spread { variance, of_normal: of_normal * products / deals, third })
     }
 }
 
@@ -195,10 +230,10 @@ fn square(a: &[f64; COLOR]) -> f64 {
     dot(a, a)
 }
 
-/// The weights of Var(d) and tr C² in the variance of the mean of `pairs` squares between `replicates`: see [`Pairs::spread`].
-fn spread_weights(pairs: f64, replicates: f64) -> [f64; 2] {
-    let of_each = 2.0 * pairs / replicates;
-    [2.0 / replicates, (1.0 + of_each) / pairs - 4.0 / replicates]
+/// The weights for the mean of `pairs` squares between `replicates`: see [`Pairs::spread`].
+fn spread_weights(pairs: f64, replicates: f64) -> [f64; 3] {
+    let of_normal = (1.0 + 2.0 * pairs / replicates) / pairs;
+    [2.0 / replicates, of_normal - 4.0 / replicates, of_normal]
 }
 
 /// The three ways to deal four neighbouring replicates into two pairs, for each whole four of `replicates`.

@@ -24,5 +24,5 @@ pub use jackknife::{Jackknife, jackknife};
 pub use moments::{Moments, third_cumulant_of_mean};
 pub use multiple::{holm, sidak_level, sidak_p_value};
 pub use power_law::{PowerLaw, WeightedPoint};
-pub use skewed::{Skewness, detectable_difference, skewed_welch_test};
+pub use skewed::{Skewness, detectable_difference, skewed_quantile, skewed_welch_test};
 pub use student::{student_p_value, student_quantile};

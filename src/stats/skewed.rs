@@ -1,13 +1,14 @@
-//! Welch's test of two means where the samples behind them may be skewed: few large contributions in many small ones, as in
-//! pictures with fireflies.
+//! Intervals of a mean and Welch's test of two where the samples behind them may be skewed: few large contributions in many small
+//! ones, as in pictures with fireflies.
 //!
 //! The t statistic of a right-skewed sample is skewed to the left, the more the further out one looks: where the large
 //! contributions are missing, mean and standard error are too small together. To first order P(T ≤ x) = Φ(x) + λ/6 (2x² + 1) φ(x)
-//! with λ the skewness of the difference of the means [Zhou05], and Hall's monotone cubic takes that out [Hall92]. Only the
-//! direction that makes a test more careful is taken: a λ that would make it bolder counts as 0.
+//! with λ the skewness of the difference of the means [Zhou05], and Hall's monotone cubic takes that out [Hall92]. A test takes only
+//! the direction that makes it more careful: a λ that would make it bolder counts as 0.
 //!
 //! Limits: λ comes from the caller, who must know of contributions that the sample may have missed. Beyond a statistic of 3/λ the
-//! cubic is flat, so that nothing above 1/λ − λ/6 can come out, and a mean of fewer than some 40 contributions convicts nobody.
+//! cubic of a test is flat, so that nothing above 1/λ − λ/6 can come out, and a mean of fewer than some 40 contributions convicts
+//! nobody.
 
 use super::{Estimate, TestResult, student_p_value, student_quantile, welch_test};
 
@@ -60,12 +61,18 @@ pub fn detectable_difference(a: &Estimate, b: &Estimate, skewness: Skewness, lev
 
 /// The inverse of [`straightened`]; infinite beyond its reach.
 fn bent(statistic: f64, lambda: f64) -> f64 {
-    let rest = 1.0 - lambda * (statistic + lambda / 6.0);
-    match lambda {
-        l if l < SERIES_BELOW => statistic,
-        _ if rest <= 0.0 => f64::INFINITY,
-        l => 3.0 / l * (1.0 - rest.cbrt()),
+    let is_in_reach = lambda * (statistic + lambda / 6.0) < 1.0;
+    if is_in_reach { -skewed_quantile(-statistic, lambda) } else { f64::INFINITY }
+}
+
+/// The quantile of a studentised mean of skewness λ of which the unskewed one is `quantile`: Hall's cubic backwards [Hall92].
+/// The mean's expectation lies below mean − standard error × this with the probability of its lying below.
+pub fn skewed_quantile(quantile: f64, lambda: f64) -> f64 {
+    if lambda.abs() < SERIES_BELOW {
+        return quantile;
     }
+    let cube = 1.0 + lambda * (quantile - lambda / 6.0);
+    3.0 / lambda * (cube.cbrt() - 1.0)
 }
 
 #[cfg(test)]
