@@ -4,6 +4,7 @@
 pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
+pub mod equivalence;
 mod placed;
 mod recorder;
 

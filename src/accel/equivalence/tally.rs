@@ -1,0 +1,145 @@
+//! How the answers of one backend to many rays relate to those of another.
+
+use super::{Agreement, agreement};
+use crate::accel::Intersector;
+use crate::geometry::{Geometry, Opaque, Ray};
+use rayon::prelude::*;
+
+/// Rays that one task asks.
+const CHUNK: usize = 4096;
+/// So many differences and leaks are kept to be looked at.
+const MOST_KEPT: usize = 8;
+
+/// Counts over a stream of rays.
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Tally {
+    /// Rays asked.
+    pub rays: u64,
+    /// Rays that hit something, by the backend's own word.
+    pub hits: u64,
+    /// Answers at distances that rounding cannot tell apart from the other's.
+    pub ties: u64,
+    /// Answers that differ at an edge within rounding.
+    pub grazes: u64,
+    /// Answers of which one is wrong.
+    pub true_differences: u64,
+    /// Rays that left a closed surface, by either query; 0 where none is closed.
+    pub leaks: u64,
+    /// The first rays with a true difference or a leak, by their place in the stream.
+    pub suspects: Vec<u64>,
+}
+
+/// A tally with its names.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Category {
+    /// Which rays.
+    pub name: String,
+    /// Which backend and build answered, such as `obvhs-robust`.
+    pub backend: String,
+    /// Which it was compared with.
+    pub reference: String,
+    /// The counts.
+    #[serde(flatten)]
+    pub tally: Tally,
+}
+
+impl Tally {
+    /// Asks both backends both queries about every ray. `is_closed`: all rays begin inside of closed surfaces, and each that hits
+    /// nothing, or is not occluded, is a leak of `subject`. A ray that `subject` calls occluded while it hits nothing, or the other
+    /// way round, is a true difference unless it grazes.
+    ///
+    /// # Panics
+    /// If a backend names what is not in `geometry`.
+    pub fn of(
+        geometry: &Geometry,
+        rays: &[Ray],
+        subject: &impl Intersector,
+        reference: &impl Intersector,
+        is_closed: bool,
+    ) -> Tally {
+        let chunk = |(at, rays): (usize, &[Ray])| {
+            let mut tally = Tally::default();
+            for (i, ray) in rays.iter().enumerate() {
+                tally.add((at * CHUNK + i) as u64, geometry, ray, subject, reference, is_closed);
+            }
+            tally
+        };
+        rays.par_chunks(CHUNK).enumerate().map(chunk).reduce(Tally::default, Tally::plus)
+    }
+
+    fn add(
+        &mut self,
+        index: u64,
+        geometry: &Geometry,
+        ray: &Ray,
+        subject: &impl Intersector,
+        reference: &impl Intersector,
+        is_closed: bool,
+    ) {
+        let (closest, occluded) = (subject.closest(ray, &Opaque), subject.occluded(ray, &Opaque));
+        let mut found = agreement(geometry, ray, closest, reference.closest(ray, &Opaque));
+        if occluded != closest.is_some() {
+            // Where only the other query hit, its triangle is not known, but what the reference hit is the best guess.
+            let met = closest.or_else(|| reference.closest(ray, &Opaque));
+            found = if met.is_none() { Agreement::Different } else { agreement(geometry, ray, met, None) };
+        }
+        let is_leak = is_closed && (closest.is_none() || !occluded);
+        self.rays += 1;
+        self.hits += u64::from(closest.is_some());
+        self.ties += u64::from(found == Agreement::Tie);
+        self.grazes += u64::from(found == Agreement::Graze);
+        self.true_differences += u64::from(found == Agreement::Different);
+        self.leaks += u64::from(is_leak);
+        if (is_leak || found == Agreement::Different) && self.suspects.len() < MOST_KEPT {
+            self.suspects.push(index);
+        }
+    }
+
+    fn plus(mut self, other: Tally) -> Tally {
+        self.rays += other.rays;
+        self.hits += other.hits;
+        self.ties += other.ties;
+        self.grazes += other.grazes;
+        self.true_differences += other.true_differences;
+        self.leaks += other.leaks;
+        self.suspects.extend(other.suspects);
+        self.suspects.sort_unstable();
+        self.suspects.truncate(MOST_KEPT);
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{AnyHit, Bounds, Hit};
+    use glam::Vec3;
+
+    /// Hits object 0 always, or never.
+    struct Always(bool);
+
+    impl Intersector for Always {
+        fn closest(&self, _: &Ray, _: &impl AnyHit) -> Option<Hit> {
+            self.0.then_some(Hit { object: 0, primitive: 0 })
+        }
+
+        fn occluded(&self, _: &Ray, _: &impl AnyHit) -> bool {
+            self.0
+        }
+
+        fn bounds(&self) -> Bounds {
+            Bounds::EMPTY
+        }
+    }
+
+    #[test]
+    fn leaks_and_differences_are_counted_and_kept_in_order() {
+        let rays = vec![Ray::new(Vec3::NAN, Vec3::X); 3 * CHUNK];
+        let blind = Tally::of(&Geometry::default(), &rays, &Always(false), &Always(true), true);
+        let n = rays.len() as u64;
+        assert_eq!((blind.rays, blind.hits, blind.leaks, blind.true_differences), (n, 0, n, n));
+        assert_eq!(blind.suspects, (0..MOST_KEPT as u64).collect::<Vec<_>>());
+        let same = Tally::of(&Geometry::default(), &rays, &Always(true), &Always(true), true);
+        assert_eq!(same, Tally { rays: n, hits: n, ..Tally::default() });
+    }
+}
