@@ -5,6 +5,7 @@ pub mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
 pub mod equivalence;
+pub mod hard_cases;
 mod placed;
 mod recorder;
 

@@ -95,7 +95,14 @@ impl Tally {
         }
     }
 
-    fn plus(mut self, other: Tally) -> Tally {
+    /// The tally of a stream that begins at `start`, where this one counts from 0.
+    pub(in crate::accel) fn moved(mut self, start: u64) -> Tally {
+        self.suspects.iter_mut().for_each(|index| *index += start);
+        self
+    }
+
+    /// Both together.
+    pub(in crate::accel) fn plus(mut self, other: Tally) -> Tally {
         self.rays += other.rays;
         self.hits += other.hits;
         self.ties += other.ties;

@@ -1,0 +1,206 @@
+//! Rays that go wrong in ray tracers, by name: soups, closed bodies aimed at where they are sewn together, slivers, scales
+//! from 1e-40 to 1e8, offsets, instances, rays that are none.
+//!
+//! A ray is addressed by its case and index, `sphere-edges:1234`, and is the same ray on every machine: what a report names can
+//! be asked again with [`by_name`] and [`HardCase::ray`]. [`categories`] asks all cases of several backends; how answers are
+//! compared is [`super::equivalence`]'s matter.
+//!
+//! To add a case, write a row in the file of its theme: a name, whether each ray must hit, a geometry, and how a ray is drawn.
+//! Limits: triangles are still and nothing is filtered; geometries are small (under 40,000 triangles), so that a judge may try
+//! all triangles, and say nothing of large trees.
+
+mod bodies;
+mod boxes;
+mod numbers;
+mod odd;
+mod placements;
+mod shapes;
+mod soups;
+
+use crate::accel::equivalence::{Category, Tally};
+use crate::accel::{Accel, Backend, Build};
+use crate::error::Result;
+use crate::geometry::{Geometry, Hit, Ray};
+use glam::Vec3;
+use numbers::Numbers;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Rays that are held in memory at once.
+const MOST_HELD: u64 = 1 << 20;
+
+/// How a ray is drawn from random numbers.
+type Draw = Box<dyn Fn(&Geometry, &mut Numbers) -> Ray + Send + Sync>;
+
+/// A geometry and a stream of rays that are hard on it.
+pub struct HardCase {
+    name: &'static str,
+    is_closed: bool,
+    geometry: Geometry,
+    draw: Draw,
+}
+
+impl HardCase {
+    fn open(
+        name: &'static str,
+        geometry: Geometry,
+        draw: impl Fn(&Geometry, &mut Numbers) -> Ray + Send + Sync + 'static,
+    ) -> Self {
+        HardCase { name, is_closed: false, geometry, draw: Box::new(draw) }
+    }
+
+    /// `draw` must begin every ray inside of a closed surface.
+    fn closed(
+        name: &'static str,
+        geometry: Geometry,
+        draw: impl Fn(&Geometry, &mut Numbers) -> Ray + Send + Sync + 'static,
+    ) -> Self {
+        HardCase { name, is_closed: true, geometry, draw: Box::new(draw) }
+    }
+
+    /// What it is called in tables and addresses.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Whether every ray begins inside of a closed surface, so that one which hits nothing has leaked.
+    pub fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+
+    /// What the rays are asked of.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// The ray at an address: a pure function of the case's name and `index`.
+    pub fn ray(&self, index: u64) -> Ray {
+        (self.draw)(&self.geometry, &mut Numbers::new(self.name, index))
+    }
+
+    /// The rays of a range of indices, in order; 48 bytes each.
+    pub fn rays(&self, range: Range<u64>) -> Vec<Ray> {
+        range.into_par_iter().map(|index| self.ray(index)).collect()
+    }
+
+    /// Asks the first `rays` rays of the [`reference`] and of each of `subjects`, built with `threads` threads (0: all there
+    /// are), and counts how each answers beside the reference: one row for each, the reference first. Memory does not grow with
+    /// `rays`. Call it from outside the rayon pool.
+    ///
+    /// # Errors
+    /// As [`Accel::build`].
+    pub fn measure(&self, subjects: &[(Backend, Build)], rays: u64, threads: usize) -> Result<Vec<Category>> {
+        let build = |&(backend, build): &(Backend, Build)| Accel::build(&self.geometry, backend, build, threads);
+        let others = subjects.iter().filter(|&&subject| subject != reference());
+        let setups: Vec<_> = std::iter::once(reference()).chain(others.copied()).collect();
+        let accels = setups.iter().map(build).collect::<Result<Vec<_>>>()?;
+        let mut tallies = vec![Tally::default(); accels.len()];
+        for start in (0..rays).step_by(MOST_HELD as usize) {
+            let asked = self.rays(start..rays.min(start + MOST_HELD));
+            for (sum, accel) in tallies.iter_mut().zip(&accels) {
+                let tally = Tally::of(&self.geometry, &asked, accel, &accels[0], self.is_closed);
+                *sum = std::mem::take(sum).plus(tally.moved(start));
+            }
+        }
+        let row = |(setup, tally): (&(Backend, Build), Tally)| Category {
+            name: self.name.to_owned(),
+            backend: title(*setup),
+            reference: title(reference()),
+            tally,
+        };
+        Ok(setups.iter().zip(tallies).map(row).collect())
+    }
+}
+
+/// What the others are compared with: the robust build of the default backend.
+pub fn reference() -> (Backend, Build) {
+    (Backend::default(), Build::Robust)
+}
+
+/// A backend and its build as tables name them, such as `embree-fast`.
+pub fn title((backend, build): (Backend, Build)) -> String {
+    let build = match build {
+        Build::Fast => "fast",
+        Build::Robust => "robust",
+        Build::Compact => "compact",
+        Build::High => "high",
+    };
+    format!("{}-{build}", backend.name())
+}
+
+/// Every case, in the order of reports.
+pub fn all() -> Vec<HardCase> {
+    [soups::cases(), bodies::cases(), bodies::scales(), boxes::cases(), placements::cases(), odd::cases()]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+/// The case of that name, if there is one.
+pub fn by_name(name: &str) -> Option<HardCase> {
+    all().into_iter().find(|case| case.name == name)
+}
+
+/// Asks `rays` rays of every case of the reference and of all `subjects`: see [`HardCase::measure`].
+///
+/// # Errors
+/// As [`Accel::build`].
+pub fn categories(subjects: &[(Backend, Build)], rays: u64, threads: usize) -> Result<Vec<Category>> {
+    let rows = all().iter().map(|case| case.measure(subjects, rays, threads)).collect::<Result<Vec<_>>>()?;
+    Ok(rows.into_iter().flatten().collect())
+}
+
+/// A triangle of `object`, by chance.
+fn some_triangle(geometry: &Geometry, object: u32, numbers: &mut Numbers) -> Hit {
+    let count = geometry.mesh_of(object).triangles().len();
+    Hit { object, primitive: numbers.below(count) as u32 }
+}
+
+/// A triangle of any object.
+fn any_triangle(geometry: &Geometry, numbers: &mut Numbers) -> Hit {
+    let object = numbers.below(geometry.objects.len()) as u32;
+    some_triangle(geometry, object, numbers)
+}
+
+/// A point on an edge of `object`, as rounding leaves it.
+fn on_edge(geometry: &Geometry, object: u32, numbers: &mut Numbers) -> Vec3 {
+    let [a, b, _] = geometry.triangle(some_triangle(geometry, object, numbers)).vertices;
+    a + (b - a) * numbers.unit()
+}
+
+/// A ray from `origin` to or through `target`.
+fn aimed(origin: Vec3, target: Vec3) -> Ray {
+    Ray::new(origin, target - origin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn names_are_distinct_and_addresses_are_what_they_were() {
+        let cases = all();
+        let names: HashSet<_> = cases.iter().map(HardCase::name).collect();
+        assert!(names.len() == cases.len() && cases.len() >= 26, "{} names of {} cases", names.len(), cases.len());
+        let words = |ray: &Ray| [ray.origin, ray.direction].map(|v| v.to_array().map(f32::to_bits));
+        for case in &cases {
+            let rays = case.rays(10..14);
+            let again = by_name(case.name()).expect("its name").rays(12..13);
+            assert_eq!(words(&rays[2]), words(&again[0]), "{}", case.name());
+            assert_ne!(words(&rays[2]), words(&rays[3]), "{}", case.name());
+        }
+    }
+
+    #[test]
+    fn rows_are_added_up_over_chunks_and_the_reference_is_compared_with_itself() {
+        let subject = (Backend::Obvhs, Build::Robust);
+        let case = by_name("sphere-edges").expect("a case");
+        let rows = case.measure(&[subject], 3000, 1).expect("builds");
+        assert_eq!(rows[0].backend, title(reference()));
+        for row in &rows {
+            assert_eq!((row.tally.rays, row.tally.hits, row.tally.leaks), (3000, 3000, 0), "{row:?}");
+        }
+        assert_eq!((rows[0].tally.ties, rows[0].tally.grazes, rows[0].tally.true_differences), (0, 0, 0));
+    }
+}
