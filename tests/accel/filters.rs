@@ -2,10 +2,13 @@
 
 use crate::brute_force::{BruteForce, fault};
 use crate::scenes::{Random, built, each, placed_cube, scene_of, setups, triangle};
-use etendue::accel::{Backend, Build, Intersector};
-use etendue::geometry::{AnyHit, Hit, Opaque, Ray};
+use etendue::accel::equivalence::{Agreement, agreement};
+use etendue::accel::{Backend, Build, Intersector, hard_cases};
+use etendue::geometry::{AnyHit, Geometry, Hit, Opaque, Ray};
 use glam::{Affine3A, Vec3};
+use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
 
 /// A filter made of a function.
 struct Accept<F>(F);
@@ -114,4 +117,55 @@ fn a_panic_in_a_filter_reaches_the_caller_and_the_scene_goes_on() {
         assert_eq!(scene.closest(&ray, &Opaque), Some(Hit { object: 0, primitive: 0 }));
         assert_eq!(scene.closest(&ray, &Accept(|_: &Ray, hit: Hit| hit.object == 1)), Some(Hit { object: 1, primitive: 0 }));
     }
+}
+
+/// The geometry of a hard case, every object filtered.
+fn filtered(name: &str) -> Geometry {
+    let case = hard_cases::by_name(name).expect("a case");
+    let mut geometry = case.geometry().clone();
+    geometry.objects.iter_mut().for_each(|object| object.filtered = true);
+    geometry
+}
+
+#[test]
+fn backends_agree_on_filtered_instances_that_are_mirrored_and_sheared() {
+    let geometry = filtered("instances-bent");
+    let mirrored = (0..geometry.objects.len()).filter(|&i| geometry.winding(i as u32) < 0.0).count();
+    assert!(mirrored > 5 && mirrored + 5 < geometry.objects.len(), "{mirrored} are mirrored");
+    let filter = Accept(|_: &Ray, hit: Hit| is_even(hit));
+    let scenes = each(&geometry);
+    for index in 0..100_000 {
+        let ray = Random(900 + index).ray(4.0);
+        let answers: Vec<_> = scenes.iter().map(|scene| scene.closest(&ray, &filter)).collect();
+        for (scene, &answer) in scenes.iter().zip(&answers) {
+            assert!(answer.is_none_or(is_even), "{:?} {ray:?}", scene.backend());
+            assert_ne!(agreement(&geometry, &ray, answers[0], answer), Agreement::Different, "{:?} {ray:?}", scene.backend());
+            let occluded = scene.occluded(&ray, &filter);
+            let met = answer.filter(|_| !occluded).map_or(Agreement::Same, |hit| agreement(&geometry, &ray, Some(hit), None));
+            assert!(met != Agreement::Different && (answer.is_some() || !occluded), "{:?} {ray:?}", scene.backend());
+        }
+    }
+}
+
+/// Spatial splits put one triangle into several leaves, and a ray through both asks about it twice.
+#[test]
+fn a_filter_that_is_asked_twice_decides_as_if_it_were_asked_once() {
+    let geometry = filtered("slivers");
+    let mut repeated = 0;
+    for &backend in Backend::AVAILABLE {
+        let [split, whole] = [Build::High, Build::Robust].map(|build| built(&geometry, (backend, build)));
+        let case = hard_cases::by_name("slivers").expect("a case");
+        for ray in case.rays(0..20_000) {
+            let asked = Mutex::new(HashMap::new());
+            let counting = Accept(|_: &Ray, hit: Hit| {
+                *asked.lock().expect("no panic").entry((hit.object, hit.primitive)).or_insert(0) += 1;
+                is_even(hit)
+            });
+            let answer = split.closest(&ray, &counting);
+            let once = whole.closest(&ray, &Accept(|_: &Ray, hit: Hit| is_even(hit)));
+            assert_ne!(agreement(&geometry, &ray, answer, once), Agreement::Different, "{backend:?} {ray:?}");
+            repeated += asked.into_inner().expect("no panic").values().filter(|&&times| times > 1).count();
+        }
+    }
+    assert!(repeated > 0, "no filter was asked twice");
 }

@@ -3,7 +3,12 @@
 mod agreement;
 mod brute_force;
 mod edge_cases;
+mod exact;
 mod filters;
+mod hard_cases;
+mod judge;
+mod judge_tests;
 mod scenes;
 mod segments;
+mod spawned;
 mod watertight;

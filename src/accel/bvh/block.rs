@@ -123,5 +123,10 @@ impl Block {
 fn is_inside(vertices: [[Vec4; 3]; 3], lane: usize) -> bool {
     let [a, b, c] = vertices.map(|v| v.map(|x| f64::from(x[lane])));
     let (u, v, w) = (c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]);
+    if u == 0.0 && v == 0.0 && w == 0.0 {
+        // From afar rounding may leave of a triangle a point, or a piece of a line through the axis: has it the axis itself?
+        let spans_zero = |k: usize| a[k].min(b[k]).min(c[k]) <= 0.0 && a[k].max(b[k]).max(c[k]) >= 0.0;
+        return spans_zero(0) && spans_zero(1);
+    }
     (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
 }

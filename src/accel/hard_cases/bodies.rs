@@ -23,7 +23,7 @@ pub(super) fn cases() -> Vec<HardCase> {
             aimed(n.in_ball(0.9), corners[0])
         }),
         HardCase::closed("sphere-spawned", ball(), spawned_inward),
-        HardCase::closed("degenerate", world([with_degenerate(sphere(3, 1.0, Vec3::ZERO))]), mixed(Vec3::ZERO, 1.0)),
+        HardCase::closed("degenerate", world([sphere(3, 1.0, Vec3::ZERO), without_area()]), mixed(Vec3::ZERO, 1.0)),
         HardCase::closed("sliver-tube", world([tube()]), |_, n| {
             let along = Vec3::Z * (0.45 * n.signed());
             Ray::new(n.in_ball(0.5 * BORE) + along, n.direction())
@@ -62,7 +62,8 @@ fn mixed(center: Vec3, radius: f32) -> impl Fn(&Geometry, &mut Numbers) -> Ray +
         if numbers.below(2) == 0 {
             return Ray::new(origin, numbers.direction());
         }
-        aimed(origin, on_edge(geometry, 0, numbers))
+        // Divided, since directions so short that 1 / |d| overflows are no directions.
+        Ray::new(origin, (on_edge(geometry, 0, numbers) - origin) / radius)
     }
 }
 
@@ -75,14 +76,14 @@ fn spawned_inward(geometry: &Geometry, numbers: &mut Numbers) -> Ray {
     spawn_ray(p, error, ng, if d.dot(ng) < 0.0 { d } else { -d })
 }
 
-/// A body, two triangles without area for each of its own, and some inside of it on a line.
-fn with_degenerate((mut positions, mut triangles): Faces) -> Faces {
-    let needles: Vec<[u32; 3]> = triangles.iter().flat_map(|&[a, b, c]| [[a, a, b], [c, c, c]]).collect();
-    triangles.extend(needles);
+/// Triangles without area: two for each of a sphere, and some inside of it on a line.
+fn without_area() -> Faces {
+    let (mut positions, triangles) = sphere(3, 1.0, Vec3::ZERO);
+    let mut needles: Vec<[u32; 3]> = triangles.iter().flat_map(|&[a, b, c]| [[a, a, b], [c, c, c]]).collect();
     let first = positions.len() as u32;
     positions.extend([Vec3::ZERO, Vec3::X * 0.25, Vec3::X * 0.5]);
-    triangles.extend([[first, first + 1, first + 2]; 100]);
-    (positions, triangles)
+    needles.extend([[first, first + 1, first + 2]; 100]);
+    (positions, needles)
 }
 
 /// A closed tube along z.
