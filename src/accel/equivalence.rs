@@ -5,8 +5,9 @@
 //! |cos θ| + 4 u t along it. So two hits at distances within that are a *tie*, and a triangle that one of them hits and the other
 //! passes is a *graze* where the ray comes within 8 u L of one of its edges. Everything else is a *true difference*.
 //!
-//! Triangles of instances are further off by the bound of [`placement_error`]. Distances are formed in f64, whose own rounding is
-//! 2⁻²⁹ of these bounds. A ray without a finite origin and direction has only one right answer, and any other is a difference.
+//! Products that underflow add half of the least number to each coordinate; triangles of instances are further off by the bound of
+//! [`placement_error`]. Distances are formed in f64, whose own rounding is 2⁻²⁹ of these bounds. A ray without a finite origin and
+//! direction has only one right answer, and any other is a difference.
 
 mod tally;
 
@@ -17,6 +18,10 @@ use glam::DVec3;
 
 /// One rounding in f32: u.
 const U: f64 = f32::EPSILON as f64 * 0.5;
+
+/// What products that underflow in f32 displace a vertex by across the ray: half of the least number, 2⁻¹⁵⁰, in each of two
+/// coordinates, so √2 as much.
+const UNDERFLOW: f64 = std::f64::consts::SQRT_2 * 0.5 * f32::from_bits(1) as f64;
 
 /// How two answers to a ray relate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -78,7 +83,7 @@ impl Met {
         let flat = [a, b, c].map(|v| v - d * v.dot(d));
         let to_edge = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| from_segment(flat[i], flat[j]));
         let to_edge = to_edge.into_iter().fold(f64::INFINITY, f64::min);
-        Met { distance, along, to_edge, across: 8.0 * U * farthest + placing }
+        Met { distance, along, to_edge, across: 8.0 * U * farthest + UNDERFLOW + placing }
     }
 
     /// What it is if the other answer does not have it.

@@ -8,12 +8,16 @@ use glam::{Affine3A, Mat3, Vec3};
 
 /// Instances of a case.
 const COUNT: u64 = 40;
-/// Half of the ground, and the radius of what lies on it.
+/// Half of the ground.
 const GROUND: f32 = 1e6;
+/// The radius of what lies on it.
 const SPECK: f32 = 1e-3;
+/// How instances are scaled.
+const SCALES: [f32; 2] = [1e-3, 1e3];
 
 pub(super) fn cases() -> Vec<HardCase> {
-    let scaled = |n: &mut Numbers| Affine3A::from_mat3_translation(Mat3::IDENTITY * n.magnitude(1e-3, 1e3), n.in_cube(50.0));
+    let scaled =
+        |n: &mut Numbers| Affine3A::from_mat3_translation(Mat3::IDENTITY * n.magnitude(SCALES[0], SCALES[1]), n.in_cube(50.0));
     let bent = |n: &mut Numbers| Affine3A::from_mat3_translation(bent(n), n.in_cube(2.0));
     let stretched = |n: &mut Numbers| {
         let stretch = Vec3::new(n.magnitude(0.01, 100.0), n.magnitude(0.01, 100.0), n.magnitude(0.01, 100.0));
