@@ -139,3 +139,19 @@ fn triangles_without_area_and_copies_of_one_are_built_and_passed() {
         assert_eq!(scene.closest(&Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::new(0.0, 1e-3, 1.0)), &Opaque), None, "{setup:?}");
     }
 }
+
+/// Seen from 1e6 away the sheared corners of a triangle of 1e-3 fall together, and all edge functions of a point are zero. The
+/// pure Rust backend took that for a hit on every edge, up to a unit beside it, twice as far as rounding explains.
+#[test]
+fn a_triangle_that_rounding_makes_a_point_is_not_met_beside_it() {
+    let small = mesh(vec![Vec3::ZERO, Vec3::X * 1e-3, Vec3::Y * 1e-3], vec![[0, 1, 2]]);
+    let scene = built(&scene_of(vec![small], vec![(0, None, false)]), (Backend::Obvhs, Build::Robust));
+    let mut random = Random(9);
+    for _ in 0..100_000 {
+        let origin = random.direction() * 1e6;
+        // 8 half ulps of the distance are 0.48.
+        let beside = random.direction().cross(origin).normalize() * (0.55 + 0.4 * random.unit());
+        let ray = Ray::new(origin, beside - origin);
+        assert_eq!(scene.closest(&ray, &Opaque), None, "{ray:?}");
+    }
+}

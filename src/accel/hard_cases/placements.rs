@@ -8,10 +8,11 @@ use glam::{Affine3A, Mat3, Vec3};
 
 /// Instances of a case.
 const COUNT: u64 = 40;
-/// Half of the ground, and the radius of what lies on it.
+/// Half of the ground.
 const GROUND: f32 = 1e6;
+/// The radius of what lies on it.
 const SPECK: f32 = 1e-3;
-/// The scales of instances, smallest and largest.
+/// How instances are scaled.
 const SCALES: [f32; 2] = [1e-3, 1e3];
 
 pub(super) fn cases() -> Vec<HardCase> {
