@@ -146,6 +146,10 @@ mod tests {
         let n = rays.len() as u64;
         assert_eq!((blind.rays, blind.hits, blind.leaks, blind.true_differences), (n, 0, n, n));
         assert_eq!(blind.suspects, (0..MOST_KEPT as u64).collect::<Vec<_>>());
+        let later = blind.clone().moved(n);
+        assert_eq!(later.suspects[0], n, "a stream in pieces names its rays by their place in the whole");
+        let both = later.plus(blind.clone());
+        assert_eq!((both.rays, both.leaks, &both.suspects), (2 * n, 2 * n, &blind.suspects));
         let same = Tally::of(&Geometry::default(), &rays, &Always(true), &Always(true), true);
         assert_eq!(same, Tally { rays: n, hits: n, ..Tally::default() });
     }

@@ -179,7 +179,7 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn names_are_distinct_and_addresses_are_what_they_were() {
+    fn names_are_distinct_and_an_address_is_one_ray() {
         let cases = all();
         let names: HashSet<_> = cases.iter().map(HardCase::name).collect();
         assert!(names.len() == cases.len() && cases.len() >= 26, "{} names of {} cases", names.len(), cases.len());
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_are_added_up_over_chunks_and_the_reference_is_compared_with_itself() {
+    fn rows_count_every_ray_and_the_reference_is_compared_with_itself() {
         let subject = (Backend::Obvhs, Build::Robust);
         let case = by_name("sphere-edges").expect("a case");
         let rows = case.measure(&[subject], 3000, 1).expect("builds");
