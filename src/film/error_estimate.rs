@@ -217,17 +217,17 @@ struct Block {
 
 impl Block {
     fn of(pixels: impl Iterator<Item = PixelError>) -> Self {
-        let mut block = Block { values: 0.0, variance: 0.0, relative: 0.0, curvature: 0.0, residual: 0.0, spread: None };
-        let (mut excess, mut spread) = (0.0, Some(Spread::default()));
+        let mut block =
+            Block { values: 0.0, variance: 0.0, relative: 0.0, curvature: 0.0, residual: 0.0, spread: Some(Spread::default()) };
+        let mut excess = 0.0;
         for pixel in pixels {
             block.values += COLOR as f64;
             block.variance += pixel.variance;
             block.relative += pixel.relative;
             block.curvature += pixel.curvature;
-            spread = spread.zip(pixel.spread).map(|(sum, s)| sum + s);
+            block.spread = block.spread.zip(pixel.spread).map(|(sum, spread)| sum + spread);
             excess += pixel.excess;
         }
-        block.spread = spread;
         if block.relative > 0.0 {
             block.correct(excess / block.relative);
         }
@@ -260,8 +260,7 @@ impl Noise {
     /// From the noise of each pixel, of which there are many enough for a normal quantile. The variance is no less than that of
     /// normal replicates: where few pixels make up the error, one that comes out less is noise, and the interval would miss.
     fn within_pixels(blocks: &[Block], values: f64) -> Option<Self> {
-        let add = |sum: Option<Spread>, block: &Block| sum.zip(block.spread).map(|(sum, spread)| sum + spread);
-        let spread = blocks.iter().fold(Some(Spread::default()), add)?.scaled(1.0 / values);
+        let spread = blocks.iter().map(|b| b.spread).sum::<Option<Spread>>()?.scaled(1.0 / values);
         Some(Noise::new(spread.variance.max(spread.of_normal), spread.third, f64::INFINITY))
     }
 

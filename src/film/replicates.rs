@@ -67,6 +67,12 @@ impl std::ops::Add for Spread {
     }
 }
 
+impl std::iter::Sum for Spread {
+    fn sum<I: Iterator<Item = Spread>>(spreads: I) -> Spread {
+        spreads.fold(Spread::default(), std::ops::Add::add)
+    }
+}
+
 /// How the relative variances of pixels are estimated from pairs of replicates.
 pub(super) struct Pairs {
     pairs: Vec<Pair>,
@@ -166,7 +172,7 @@ impl<'a> Replicates<'a> {
             self.add_channel(channel, pairs, scratch, &mut error);
         }
         error.relative = scratch.terms.iter().map(square).sum::<f64>() / scratch.terms.len() as f64;
-        error.spread = pairs.spread(&scratch.terms);
+        error.spread = pairs.spread(&scratch.terms, error.relative);
         error
     }
 
@@ -196,7 +202,7 @@ impl<'a> Replicates<'a> {
 }
 
 impl Pairs {
-    /// The spread of the mean T of the squares of `terms`, from pairs of them that share no replicate.
+    /// The spread of T, the `mean` of the squares of `terms`, from pairs of them that share no replicate.
     ///
     /// Let d = |e|² be the square of a pair's term, C the covariance of e and κ what Var(d) has beyond that of a normal e:
     /// Var(d) = 2 tr C² + κ/2. Squares that share a replicate covary by a quarter of 2 tr C² + κ, so that the mean of P of them, k
@@ -205,7 +211,7 @@ impl Pairs {
     ///
     /// The third cumulant would need six replicates. With S the variance, that of a gamma distribution, as of normal samples, is
     /// 2 S²/T; that of rare events, of which each brings T² to S, is S T. The smaller one fits both.
-    fn spread(&self, terms: &[[f64; COLOR]]) -> Option<Spread> {
+    fn spread(&self, terms: &[[f64; COLOR]], mean: f64) -> Option<Spread> {
         if self.disjoint.is_empty() {
             return None;
         }
@@ -213,7 +219,7 @@ impl Pairs {
             let difference = square(&terms[i]) - square(&terms[j]);
             [d + 0.5 * difference * difference, p + dot(&terms[i], &terms[j]).powi(2)]
         });
-        let (deals, mean) = (self.disjoint.len() as f64, terms.iter().map(square).sum::<f64>() / terms.len() as f64);
+        let deals = self.disjoint.len() as f64;
         let [of_differences, of_products, of_normal] = self.spread_weights;
         let variance = (of_differences * differences + of_products * products) / deals;
         let positive = variance.max(0.0);

@@ -3,7 +3,8 @@
 use crate::brute_force::{BruteForce, fault};
 use crate::scenes::{Random, built, each, placed_cube, scene_of, setups, triangle};
 use etendue::accel::equivalence::{Agreement, agreement};
-use etendue::accel::{Backend, Build, Intersector, hard_cases};
+use etendue::accel::hard_cases::{self, HardCase};
+use etendue::accel::{Backend, Build, Intersector};
 use etendue::geometry::{AnyHit, Geometry, Hit, Opaque, Ray};
 use glam::{Affine3A, Vec3};
 use std::collections::HashMap;
@@ -120,8 +121,7 @@ fn a_panic_in_a_filter_reaches_the_caller_and_the_scene_goes_on() {
 }
 
 /// The geometry of a hard case, every object filtered.
-fn filtered(name: &str) -> Geometry {
-    let case = hard_cases::by_name(name).expect("a case");
+fn filtered(case: &HardCase) -> Geometry {
     let mut geometry = case.geometry().clone();
     geometry.objects.iter_mut().for_each(|object| object.filtered = true);
     geometry
@@ -129,7 +129,7 @@ fn filtered(name: &str) -> Geometry {
 
 #[test]
 fn backends_agree_on_filtered_instances_that_are_mirrored_and_sheared() {
-    let geometry = filtered("instances-bent");
+    let geometry = filtered(&hard_cases::by_name("instances-bent").expect("a case"));
     let mirrored = (0..geometry.objects.len()).filter(|&i| geometry.winding(i as u32) < 0.0).count();
     assert!(mirrored > 5 && mirrored + 5 < geometry.objects.len(), "{mirrored} are mirrored");
     let filter = Accept(|_: &Ray, hit: Hit| is_even(hit));
@@ -150,11 +150,11 @@ fn backends_agree_on_filtered_instances_that_are_mirrored_and_sheared() {
 /// Spatial splits put one triangle into several leaves, and a ray through both asks about it twice.
 #[test]
 fn a_filter_that_is_asked_twice_decides_as_if_it_were_asked_once() {
-    let geometry = filtered("slivers");
+    let case = hard_cases::by_name("slivers").expect("a case");
+    let geometry = filtered(&case);
     let mut repeated = 0;
     for &backend in Backend::AVAILABLE {
         let [split, whole] = [Build::High, Build::Robust].map(|build| built(&geometry, (backend, build)));
-        let case = hard_cases::by_name("slivers").expect("a case");
         for ray in case.rays(0..20_000) {
             let asked = Mutex::new(HashMap::new());
             let counting = Accept(|_: &Ray, hit: Hit| {

@@ -1,6 +1,7 @@
 //! Every hard case under every backend: nothing leaks, answers differ by rounding only, and where they differ by more an exact
 //! judge says who is right. `--nocapture` prints the table.
 
+use crate::deep::deep;
 use crate::judge::{Judge, is_met};
 use etendue::accel::equivalence::{Agreement, Category, agreement};
 use etendue::accel::hard_cases::{HardCase, all, title};
@@ -25,7 +26,7 @@ const EMBREE_AT_VERTICES_PPM: u64 = 5100;
 const BELOW_EMBREE: &str = "scale-1e-40";
 
 fn rays() -> u64 {
-    if std::env::var("ETENDUE_TEST_DEEP").is_ok_and(|v| v == "1") { 1_000_000 } else { 100_000 }
+    if deep() { 1_000_000 } else { 100_000 }
 }
 
 /// Every backend's robust build, and its fast one where that differs in what it promises.
@@ -83,7 +84,7 @@ fn nothing_leaks_and_ordinary_rays_do_not_differ() {
 
 /// What a backend said of a ray, and whether that is right.
 struct Verdict {
-    address: String,
+    index: u64,
     backend: Backend,
     said: Option<Hit>,
     truth: Option<Hit>,
@@ -113,10 +114,7 @@ fn judged(case: &HardCase, judge: &Judge<'_>, accels: &[Accel], index: u64) -> V
         accel.occluded(&ray, &Opaque) != answer.is_some() && met.is_none_or(|hit| !agree(case, &ray, Some(hit), None))
     };
     let wrong = accels.iter().zip(answers).filter(|&(accel, answer)| !is_right(answer) || contradicts(accel, answer));
-    let address = || format!("{}:{index}", case.name());
-    wrong
-        .map(|(accel, said)| Verdict { address: address(), backend: accel.backend(), said, truth: nearest.first().copied() })
-        .collect()
+    wrong.map(|(accel, said)| Verdict { index, backend: accel.backend(), said, truth: nearest.first().copied() }).collect()
 }
 
 #[test]
@@ -127,13 +125,14 @@ fn where_backends_differ_ours_is_right() {
         let accels: Vec<Accel> = Backend::AVAILABLE.iter().map(build).collect();
         let judge = Judge::new(case.geometry());
         let wrong: Vec<Verdict> = (0..rays()).into_par_iter().flat_map_iter(|i| judged(&case, &judge, &accels, i)).collect();
+        let address = |v: &Verdict| format!("{}:{}", case.name(), v.index);
         let (of_obvhs, of_embree): (Vec<_>, Vec<_>) = wrong.into_iter().partition(|v| v.backend == Backend::Obvhs);
         println!("{:<20} wrong beyond rounding: obvhs {}, embree {}", case.name(), of_obvhs.len(), of_embree.len());
         for v in of_obvhs.iter().take(3).chain(of_embree.iter().take(1)) {
-            let met = |hit: Option<Hit>| hit.map(|hit| is_met(case.geometry(), &case.ray(index_of(v)), hit));
-            println!("  {} {} says {:?} (met: {:?}), it is {:?}", v.address, v.backend.name(), v.said, met(v.said), v.truth);
+            let met = v.said.map(|hit| is_met(case.geometry(), &case.ray(v.index), hit));
+            println!("  {} {} says {:?} (met: {met:?}), it is {:?}", address(v), v.backend.name(), v.said, v.truth);
         }
-        ours.extend(of_obvhs.into_iter().map(|v| v.address));
+        ours.extend(of_obvhs.iter().map(address));
     }
     assert!(
         ours.is_empty(),
@@ -142,9 +141,4 @@ fn where_backends_differ_ours_is_right() {
         &ours[..ours.len().min(20)],
         title((Backend::Obvhs, Build::Robust))
     );
-}
-
-/// The index in an address.
-fn index_of(verdict: &Verdict) -> u64 {
-    verdict.address.rsplit(':').next().and_then(|index| index.parse().ok()).expect("an address")
 }

@@ -1,9 +1,9 @@
 //! Small scenes and random rays.
 
+use etendue::accel::hard_cases::sphere;
 use etendue::accel::{Accel, Backend, Build};
 use etendue::geometry::{Attributes, Geometry, Object, Ray, TriangleMesh};
 use glam::{Affine3A, Mat3, Quat, Vec3};
-use std::collections::HashMap;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
@@ -58,44 +58,8 @@ pub(crate) fn triangle() -> Arc<TriangleMesh> {
 
 /// An icosahedron whose faces are split into four `levels` times, its vertices on a sphere.
 pub(crate) fn icosphere(levels: u32, radius: f32, center: Vec3) -> Arc<TriangleMesh> {
-    let g = (1.0 + 5.0f32.sqrt()) / 2.0;
-    let mut points: Vec<Vec3> = (0..3)
-        .flat_map(|axis| [(1.0, g), (1.0, -g), (-1.0, g), (-1.0, -g)].map(|(a, b)| rotated([0.0, a, b], axis).normalize()))
-        .collect();
-    let near = |a: Vec3, b: Vec3| a.distance(b) < 1.2;
-    let mut faces = Vec::new();
-    for (i, j, k) in (0..12).flat_map(|i| (i + 1..12).flat_map(move |j| (j + 1..12).map(move |k| (i, j, k)))) {
-        let (a, b, c) = (points[i], points[j], points[k]);
-        if near(a, b) && near(b, c) && near(c, a) {
-            let outward = (b - a).cross(c - a).dot(a) > 0.0;
-            let [i, j, k] = [i, j, k].map(|n| n as u32);
-            faces.push(if outward { [i, j, k] } else { [i, k, j] });
-        }
-    }
-    for _ in 0..levels {
-        faces = split(&mut points, &faces);
-    }
-    mesh(points.into_iter().map(|p| center + p * radius).collect(), faces)
-}
-
-fn rotated(p: [f32; 3], axis: usize) -> Vec3 {
-    Vec3::new(p[axis % 3], p[(axis + 1) % 3], p[(axis + 2) % 3])
-}
-
-fn split(points: &mut Vec<Vec3>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let mut middles = HashMap::new();
-    let mut middle = |a: u32, b: u32| {
-        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-            points.push((points[a as usize] + points[b as usize]).normalize());
-            points.len() as u32 - 1
-        })
-    };
-    let mut finer = Vec::new();
-    for &[a, b, c] in faces {
-        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
-        finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-    }
-    finer
+    let (positions, triangles) = sphere(levels, radius, center);
+    mesh(positions, triangles)
 }
 
 /// Objects of one mesh each.

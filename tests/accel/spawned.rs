@@ -1,5 +1,6 @@
 //! Rays that leave a surface do not meet it again, at any scale, and pass nothing that lies close to it.
 
+use crate::deep::deep;
 use crate::scenes::{Random, built, each, icosphere, mesh, scene_of};
 use etendue::accel::{Accel, Backend, Build, Intersector, hard_cases};
 use etendue::geometry::{Geometry, Hit, Opaque, Ray, Triangle, spawn_ray};
@@ -14,7 +15,7 @@ const TRIANGLES: u64 = 1000;
 const GAP: f32 = 5.5;
 
 fn rays_each() -> usize {
-    if std::env::var("ETENDUE_TEST_DEEP").is_ok_and(|v| v == "1") { 1000 } else { 100 }
+    if deep() { 1000 } else { 100 }
 }
 
 /// A number from 1e-8 to 1e8.

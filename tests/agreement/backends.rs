@@ -1,6 +1,7 @@
 //! Embree and obvhs on real scenes: the same surfaces at the pixel centres but for ties, and the same pictures.
 
-use crate::picture::{Shot, agree, deep, render};
+use crate::deep::deep;
+use crate::picture::{Shot, agree, render};
 use etendue::accel::{Backend, Build};
 use etendue::geometry::{Ray, SurfacePoint};
 use etendue::integrator::Method;

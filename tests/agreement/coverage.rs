@@ -1,7 +1,7 @@
 //! Do the error bars hold what they say? Many renders of one scene that differ in the seed alone; the truth is what they
 //! agree on. A stated 95 % interval fails where the number of renders that it covers in rejects every rate from 93 to 97 %.
 
-use crate::picture::deep;
+use crate::deep::deep;
 use crate::references::load;
 use etendue::film::{Film, Filter, ImageError, Layout, PassFilm, Plane};
 use etendue::integrator::{self, Method, Options};

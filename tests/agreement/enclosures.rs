@@ -1,6 +1,7 @@
 //! Closed rooms: what leaves a wall comes back, so that radiance is known exactly.
 
-use crate::picture::{Shot, about, deep, expect, render, scene, scene_under};
+use crate::deep::deep;
+use crate::picture::{Shot, about, expect, render, scene, scene_under};
 use crate::studio::{Ball, add_room, add_square, camera, glass, matte, metal, narrow, point_light};
 use etendue::accel::Backend;
 use etendue::integrator::Method;

@@ -13,7 +13,8 @@
 //! glass lose light between their facets by an amount that depends on the angle, which no material here emits: they are in
 //! `rough_bodies.rs`.
 
-use crate::picture::{Block, Picture, Shot, deep, limit, render, scene_under};
+use crate::deep::deep;
+use crate::picture::{Block, Picture, Shot, limit, render, scene_under};
 use crate::random::Random;
 use crate::studio::{Ball, add, add_square, camera, glass, matte, metal};
 use etendue::accel::Backend;

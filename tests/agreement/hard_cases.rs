@@ -1,8 +1,9 @@
 //! Whole renders at the edges of arithmetic: distances of 1e11 between the smallest and the largest thing, triangles a
 //! million times as long as they are wide.
 
+use crate::deep::deep;
 use crate::lamps::{FAR, add_sun};
-use crate::picture::{Shot, about, agree, deep, expect, render, render_guarded, scene_under};
+use crate::picture::{Shot, about, agree, expect, render, render_guarded, scene_under};
 use crate::studio::{Ball, add, add_room, add_square, camera, matte, metal, narrow};
 use etendue::accel::Backend;
 use etendue::integrator::Method;

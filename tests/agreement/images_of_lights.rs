@@ -1,7 +1,8 @@
 //! Lights seen by mirrors, through glass and over polygons: irradiances known on paper (light-transport.md, section 3.2).
 
+use crate::deep::deep;
 use crate::lamps::{ground, reflected};
-use crate::picture::{Picture, Shot, about, deep, expect, render, scene, scene_under, verdict};
+use crate::picture::{Picture, Shot, about, expect, render, scene, scene_under, verdict};
 use crate::random::Random;
 use crate::studio::{Ball, add, add_box, add_square, camera, glass, matte, metal, narrow};
 use etendue::accel::Backend;

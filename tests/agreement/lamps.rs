@@ -1,6 +1,7 @@
 //! Lamps of known irradiance on a small matte patch: spheres, specks, the sun.
 
-use crate::picture::{Shot, about, deep, expect, render, scene_under};
+use crate::deep::deep;
+use crate::picture::{Shot, about, expect, render, scene_under};
 use crate::studio::{Ball, add, add_square, camera, matte, narrow};
 use etendue::accel::Backend;
 use etendue::integrator::Method;

@@ -3,6 +3,8 @@
 //! Every judgement is a hypothesis test whose level is said where it is made; seeds are fixed, so a right renderer never
 //! fails by chance twice. `ETENDUE_TEST_DEEP=1` runs the long versions (`make test-deep`).
 
+#[path = "../support/deep.rs"]
+mod deep;
 #[allow(dead_code, reason = "tests/sampling uses what is not used here")]
 #[path = "../support/random.rs"]
 mod random;

@@ -181,8 +181,3 @@ pub(crate) fn expect(picture: &Picture, range: [f64; 2], planted: f64, what: &st
 pub(crate) fn about(x: f64, by: f64) -> [f64; 2] {
     [x * (1.0 - by), x * (1.0 + by)]
 }
-
-/// Whether the long versions run.
-pub(crate) fn deep() -> bool {
-    std::env::var_os("ETENDUE_TEST_DEEP").is_some_and(|v| v != "0")
-}

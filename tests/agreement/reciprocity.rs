@@ -5,7 +5,8 @@
 //! The pinhole is six cameras of 90 degrees. Paths that leave the pinhole or the light over a mirror would be found from one side
 //! only, so everything here is rough. Shading normals are not reciprocal in themselves: there are none.
 
-use crate::picture::{Block, Shot, deep, limit, render, scene};
+use crate::deep::deep;
+use crate::picture::{Block, Shot, limit, render, scene};
 use crate::studio::{Ball, add_square, camera, glass, matte, metal, point_light};
 use etendue::integrator::Method;
 use etendue::scene::description::{Camera, Description, Material, Projection};

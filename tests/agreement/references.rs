@@ -1,6 +1,7 @@
 //! The scenes in scenes/ against converged images of other renderers.
 
-use crate::picture::{Picture, Shot, agree, deep, limit, render};
+use crate::deep::deep;
+use crate::picture::{Picture, Shot, agree, limit, render};
 use etendue::integrator::Method;
 use etendue::io::{exr, gltf};
 use etendue::render::{Choices, Stage};

@@ -1,7 +1,8 @@
 //! Rough surfaces in a white furnace: a convex body between black walls of radiance 1 scatters every path once, so that it shows
 //! its directional albedo, which quadrature knows.
 
-use crate::picture::{Shot, about, deep, expect, render, scene};
+use crate::deep::deep;
+use crate::picture::{Shot, about, expect, render, scene};
 use crate::studio::{Ball, add_room, camera, matte, metal};
 use etendue::bsdf::Ggx;
 use etendue::bsdf::albedo::{ERROR, moments};

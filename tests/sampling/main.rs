@@ -8,6 +8,8 @@
 mod backward;
 #[path = "../support/chi_square.rs"]
 mod chi_square;
+#[path = "../support/deep.rs"]
+mod deep;
 #[path = "../support/quadrature.rs"]
 mod quadrature;
 #[path = "../support/random.rs"]

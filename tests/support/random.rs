@@ -1,5 +1,7 @@
 //! Numbers for tests: each a pure function of a seed and an index, by the finaliser of SplitMix64 [Steele14].
 
+use crate::deep::deep;
+
 /// A stream of independent uniform numbers.
 pub(crate) struct Random {
     state: u64,
@@ -37,6 +39,5 @@ fn mix(mut z: u64) -> u64 {
 
 /// `shallow` samples in everyday tests; a hundred times as many with `ETENDUE_TEST_DEEP=1`.
 pub(crate) fn samples(shallow: u32) -> u32 {
-    let deep = std::env::var("ETENDUE_TEST_DEEP").is_ok_and(|v| v == "1");
-    if deep { 100 * shallow } else { shallow }
+    if deep() { 100 * shallow } else { shallow }
 }

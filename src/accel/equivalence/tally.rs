@@ -77,12 +77,13 @@ impl Tally {
         is_closed: bool,
     ) {
         let (closest, occluded) = (subject.closest(ray, &Opaque), subject.occluded(ray, &Opaque));
-        let mut found = agreement(geometry, ray, closest, reference.closest(ray, &Opaque));
-        if occluded != closest.is_some() {
+        let expected = reference.closest(ray, &Opaque);
+        let found = if occluded == closest.is_some() {
+            agreement(geometry, ray, closest, expected)
+        } else {
             // Where only the other query hit, its triangle is not known, but what the reference hit is the best guess.
-            let met = closest.or_else(|| reference.closest(ray, &Opaque));
-            found = if met.is_none() { Agreement::Different } else { agreement(geometry, ray, met, None) };
-        }
+            closest.or(expected).map_or(Agreement::Different, |met| agreement(geometry, ray, Some(met), None))
+        };
         let is_leak = is_closed && (closest.is_none() || !occluded);
         self.rays += 1;
         self.hits += u64::from(closest.is_some());

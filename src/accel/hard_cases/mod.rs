@@ -17,10 +17,13 @@ mod placements;
 mod shapes;
 mod soups;
 
+pub use shapes::{Faces, sphere};
+
 use crate::accel::equivalence::{Category, Tally};
 use crate::accel::{Accel, Backend, Build};
 use crate::error::Result;
 use crate::geometry::{Geometry, Hit, Ray};
+use clap::ValueEnum;
 use glam::Vec3;
 use numbers::Numbers;
 use rayon::prelude::*;
@@ -55,7 +58,7 @@ impl HardCase {
         geometry: Geometry,
         draw: impl Fn(&Geometry, &mut Numbers) -> Ray + Send + Sync + 'static,
     ) -> Self {
-        HardCase { name, is_closed: true, geometry, draw: Box::new(draw) }
+        HardCase { is_closed: true, ..HardCase::open(name, geometry, draw) }
     }
 
     /// What it is called in tables and addresses.
@@ -119,13 +122,8 @@ pub fn reference() -> (Backend, Build) {
 
 /// A backend and its build as tables name them, such as `embree-fast`.
 pub fn title((backend, build): (Backend, Build)) -> String {
-    let build = match build {
-        Build::Fast => "fast",
-        Build::Robust => "robust",
-        Build::Compact => "compact",
-        Build::High => "high",
-    };
-    format!("{}-{build}", backend.name())
+    let build = build.to_possible_value();
+    format!("{}-{}", backend.name(), build.as_ref().map_or("", |value| value.get_name()))
 }
 
 /// Every case, in the order of reports.

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Positions and triangles.
-pub(super) type Faces = (Vec<Vec3>, Vec<[u32; 3]>);
+pub type Faces = (Vec<Vec3>, Vec<[u32; 3]>);
 
 /// A mesh of faces that are known to be valid.
 pub(super) fn mesh((positions, triangles): Faces) -> Arc<TriangleMesh> {
@@ -29,7 +29,7 @@ pub(super) fn instances(shape: Faces, placements: Vec<Affine3A>) -> Geometry {
 }
 
 /// An icosahedron whose 20 faces are cut into four `levels` times, its vertices moved onto the sphere; wound outward.
-pub(super) fn sphere(levels: u32, radius: f32, center: Vec3) -> Faces {
+pub fn sphere(levels: u32, radius: f32, center: Vec3) -> Faces {
     let golden = (1.0 + 5.0f32.sqrt()) / 2.0;
     let corners = |axis: usize| {
         [(1.0, golden), (1.0, -golden), (-1.0, golden), (-1.0, -golden)].map(|(a, b)| {
