@@ -11,6 +11,9 @@ use etendue::transport::Transport;
 
 const ALPHAS: [f32; 6] = [1e-4, 1e-3, 0.01, 0.05, 0.3, 1.0];
 
+/// By how much a planted model is not reciprocal.
+const PLANTED: f64 = 1e-3;
+
 /// f(a → b) / η_b² in light flow.
 fn reduced(model: &Model, a: Local<f64>, b: Local<f64>) -> f64 {
     let index = if b.z > 0.0 { 1.0 } else { f64::from(model.eta) };
@@ -33,12 +36,17 @@ fn partner(model: &Model, a: Local, i: u32, random: &mut Random) -> Option<Local
     }
 }
 
-/// Whether the values of a pair agree up to the rounding of f64 that [`range`] bounds; `None` where they are zero or not resolved.
+/// Whether the values of a pair agree up to the rounding of f64 that [`range`] bounds on either way; `None` where they are zero or
+/// not resolved. Both ways have a range, since they are different functions of directions whose length is not quite one: one takes
+/// the cosine of wi to the half vector and the other that of wo, which along the surface moves them apart.
 fn reciprocal(model: &Model, [a, b]: [Local; 2], factor: f64) -> Option<bool> {
-    let [a, b] = [a, b].map(|w| w.cast::<f64>().normalized());
-    let [low, high] = range([a, b], f64::EPSILON, model.base, |a, b| reduced(model, b, a))?;
-    let forth = factor * reduced(model, a, b);
-    (forth > 0.0).then_some((low..=high).contains(&forth))
+    let pair = [a, b].map(|w| w.cast::<f64>().normalized());
+    let [back_low, back_high] = range(pair, f64::EPSILON, model.base, |a, b| reduced(model, b, a))?;
+    if back_high - back_low > 0.25 * PLANTED * back_high {
+        return None; // under a layer that reflects nearly all, what is left is a difference of rounded numbers
+    }
+    let [low, high] = range(pair, f64::EPSILON, model.base, |a, b| factor * reduced(model, a, b))?;
+    (high > 0.0).then_some(low <= back_high && back_low <= high)
 }
 
 #[test]
@@ -53,9 +61,8 @@ fn every_model_is_reciprocal_along_the_surface_and_within_its_lobes() {
             let Some(right) = reciprocal(&model, [a, b], 1.0) else { continue };
             assert!(right, "{} {a:?} {b:?}", model.name);
             compared += 1;
-            // Planted: one part in a thousand.
-            convicted += u32::from(reciprocal(&model, [a, b], 1.001) == Some(false));
+            convicted += u32::from(reciprocal(&model, [a, b], 1.0 + PLANTED) == Some(false));
         }
-        assert!(compared >= samples(100) && convicted * 10 > compared * 9, "{}: {compared}, {convicted}", model.name);
+        assert!(compared >= samples(100) && convicted == compared, "{}: {compared}, {convicted}", model.name);
     }
 }

@@ -46,7 +46,11 @@ fn sampling_undoes_inversion() {
                 })
             });
             let slack = DIRECTION + moved.as_flattened().iter().sum::<f64>();
-            let back = again(u).unwrap_or_else(|| panic!("{}: {u:?} of {other:?} samples nothing", model.name));
+            let Some(back) = again(u) else {
+                let is_along_the_surface = f64::from(other.z.abs()) < slack; // rounding takes it to the other side
+                assert!(is_along_the_surface, "{}: {u:?} of {other:?} samples nothing", model.name);
+                continue;
+            };
             assert!(distance(back, other) < slack, "{}: {other:?} became {back:?} by {u:?} ({slack})", model.name);
         }
     }
