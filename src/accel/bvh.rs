@@ -11,6 +11,7 @@
 //! Limits: triangles are still, coordinates are at most 1.8e18, and directions so short that 1/|d| overflows meet nothing.
 
 mod block;
+pub mod cwbvh;
 mod plant;
 mod ray;
 mod tree;
