@@ -34,7 +34,7 @@ pub(in crate::cli) struct Args {
     /// Rounds, each of which measures everything once; 0 compares hits alone
     #[arg(long, default_value_t = 9, value_name = "N")]
     rounds: u32,
-    /// About how many rays are recorded at most: a pass that would trace more is made with fewer pixels of the same view. 120
+    /// About how many rays are recorded at most: a pass that would trace more is made with fewer pixels of the same view. 100
     /// bytes each
     #[arg(long, default_value_t = 2_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     rays: u64,

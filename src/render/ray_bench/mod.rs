@@ -70,6 +70,8 @@ struct Field {
     counted: Option<RayCounts>,
     rows: Vec<Row>,
     left_out: Vec<String>,
+    /// One for each number of threads.
+    pools: Vec<rayon::ThreadPool>,
 }
 
 /// Measures, and writes `report.json`, `rates.csv`, `categories.csv` and `index.html` where a folder was asked for. Call it from
@@ -132,7 +134,7 @@ fn measured(request: &Request, subject: Subject, note: &mut dyn FnMut(&str)) -> 
     let categories = compare::streams(field.stage.scene.geometry(), &field.stream, &field.rows);
     for round in 0..request.rounds {
         note(&format!("{name}: round {} of {}", round + 1, request.rounds));
-        field = field.timed(round)?;
+        field = field.timed(round);
     }
     Ok((field.rates(), categories))
 }
@@ -145,14 +147,15 @@ impl Field {
         let groups = stream.groups().len();
         let pace = |&threads: &usize| Pace { threads, raw: Vec::new(), groups: vec![Vec::new(); groups], render: Vec::new() };
         rows.iter_mut().for_each(|row| row.paces = request.threads.iter().map(pace).collect());
-        Ok(Field { stage, view, stream, counted, rows, left_out })
+        let pools = request.threads.iter().map(|&threads| record::pool(threads)).collect::<Result<Vec<_>>>()?;
+        Ok(Field { stage, view, stream, counted, rows, left_out, pools })
     }
 
     /// One more round: pass 0 is the recorded one, and each round renders another.
-    fn timed(mut self, round: u32) -> Result<Field> {
-        let (groups, pass) = (self.stream.groups(), u64::from(round) + 1);
-        let stage = row::round(self.stage, &self.view, &self.stream, &groups, &mut self.rows, pass)?;
-        Ok(Field { stage, ..self })
+    fn timed(mut self, round: u32) -> Field {
+        let pass = u64::from(round) + 1;
+        let stage = row::round(self.stage, &self.view, &self.stream, &mut self.rows, &self.pools, pass);
+        Field { stage, ..self }
     }
 
     fn rates(&self) -> SceneRates {

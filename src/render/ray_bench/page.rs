@@ -14,7 +14,7 @@ const LEAD: &str = "Rays of one render pass, recorded and replayed with nothing 
     brackets hold the slowest and the fastest round.";
 
 const NOTES: [&str; 8] = [
-    "All is what was recorded, in the order of the render; the classes are replayed each by itself. camera: from the camera. bounce-n: \
+    "Raw is all that was recorded, replayed in the order of the render; the classes are replayed each by itself. camera: from the camera. bounce-n: \
      from the n-th scattering event of a path. shadow: toward lights; it is only asked whether there is anything.",
     "Rows take turns within every measurement, so that whatever else the machine does falls on all of them.",
     "In the render: rays that a pass counts over its wall-clock time, which has everything in it that is not ray tracing. The share is \
@@ -64,44 +64,54 @@ fn section(scene: &SceneRates, found: &[&CategoryRow], report: &RaysReport) -> M
     }
 }
 
+/// Two tables: what decides, and the classes.
 fn rates(scene: &SceneRates) -> Markup {
-    let classes = scene.classes.iter().map(|class| class.name.as_str());
-    let head =
-        ["", "threads", "all"].into_iter().chain(classes).chain(["in the render", "share", "built in", "bytes / triangle"]);
-    let head: Vec<String> = head.map(String::from).collect();
-    let cell = |digits: usize, rate: Option<Rate>| {
-        rate.map_or("–".into(), |r| format!("{:.digits$} [{:.digits$}, {:.digits$}]", r.median, r.least, r.most))
+    let lines = |line: &dyn Fn(&RowRates, &PaceRates) -> Vec<String>| -> Vec<Vec<String>> {
+        scene.rows.iter().flat_map(|row| row.paces.iter().map(move |pace| line(row, pace))).collect()
     };
-    let line = |row: &RowRates, pace: &PaceRates| {
-        let mut line = vec![row.backend.clone(), pace.threads.to_string(), cell(2, Some(pace.raw))];
-        line.extend(pace.classes.iter().map(|class| cell(2, Some(class.rate))));
-        line.extend([cell(2, pace.render), cell(3, pace.share)]);
-        line.extend([format!("{:.3} s", row.build_seconds), format!("{:.0}", row.bytes_per_triangle)]);
-        line
-    };
-    let lines: Vec<Vec<String>> = scene.rows.iter().flat_map(|row| row.paces.iter().map(move |pace| line(row, pace))).collect();
-    table("Million rays per second", &head, &lines)
+    let all = lines(&|row, pace| {
+        let built = [format!("{:.3} s", row.build_seconds), format!("{:.0}", row.bytes_per_triangle)];
+        let rates = [cell(2, Some(pace.raw)), cell(2, pace.render), cell(3, pace.share)];
+        [row.backend.clone(), pace.threads.to_string()].into_iter().chain(rates).chain(built).collect()
+    });
+    let classes = lines(&|row, pace| {
+        let rates = pace.classes.iter().map(|class| cell(2, Some(class.rate)));
+        [row.backend.clone(), pace.threads.to_string()].into_iter().chain(rates).collect()
+    });
+    let head = ["", "threads", "raw", "in the render", "share", "built in", "bytes / triangle"].map(String::from);
+    let names = scene.classes.iter().map(|class| class.name.clone());
+    let class_head: Vec<String> = ["", "threads"].map(String::from).into_iter().chain(names).collect();
+    html! {
+        (table("Million rays per second", &head, &all))
+        (table("Million rays per second, raw, each class by itself", &class_head, &classes))
+    }
 }
 
-/// Rates over threads: colour by row, dashes for the render.
+/// A rate with its spread.
+fn cell(digits: usize, rate: Option<Rate>) -> String {
+    rate.map_or("–".into(), |r| format!("{:.digits$} [{:.digits$}, {:.digits$}]", r.median, r.least, r.most))
+}
+
+/// Rates over threads, a colour for each row.
 fn scaling(scene: &SceneRates) -> Markup {
-    let series = |(hue, row): (usize, &RowRates)| {
-        let line = |label: &str, dash: usize, of: fn(&PaceRates) -> Option<Rate>| {
+    let series = |of: fn(&PaceRates) -> Option<Rate>| -> Vec<Series> {
+        let line = |(hue, row): (usize, &RowRates)| {
             let points = row.paces.iter().filter_map(|pace| Some((pace.threads as f64, of(pace)?)));
             let (curve, band) = points.map(|(x, rate)| ([x, rate.median], [rate.least, rate.most])).unzip();
-            Series { label: format!("{}, {label}", row.backend), hue, dash, curve, band }
+            Series { label: row.backend.clone(), hue, dash: 0, curve, band }
         };
-        [line("raw", 0, |pace| Some(pace.raw)), line("in the render", 1, |pace| pace.render)]
+        scene.rows.iter().enumerate().map(line).collect()
     };
-    let series: Vec<Series> = scene.rows.iter().enumerate().flat_map(series).filter(|s| !s.curve.is_empty()).collect();
-    let title =
-        format!("{}: million rays per second against threads, both logarithmic. The numbers are in the table above.", scene.name);
-    let plot = Plot { title: &title, x: "threads", y: "Mrays/s", series: &series, guide: Some(1.0) };
+    let figure = |y: &str, series: &[Series]| {
+        let title = format!("{}: {y} against threads, both logarithmic. The numbers are in the table above.", scene.name);
+        html! { figure { (Plot { title: &title, x: "threads", y, series, guide: Some(1.0) }.draw()) } }
+    };
+    let (raw, render) = (series(|pace| Some(pace.raw)), series(|pace| pace.render));
     html! {
         h3 { "Threads" }
-        p.soft { "The dotted line would be twice the rate with twice the threads." }
-        (key(&series))
-        div.grid { figure { (plot.draw()) } }
+        p.soft { "Dotted: twice the rate with twice the threads." }
+        (key(&raw))
+        div.grid { (figure("Mrays/s raw", &raw)) (figure("Mrays/s in the render", &render)) }
     }
 }
 
@@ -109,9 +119,10 @@ fn hits(caption: &str, found: &[&CategoryRow]) -> Markup {
     let head = ["", "backend", "beside", "rays", "hits", "ties", "grazes", "true differences", "leaks"].map(String::from);
     let line = |row: &&CategoryRow| {
         let (category, tally) = (&row.category, &row.category.tally);
-        let counts = [tally.rays, tally.hits, tally.ties, tally.grazes, tally.true_differences, tally.leaks];
+        let counts = [tally.rays, tally.hits, tally.ties, tally.grazes, tally.true_differences];
         let mut line = vec![category.name.clone(), category.backend.clone(), category.reference.clone()];
         line.extend(counts.map(|count| count.to_string()));
+        line.push(if row.scene.is_some() { "–".into() } else { tally.leaks.to_string() });
         line
     };
     let suspects: Vec<&&CategoryRow> = found.iter().filter(|row| !row.addresses.is_empty()).collect();

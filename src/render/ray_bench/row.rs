@@ -1,7 +1,7 @@
 //! What is measured: a backend with a build, or obvhs's CWBVH, and the times of its rounds.
 
-use super::record::{View, pool};
-use super::stream::{Group, Stream};
+use super::record::View;
+use super::stream::Stream;
 use crate::accel::bvh::cwbvh::Cwbvh;
 use crate::accel::hard_cases::title;
 use crate::accel::{Accel, Backend, Build, Intersector, Question};
@@ -12,8 +12,8 @@ use crate::render::machine::Stopwatch;
 use rayon::prelude::*;
 use std::hint::black_box;
 
-/// Questions that one task asks.
-const CHUNK: usize = 4096;
+/// Questions that one task asks: few enough to keep all threads busy with a small class.
+const CHUNK: usize = 512;
 
 /// Streams shorter than this are asked several times in a row, or the clock would be what is measured.
 const FEWEST: usize = 1 << 14;
@@ -103,29 +103,23 @@ fn exchanged(stage: Stage, accel: &mut Accel) -> Stage {
 
 fn rate(accel: &impl Intersector, questions: &[Question], places: &[u32]) -> f64 {
     let times = FEWEST.div_ceil(places.len().max(1));
+    let hits = |chunk: &[u32]| chunk.iter().filter(|&&place| questions[place as usize].ask(accel)).count();
     let clock = Stopwatch::start();
-    for _ in 0..times {
-        let hits = |chunk: &[u32]| chunk.iter().filter(|&&place| questions[place as usize].ask(accel)).count();
-        black_box(places.par_chunks(CHUNK).map(hits).sum::<usize>());
-    }
+    black_box((0..times).into_par_iter().map(|_| places.par_chunks(CHUNK).map(hits).sum::<usize>()).sum::<usize>());
     (times * places.len()) as f64 / MILLION / clock.wall().as_secs_f64()
 }
 
-/// Times everything once: for each number of threads, all rays, each group and a pass, and for each of these all rows in turn.
-///
-/// # Errors
-/// An internal error if threads cannot be started.
+/// Times everything once: for each pool of threads, all rays, each group and a pass, and for each of these all rows in turn.
 pub(super) fn round(
     mut stage: Stage,
     view: &View,
     stream: &Stream,
-    groups: &[Group],
     rows: &mut [Row],
+    pools: &[rayon::ThreadPool],
     pass: u64,
-) -> Result<Stage> {
-    let everything: Vec<u32> = (0..stream.questions.len() as u32).collect();
-    for at in 0..rows.first().map_or(0, |row| row.paces.len()) {
-        let pool = pool(rows[0].paces[at].threads)?;
+) -> Stage {
+    let (everything, groups) = ((0..stream.questions.len() as u32).collect::<Vec<_>>(), stream.groups());
+    for (at, pool) in pools.iter().enumerate() {
         for row in rows.iter_mut() {
             let rate = pool.install(|| row.rate(stream, &everything));
             row.paces[at].raw.push(rate);
@@ -142,5 +136,5 @@ pub(super) fn round(
             row.paces[at].render.extend(rendered.1);
         }
     }
-    Ok(stage)
+    stage
 }
