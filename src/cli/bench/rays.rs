@@ -1,6 +1,7 @@
 //! `etendue bench rays`: how fast rays are answered, and whether all backends answer the same.
 
 use super::{command, scene_name, unique};
+use crate::accel::equivalence::Tally;
 use crate::accel::{Backend, Build};
 use crate::cli::args::SceneArgs;
 use crate::cli::{Console, startup};
@@ -9,6 +10,9 @@ use crate::render::Choices;
 use crate::render::machine;
 use crate::render::ray_bench::{self, Address, CategoryRow, PaceRates, Rate, RaysReport, Request, RowRates, SceneRates, Subject};
 use std::path::PathBuf;
+
+/// Addresses on a line; reports have more.
+const MOST_SHOWN: usize = 3;
 
 /// Arguments of `bench rays`.
 #[derive(Debug, clap::Args)]
@@ -141,13 +145,15 @@ fn lines(report: &RaysReport) -> Vec<String> {
     let mut lines = Vec::new();
     for scene in &report.scenes {
         lines.extend(rate_lines(scene, report.rounds));
-        lines.push(format!("{}: what is hit", scene.name));
-        lines.extend(report.categories.iter().filter(|row| row.scene.as_ref() == Some(&scene.name)).map(hit_line));
+        let found: Vec<_> = report.categories.iter().filter(|row| row.scene.as_ref() == Some(&scene.name)).collect();
+        lines.push(format!("{}: what is hit, all classes together", scene.name));
+        lines.extend(scene.rows.iter().map(|row| scene_hits(&row.backend, &found)));
     }
-    let hard: Vec<String> = report.categories.iter().filter(|row| row.scene.is_none()).map(hit_line).collect();
+    let hard: Vec<_> = report.categories.iter().filter(|row| row.scene.is_none()).collect();
     if !hard.is_empty() {
-        lines.push("hard cases: what is hit".into());
-        lines.extend(hard);
+        let wrong: Vec<String> = hard.iter().filter(|row| !row.addresses.is_empty()).map(|row| hard_hits(row)).collect();
+        lines.push(format!("hard cases: {} of {} rows have true differences or leaks", wrong.len(), hard.len()));
+        lines.extend(wrong);
     }
     lines
 }
@@ -182,14 +188,28 @@ fn pace_lines(row: &RowRates, pace: &PaceRates) -> Vec<String> {
     ]
 }
 
-fn hit_line(row: &CategoryRow) -> String {
+/// What a row hits in a scene; classes are told apart by the report.
+fn scene_hits(backend: &str, found: &[&CategoryRow]) -> String {
+    let rows: Vec<_> = found.iter().filter(|row| row.category.backend == backend).collect();
+    let sum = |of: fn(&Tally) -> u64| rows.iter().map(|row| of(&row.category.tally)).sum::<u64>();
+    let [rays, hits, ties, grazes, differences] =
+        [sum(|t| t.rays), sum(|t| t.hits), sum(|t| t.ties), sum(|t| t.grazes), sum(|t| t.true_differences)];
+    let beside = rows.first().map_or("", |row| &row.category.reference);
+    let addresses: Vec<&str> = rows.iter().flat_map(|row| &row.addresses).map(String::as_str).collect();
+    let counts = format!("{hits} hits of {rays} rays, {ties} ties, {grazes} grazes, {differences} true differences");
+    format!("  {backend:15} beside {beside}: {counts}{}", again(&addresses))
+}
+
+fn hard_hits(row: &CategoryRow) -> String {
     let (category, tally) = (&row.category, &row.category.tally);
-    let mut line = format!(
-        "  {:20} {:15} {:>9} rays, {} ties, {} grazes, {} true differences, {} leaks",
-        category.name, category.backend, tally.rays, tally.ties, tally.grazes, tally.true_differences, tally.leaks
-    );
-    if !row.addresses.is_empty() {
-        line.push_str(&format!(": --replay {}", row.addresses.join(" ")));
-    }
-    line
+    let counts = format!("{} true differences, {} leaks of {} rays", tally.true_differences, tally.leaks, tally.rays);
+    let addresses: Vec<&str> = row.addresses.iter().map(String::as_str).collect();
+    format!("  {:20} {:15} {counts}{}", category.name, category.backend, again(&addresses))
+}
+
+/// How the rays at `addresses` can be asked again, if there are any.
+fn again(addresses: &[&str]) -> String {
+    let (shown, more) = addresses.split_at(addresses.len().min(MOST_SHOWN));
+    let more = if more.is_empty() { "" } else { " …" };
+    if shown.is_empty() { String::new() } else { format!(": --replay {}{more}", shown.join(" or ")) }
 }

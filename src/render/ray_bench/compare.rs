@@ -82,3 +82,42 @@ pub(super) fn hard(setups: &[(Backend, Build)], rays: u64, threads: usize) -> Re
     let categories = hard_cases::categories(setups, rays, threads)?;
     Ok(categories.into_iter().map(|category| CategoryRow::new(None, category)).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Query, Question, RayClass};
+    use crate::stats::test_random::Random;
+    use glam::Vec3;
+
+    /// Streams may hold any bits: nothing panics, and what has no finite origin and direction hits nothing, whoever is asked.
+    #[test]
+    fn rays_of_any_bits_can_be_compared() {
+        let case = hard_cases::by_name("random").unwrap();
+        let backends = Backend::AVAILABLE.iter().map(|&backend| Row::of_backend(case.geometry(), (backend, Build::Robust), 1));
+        let rows: Vec<Row> = backends.chain([Row::of_cwbvh(case.geometry())]).collect::<Result<_>>().unwrap();
+        let mut random = Random::new(1);
+        let question = |i: u32| {
+            let mut bits = || f32::from_bits((random.uniform() * f64::from(u32::MAX)) as u32);
+            let mut vector = || Vec3::new(bits(), bits(), bits());
+            let (mut origin, mut direction) = (Vec3::ZERO, vector());
+            match i % 3 {
+                0 => origin = vector(),
+                1 => origin[(i / 3) as usize % 3] = f32::NAN,
+                _ => direction[(i / 3) as usize % 3] = f32::INFINITY,
+            }
+            let (t_min, t_max) = (bits().abs(), bits());
+            // Camera rays may be rays, the others are none.
+            let class = if i % 3 == 0 { RayClass::Camera } else { RayClass::Shadow };
+            Question { ray: Ray { t_min, t_max, ..Ray::new(origin, direction) }, query: Query::Closest, class }
+        };
+        let questions = (0..30_000).map(question).collect();
+        let stream = Stream { name: "bits".into(), scene_hash: String::new(), questions };
+        let found = streams(case.geometry(), &stream, &rows);
+        assert_eq!(found.len(), 2 * rows.len());
+        for row in found.iter().filter(|row| row.category.name == "shadow") {
+            let tally = &row.category.tally;
+            assert_eq!((tally.rays, tally.hits, tally.true_differences), (20_000, 0, 0), "{row:?}");
+        }
+    }
+}

@@ -20,7 +20,7 @@ const NOTES: [&str; 8] = [
     "In the render: rays that a pass counts over its wall-clock time, which has everything in it that is not ray tracing. The share is \
      that rate over the raw rate of the same row, number of threads and round.",
     "obvhs-cwbvh is obvhs's own eight-wide compressed tree with its own traversal and triangle test, which lose rays at edges and within \
-     1e-4 of their origin; instances are flattened. It is measured as it is and cannot be rendered with.",
+     1e-4 of their origin; instances are flattened. It is measured on scenes as it is, cannot be rendered with, and is not asked hard cases.",
     "Bytes are those of the structure, for each triangle of distinct meshes. Each structure is built once.",
     "A tie is another triangle at a distance that rounding cannot tell apart, a graze one that is passed within rounding of its edge. \
      Any other difference is a true one: one of the two is wrong.",

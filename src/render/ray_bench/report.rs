@@ -99,7 +99,7 @@ pub struct ClassRate {
 /// A number over some rounds.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Rate {
-    /// The middle one.
+    /// The middle one, or the mean of the two.
     pub median: f64,
     /// That of the slowest round.
     pub least: f64,
@@ -112,7 +112,8 @@ impl Rate {
     fn of(rounds: &[f64]) -> Option<Rate> {
         let mut sorted = rounds.to_vec();
         sorted.sort_by(f64::total_cmp);
-        Some(Rate { median: *sorted.get(sorted.len() / 2)?, least: *sorted.first()?, most: *sorted.last()? })
+        let middle = [(sorted.len().checked_sub(1)?) / 2, sorted.len() / 2].map(|at| sorted[at]);
+        Some(Rate { median: 0.5 * (middle[0] + middle[1]), least: *sorted.first()?, most: *sorted.last()? })
     }
 }
 
@@ -225,6 +226,7 @@ mod tests {
         assert_eq!(numbers(rates.raw), [4.0, 2.0, 8.0]);
         assert_eq!(numbers(rates.classes[0].rate), [2.0, 1.0, 3.0]);
         assert_eq!(numbers(rates.share.unwrap()), [0.5, 0.25, 0.75]);
+        assert_eq!(numbers(Rate::of(&[4.0, 1.0, 3.0, 2.0]).unwrap()), [2.5, 1.0, 4.0]);
         let cannot_render = PaceRates::of(&Pace { render: Vec::new(), ..pace }, &[]).unwrap();
         assert!(cannot_render.render.is_none() && cannot_render.share.is_none());
     }
