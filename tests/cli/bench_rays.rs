@@ -64,6 +64,18 @@ fn rows_are_backends_and_builds_and_classes_are_the_rays_of_the_pass() {
     assert!(place.path("out/index.html").is_file() && place.path("out/report.json").is_file());
 }
 
+#[test]
+fn the_console_has_rates_and_hits_of_every_row() {
+    let ran = Place::new().run(&format!("{} --rounds 1 --backends obvhs --hard-cases --rays-per-case 50", cornell()));
+    assert_eq!(ran.code(), 0, "{}", ran.stderr());
+    let text = ran.stdout();
+    for what in
+        ["median of 1 rounds", "2 threads", "share", "by class: camera", "obvhs-cwbvh", "0 true differences", "rows have true"]
+    {
+        assert!(text.contains(what), "{what}: {text}");
+    }
+}
+
 #[cfg(feature = "embree")]
 #[test]
 fn backends_are_compared_with_embree() {

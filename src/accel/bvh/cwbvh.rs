@@ -132,8 +132,11 @@ fn depth(tree: &CwBvh) -> u32 {
 mod tests {
     use super::*;
     use crate::accel::equivalence::Tally;
-    use crate::accel::hard_cases::by_name;
+    use crate::accel::hard_cases::{by_name, sphere};
     use crate::accel::{Build, bvh};
+    use crate::geometry::{Attributes, Object, Opaque, TriangleMesh};
+    use glam::{Affine3A, Vec3};
+    use std::sync::Arc;
 
     /// It hits what our tree hits, up to ties and grazes, on a soup and on placed spheres; rays that are none hit nothing.
     #[test]
@@ -148,12 +151,27 @@ mod tests {
         }
     }
 
+    fn placed(faces: (Vec<Vec3>, Vec<[u32; 3]>), count: usize) -> Geometry {
+        let mesh = TriangleMesh::new("mesh", faces.0, faces.1, Attributes::default()).expect("valid");
+        let object = Object { mesh: 0, placement: Some(Affine3A::IDENTITY), filtered: false };
+        Geometry { meshes: vec![Arc::new(mesh)], objects: vec![object; count] }
+    }
+
     #[test]
     fn one_triangle_and_none() {
-        let case = by_name("random").expect("a case");
-        let ray = case.ray(0);
-        let nothing = Cwbvh::build(&Geometry::default()).expect("builds");
-        assert!(nothing.closest(&ray, &crate::geometry::Opaque).is_none());
-        assert!(!nothing.occluded(&ray, &crate::geometry::Opaque));
+        let triangle = placed((vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]), 1);
+        let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z);
+        for (geometry, hit) in [(triangle, Some(Hit { object: 0, primitive: 0 })), (Geometry::default(), None)] {
+            let tree = Cwbvh::build(&geometry).expect("builds");
+            assert_eq!((tree.closest(&ray, &Opaque), tree.occluded(&ray, &Opaque)), (hit, hit.is_some()));
+            assert_eq!(tree.closest(&Ray { t_max: 0.5, ..ray }, &Opaque), None);
+        }
+    }
+
+    #[test]
+    fn too_many_instances_are_not_flattened() {
+        let many = placed(sphere(4, 1.0, Vec3::ZERO), 1000);
+        let error = Cwbvh::build(&many).err().expect("too many");
+        assert!(error.kind == Kind::Memory && error.to_string().contains("5120000 triangles"), "{error}");
     }
 }
