@@ -59,7 +59,7 @@ fn every_kept_gltf_loads_or_is_one_sentence() {
 }
 
 #[test]
-fn every_kept_film_image_and_configuration_is_read_or_one_sentence() {
+fn every_kept_film_image_stream_and_configuration_is_read_or_one_sentence() {
     for file in kept("exr") {
         survives(&file, || etendue::io::exr::read(&file));
     }
@@ -74,6 +74,8 @@ fn every_kept_film_image_and_configuration_is_read_or_one_sentence() {
         std::fs::write(&forged, forge(&std::fs::read(&file).expect("a file"))).expect("a written file");
         survives(&file, || etendue::render::film_file::read(&forged));
     }
+    let stream = |file: &PathBuf| survives(file, || etendue::render::ray_bench::stream_file::read(file)).is_some();
+    assert!(kept("rays").iter().filter(|file| stream(file)).count() > 0, "none is read to its end");
 }
 
 /// A film with a right checksum from a header, a NUL and an unpacked body, as the fuzz target makes it.
