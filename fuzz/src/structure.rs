@@ -80,7 +80,7 @@ fn change(json: &mut Value, donor: Value, random: &mut Random) {
         (_, Value::String(_)) => replace(json, &path, Value::from(*random.of(&STRINGS))),
         (4, _) => replace(json, &path, Value::from(*random.of(&INTEGERS))),
         (5, _) => replace(json, parent, donor),
-        (_, Value::Object(_)) => insert(json, &path, random.of(&KEYS), donor),
+        (_, Value::Object(_)) => insert(json, &path, random.of::<&str>(&KEYS), donor),
         (_, value) => insert(json, parent, key, value),
     }
 }

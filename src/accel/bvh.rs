@@ -8,9 +8,10 @@
 //! are widened by the error of that shear (see `ray.rs`). The nearest hit does not depend on the tree: equal distances are
 //! decided by the smaller object and triangle.
 //!
-//! Limits: triangles are still, coordinates are at most 1.8e18, and directions so short that 1/|d| overflows meet nothing.
+//! Limits: triangles are still, coordinates are at most 1.8e18, and of directions shorter than 1e-36 hits are lost.
 
 mod block;
+pub mod cwbvh;
 mod plant;
 mod ray;
 mod tree;

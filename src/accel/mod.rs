@@ -7,9 +7,11 @@ pub mod embree;
 pub mod equivalence;
 pub mod hard_cases;
 mod placed;
+mod ray_class;
 mod recorder;
 
-pub use recorder::{Question, Recorder};
+pub use ray_class::RayClass;
+pub use recorder::{Query, Question, Recorder};
 
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
@@ -116,6 +118,14 @@ impl Accel {
             Accel::Embree(_) => Backend::Embree,
             Accel::Obvhs(_) => Backend::Obvhs,
             Accel::Recorded(recorder) => recorder.inner().backend(),
+        }
+    }
+
+    /// Says what the next rays are for, to a backend that notes its questions; any other does not listen.
+    #[inline]
+    pub fn announce(&self, class: RayClass) {
+        if let Accel::Recorded(recorder) = self {
+            recorder.announce(class);
         }
     }
 

@@ -4,13 +4,15 @@ mod methods;
 mod rays;
 
 use crate::error::Result;
+use crate::render::picture_name;
+use std::path::PathBuf;
 
 /// What is measured.
 #[derive(Debug, clap::Subcommand)]
 pub(super) enum Command {
     /// Measure error against time, methods and backends side by side, and write a page about it
     Methods(Box<methods::Args>),
-    /// Rays per second inside a render, beside the same rays replayed raw
+    /// Measure rays per second of backends and builds, raw and inside a render, and compare what they hit
     Rays(Box<rays::Args>),
 }
 
@@ -18,6 +20,46 @@ pub(super) enum Command {
 pub(super) fn run(command: Command) -> Result<()> {
     match command {
         Command::Methods(args) => methods::run(&args),
-        Command::Rays(args) => rays::run(*args),
+        Command::Rays(args) => rays::run(&args),
+    }
+}
+
+/// What scene `at` is called in reports: its picture's name, with a number if others before it have the same.
+fn scene_name(scenes: &[PathBuf], at: usize) -> String {
+    let name = picture_name(&scenes[at]);
+    let twins = scenes[..at].iter().filter(|other| picture_name(other) == name).count();
+    if twins > 0 { format!("{name}-{}", twins + 1) } else { name }
+}
+
+/// Each of `items` once, in order.
+fn unique<T: Copy + PartialEq>(items: &[T]) -> Vec<T> {
+    let mut unique: Vec<T> = Vec::new();
+    items.iter().for_each(|&item| {
+        if !unique.contains(&item) {
+            unique.push(item);
+        }
+    });
+    unique
+}
+
+/// This process's command line as it is typed into a shell.
+fn command() -> String {
+    typed(std::env::args().skip(1))
+}
+
+fn typed(arguments: impl Iterator<Item = String>) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-+=./:,@%".contains(c);
+    let quoted = |a: String| if !a.is_empty() && a.chars().all(is_plain) { a } else { format!("'{}'", a.replace('\'', r"'\''")) };
+    std::iter::once("etendue".to_owned()).chain(arguments.map(quoted)).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn commands_can_be_typed_again() {
+        let line = ["bench", "my scene.gltf", "--size", "64x64", "it's", ""].map(String::from);
+        assert_eq!(typed(line.into_iter()), r"etendue bench 'my scene.gltf' --size 64x64 'it'\''s' ''");
     }
 }

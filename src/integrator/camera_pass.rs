@@ -60,7 +60,6 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
             let mut numbers = sampler(u64::from(pixel[1]) * u64::from(layout.width) + u64::from(pixel[0]));
             let ray = self.camera_ray(pixel, &mut numbers);
             let mut color = self.method.radiance(ray, &mut numbers, &mut tally);
-            report.rays.camera += 1;
             if !color.is_finite() {
                 report.drop_sample(InvalidSample { pass, x: pixel[0], y: pixel[1] });
                 if let Some(at) = layout.offset(Plane::Invalid) {
@@ -73,7 +72,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
             }
             values[..LANES].copy_from_slice(&color.to_rgb());
             if layout.planes().len() > 1 {
-                super::features::record(self.scene, ray, &mut numbers, layout, values);
+                super::features::record(self.scene, ray, &mut numbers, layout, values, &mut tally);
             }
         }
         report.add_tally(&tally);
@@ -135,7 +134,7 @@ impl PassReport {
 
     fn add_tally(&mut self, tally: &Tally) {
         self.absorb(PassReport {
-            rays: RayCounts { camera: 0, bounce: tally.bounces, shadow: tally.shadows },
+            rays: RayCounts { camera: tally.cameras, bounce: tally.bounces, shadow: tally.shadows },
             guards: Guards { bad_hits: tally.bad_hits, overlong_paths: tally.overlong, ..Guards::default() },
             invalid: Vec::new(),
         });

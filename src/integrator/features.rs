@@ -15,30 +15,49 @@ use glam::Vec3;
 const DEEPEST: u32 = 8;
 
 /// Writes coverage, depth and position of the first surface, and albedo and normal of the first that is not a mirror or
-/// clear glass, into the planes that `layout` has. Where nothing is met all are 0.
-pub(super) fn record(scene: &Scene, ray: Ray, sampler: &mut impl Sampler, layout: &Layout, values: &mut [f32]) {
+/// clear glass, into the planes that `layout` has. Where nothing is met all are 0. Of what it does only rays enter `tally`:
+/// guards have fired on the same surfaces before.
+pub(super) fn record(
+    scene: &Scene,
+    ray: Ray,
+    sampler: &mut impl Sampler,
+    layout: &Layout,
+    values: &mut [f32],
+    tally: &mut Tally,
+) {
+    let mut own = Tally::default();
+    look(scene, ray, sampler, layout, values, &mut own);
+    tally.cameras += own.cameras;
+    tally.bounces += own.bounces;
+}
+
+fn look(scene: &Scene, ray: Ray, sampler: &mut impl Sampler, layout: &Layout, values: &mut [f32], tally: &mut Tally) {
     let mut put = |plane: Plane, what: &[f32]| {
         if let Some(at) = layout.offset(plane) {
             values[at..at + what.len()].copy_from_slice(what);
         }
     };
-    let mut tally = Tally::default();
     let mut walk = Walk::new(scene, ray);
-    let Some(first) = walk.arrive(sampler, &mut tally) else { return };
+    let Some(first) = walk.arrive(sampler, tally) else { return };
     put(Plane::Alpha, &[1.0]);
     put(Plane::Depth, &[((first.p - ray.origin).length() as f64 / scene.rebase().scale) as f32]);
     put(Plane::Position, &scene.rebase().point_in_file(first.p.as_dvec3()).as_vec3().to_array());
     if layout.offset(Plane::Albedo).is_none() && layout.offset(Plane::Normal).is_none() {
         return;
     }
-    let (albedo, normal) = first_diffuse(scene, walk, first, sampler);
+    let (albedo, normal) = first_diffuse(scene, walk, first, sampler, tally);
     put(Plane::Albedo, &albedo.to_rgb());
     put(Plane::Normal, &normal.to_array());
 }
 
 /// Reflectance and shading normal of the first surface without Dirac lobes only; tinted by what lies before it.
-fn first_diffuse(scene: &Scene, mut walk: Walk, mut point: SurfacePoint, sampler: &mut impl Sampler) -> (Spectrum, Vec3) {
-    let mut tally = Tally::default();
+fn first_diffuse(
+    scene: &Scene,
+    mut walk: Walk,
+    mut point: SurfacePoint,
+    sampler: &mut impl Sampler,
+    tally: &mut Tally,
+) -> (Spectrum, Vec3) {
     loop {
         let surface = scene.surface(&mut point);
         let wo = -walk.ray.direction;
@@ -50,8 +69,8 @@ fn first_diffuse(scene: &Scene, mut walk: Walk, mut point: SurfacePoint, sampler
         let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return here };
         let [u, v] = sampler.u2(walk.depth, Slot::Direction);
         let Some(scatter) = shading.sample([sampler.u1(walk.depth, Slot::Lobe), u, v]) else { return here };
-        walk.depart(&point, &scatter, &mut tally);
-        match walk.arrive(sampler, &mut tally) {
+        walk.depart(&point, &scatter);
+        match walk.arrive(sampler, tally) {
             Some(next) => point = next,
             None => return here,
         }

@@ -80,12 +80,19 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
 /// How many rays of each kind were traced.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct RayCounts {
-    /// From the camera.
+    /// From the camera, those for extra layers included.
     pub camera: u64,
     /// From a scattering event.
     pub bounce: u64,
     /// Visibility tests.
     pub shadow: u64,
+}
+
+impl RayCounts {
+    /// Rays of all kinds.
+    pub fn total(&self) -> u64 {
+        self.camera + self.bounce + self.shadow
+    }
 }
 
 /// How often each guard dropped or changed something. All zero in a healthy render.

@@ -159,8 +159,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let Some(sample) = light.sample_toward(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
-        tally.shadows += 1;
-        let through = self.scene.transmittance(&self.segment(walk, shading.point, &sample));
+        let through = self.scene.transmittance(&self.segment(walk, shading.point, &sample), &mut tally.shadows);
         walk.beta * scattering.f_cos * sample.radiance * through * weight
     }
 
@@ -213,7 +212,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
                 total += self.direct(&shading, &walk, sampler, tally);
             }
             let Some(scatter) = self.scatter(&shading, &walk, sampler) else { return total };
-            walk.depart(&point, &scatter, tally);
+            walk.depart(&point, &scatter);
             if !walk.survives(sampler, tally) {
                 return total;
             }

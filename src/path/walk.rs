@@ -3,6 +3,7 @@
 //! Use it as `arrive`, look at the vertex, `depart`, `survives`, and again. Blended surfaces and absorbing media are content
 //! of the edge between two vertices and never vertices themselves.
 
+use crate::accel::RayClass;
 use crate::bsdf::ShadingSample;
 use crate::defects::{Defect, planted};
 use crate::geometry::{MediumId, Ray, SurfacePoint};
@@ -26,9 +27,11 @@ const ROULETTE_GAIN: f32 = 3.0;
 /// Counts of what walks did.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Tally {
-    /// Rays from a scattering event.
+    /// Rays from the camera, those beyond surfaces that it does not see or sees through included.
+    pub cameras: u64,
+    /// Rays from a scattering event, counted where they are traced.
     pub bounces: u64,
-    /// Visibility tests.
+    /// Rays toward lights, those beyond blended surfaces included.
     pub shadows: u64,
     /// Hits that disagree with their triangle.
     pub bad_hits: u64,
@@ -74,12 +77,27 @@ impl<'a> Walk<'a> {
         let point = if self.scene.features().blends {
             self.past(sampler, tally)
         } else {
-            let point = self.scene.intersect(&self.ray);
+            let point = self.trace(tally);
             if point.as_ref().is_some_and(|p| self.unseen(p)) { self.past(sampler, tally) } else { point }
         };
         self.absorb(point.as_ref().map_or(f32::INFINITY, |p| p.t));
         tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
         point
+    }
+
+    /// What the current edge meets first.
+    #[inline(always)] // see `arrive`
+    fn trace(&self, tally: &mut Tally) -> Option<SurfacePoint> {
+        let class = match self.departure {
+            Departure::Camera => RayClass::Camera,
+            Departure::Surface(..) => RayClass::Bounce(self.depth),
+        };
+        match class {
+            RayClass::Camera => tally.cameras += 1,
+            _ => tally.bounces += 1,
+        }
+        self.scene.accel().announce(class);
+        self.scene.intersect(&self.ray)
     }
 
     /// Whether the current edge is the camera's and does not see the surface at `point`.
@@ -93,7 +111,7 @@ impl<'a> Walk<'a> {
     fn past(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
         let mut u = sampler.u1(self.depth, Slot::Event);
         for _ in 0..LONGEST {
-            let point = self.scene.intersect(&self.ray)?;
+            let point = self.trace(tally)?;
             let alpha = if self.unseen(&point) { 0.0 } else { self.scene.coverage(&point) };
             if u < alpha {
                 return Some(point);
@@ -129,8 +147,7 @@ impl<'a> Walk<'a> {
 
     /// Leaves `point` as `scatter` says.
     #[inline]
-    pub fn depart(&mut self, point: &SurfacePoint, scatter: &ShadingSample, tally: &mut Tally) {
-        tally.bounces += 1;
+    pub fn depart(&mut self, point: &SurfacePoint, scatter: &ShadingSample) {
         self.beta *= scatter.weight;
         self.eta2 *= scatter.eta * scatter.eta;
         self.depth += 1;

@@ -241,7 +241,7 @@ impl Render {
     fn of(provenance: &Provenance, film: &Film) -> Self {
         let work = &provenance.work;
         let rays = work.passes.rays;
-        let total = rays.camera + rays.bounce + rays.shadow;
+        let total = rays.total();
         Render {
             wall_seconds: work.wall_seconds,
             cpu_seconds: work.cpu_seconds,

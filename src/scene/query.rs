@@ -3,7 +3,7 @@
 use super::description::AlphaMode;
 use super::material::{Coordinates, Material};
 use super::{ObjectInfo, Scene};
-use crate::accel::Intersector;
+use crate::accel::{Intersector, RayClass};
 use crate::bsdf::Surface;
 use crate::defects::{Defect, planted};
 use crate::geometry::{AnyHit, Frame, Hit, MediumId, Opaque, Ray, SurfacePoint};
@@ -74,12 +74,14 @@ impl Scene {
         }
     }
 
-    /// Share of light that passes along the segment `ray` (`t_max` finite, or free space to infinity).
+    /// Share of light that passes along the segment `ray` (`t_max` finite, or free space to infinity). Adds to `rays` how many
+    /// were traced to know it.
     #[inline]
-    pub fn transmittance(&self, ray: &Ray) -> Spectrum {
+    pub fn transmittance(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
+        self.accel.announce(RayClass::Shadow);
         let through = if self.features.blends && !planted(Defect::ShadowsIgnoreBlend) {
-            Spectrum::splat(self.passed_by_blends(*ray))
-        } else if self.is_occluded(ray) {
+            Spectrum::splat(self.passed_by_blends(*ray, rays))
+        } else if self.is_occluded(ray, rays) {
             Spectrum::ZERO
         } else {
             Spectrum::ONE
@@ -88,7 +90,8 @@ impl Scene {
     }
 
     #[inline]
-    fn is_occluded(&self, ray: &Ray) -> bool {
+    fn is_occluded(&self, ray: &Ray, rays: &mut u64) -> bool {
+        *rays += 1;
         if self.features.masks && !planted(Defect::ShadowsIgnoreMask) {
             self.accel.occluded(ray, &Mask(self))
         } else {
@@ -97,9 +100,10 @@ impl Scene {
     }
 
     /// Product of 1 − alpha over the surfaces on a segment.
-    fn passed_by_blends(&self, mut ray: Ray) -> f32 {
+    fn passed_by_blends(&self, mut ray: Ray, rays: &mut u64) -> f32 {
         let (end, mut through) = (ray.at(ray.t_max), 1.0);
         while through > 0.0 {
+            *rays += 1;
             let Some(point) = self.intersect(&ray) else { return through };
             through *= 1.0 - self.coverage(&point);
             let next = point.spawn(ray.direction);

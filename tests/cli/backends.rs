@@ -24,19 +24,3 @@ fn films_of_different_backends_do_not_mix() {
 fn a_backend_that_is_not_there_is_an_error_of_usage() {
     Place::new().run(&format!("render {} --backend embree -o x.exr", cornell())).fails(2, "--backend obvhs");
 }
-
-#[test]
-fn bench_rays_replays_what_a_render_asked() {
-    let place = Place::new();
-    let bench = place.report(&format!("bench rays {} --rounds 2 --threads 1", cornell()));
-    let rates = bench["rates"].as_array().unwrap();
-    assert_eq!(rates.len(), if cfg!(feature = "embree") { 2 } else { 1 });
-    for rate in rates {
-        // A camera ray a pixel, and more from where most of them lead to.
-        assert!(rate["rays"].as_u64().unwrap() > 2 * 32 * 32, "{rate}");
-        for what in ["raw", "render", "share"] {
-            let of = |which: &str| rate[what][which].as_f64().unwrap();
-            assert!(0.0 < of("least") && of("least") <= of("median") && of("median") <= of("most"), "{what} {rate}");
-        }
-    }
-}

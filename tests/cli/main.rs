@@ -4,6 +4,7 @@
 
 mod backends;
 mod bench_methods;
+mod bench_rays;
 mod compare;
 mod end_to_end;
 mod environments;

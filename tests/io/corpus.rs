@@ -59,7 +59,7 @@ fn every_kept_gltf_loads_or_is_one_sentence() {
 }
 
 #[test]
-fn every_kept_film_image_and_configuration_is_read_or_one_sentence() {
+fn every_kept_film_image_stream_and_configuration_is_read_or_one_sentence() {
     for file in kept("exr") {
         survives(&file, || etendue::io::exr::read(&file));
     }
@@ -77,6 +77,8 @@ fn every_kept_film_image_and_configuration_is_read_or_one_sentence() {
     }
     // Those of the current version are read to their end, as they are and as the fuzz target makes them.
     assert!(read.iter().all(|&count| count > 0), "{read:?} films are read");
+    let stream = |file: &PathBuf| survives(file, || etendue::render::ray_bench::stream_file::read(file)).is_some();
+    assert!(kept("rays").iter().filter(|file| stream(file)).count() > 0, "none is read to its end");
 }
 
 /// A film with a right checksum from a header, a NUL and an unpacked body, as the fuzz target makes it.

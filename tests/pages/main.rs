@@ -24,10 +24,21 @@ fn page(folder: &Path) -> PathBuf {
     if let Some(page) = std::env::var_os("ETENDUE_PAGE") {
         return std::path::absolute(page).unwrap();
     }
+    measured(folder, "methods", "--budget 1ms --reference-budget 1ms --repetitions 2")
+}
+
+/// A page of rates, of hits in two scenes and in hard cases, some with addresses.
+fn page_of_rays(folder: &Path) -> PathBuf {
+    measured(folder, "rays", "--rounds 2 --threads 1,2 --hard-cases --rays-per-case 200")
+}
+
+/// The page of a benchmark of two small scenes.
+fn measured(folder: &Path, what: &str, options: &str) -> PathBuf {
     let scene = |name: &str| format!("{}/scenes/{name}/scene.gltf", env!("CARGO_MANIFEST_DIR"));
     let ran = Command::new(env!("CARGO_BIN_EXE_etendue"))
-        .args(["bench", "methods", &scene("cornell-box"), &scene("sphere-lamp"), "--backends", "obvhs", "--size", "24x24"])
-        .args(["--budget", "1ms", "--reference-budget", "1ms", "--repetitions", "2", "--quiet", "-o"])
+        .args(["bench", what, &scene("cornell-box"), &scene("sphere-lamp"), "--backends", "obvhs", "--size", "24x24"])
+        .args(options.split(' '))
+        .args(["--quiet", "-o"])
         .arg(folder)
         .output()
         .unwrap();
@@ -51,11 +62,31 @@ fn a_report_works_on_desktop_and_phone_by_day_and_night() {
     let Some(mut browser) = browser() else { return };
     let folder = tempfile::tempdir().unwrap();
     let page = page(folder.path());
+    works_everywhere(&mut browser, &page, "methods");
+}
+
+#[test]
+fn a_report_of_rays_works_on_desktop_and_phone_by_day_and_night() {
+    let Some(mut browser) = browser() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let page = page_of_rays(folder.path());
+    works_everywhere(&mut browser, &page, "rays");
+    // All numbers are there: for each scene rates, classes and hits, then the hard cases.
+    assert_eq!(browser.value("document.querySelectorAll('table').length"), 2 * 3 + 1);
+    let cells =
+        "[...document.querySelectorAll('tr')].every(r => r.cells.length === r.closest('table').tHead.rows[0].cells.length)";
+    assert_eq!(browser.value(cells), true, "rows are as long as their heads");
+    assert_eq!(browser.value("document.querySelectorAll('svg[role=img]').length"), 2 * 2);
+    assert_eq!(browser.value("[...document.querySelectorAll('svg[role=img]')].filter(e => !e.ariaLabel).length"), 0);
+}
+
+/// Checks what holds for every page with plots, light and dark, wide and narrow; `name` is that of its pictures.
+fn works_everywhere(browser: &mut Browser, page: &Path, name: &str) {
     for (width, scheme) in [(1280, "light"), (390, "light"), (390, "dark"), (1280, "dark")] {
-        browser.open(&page, width, scheme);
-        assert_eq!(overflow(&mut browser), 0, "nothing but tables scrolls sideways at {width}");
+        browser.open(page, width, scheme);
+        assert_eq!(overflow(browser), 0, "nothing but tables scrolls sideways at {width}");
         let is_dark = scheme == "dark";
-        assert_eq!(brightness(&mut browser, "body") < 64.0, is_dark, "{scheme}");
+        assert_eq!(brightness(browser, "body") < 64.0, is_dark, "{scheme}");
         // Curves are drawn in the page's colours: a place holder would be almost black.
         let stroke = browser.value("getComputedStyle(document.querySelector('svg.plot polyline[stroke^=\"#0A\"]')).stroke");
         let expected = browser.value("getComputedStyle(document.documentElement).getPropertyValue('--h0')");
@@ -65,7 +96,7 @@ fn a_report_works_on_desktop_and_phone_by_day_and_night() {
         let broken = browser.value("[...document.images].filter(i => !i.complete || i.naturalWidth === 0).length");
         assert_eq!(broken, 0, "pictures that do not load");
         if let Some(folder) = std::env::var_os("ETENDUE_SCREENSHOTS") {
-            browser.photograph(&Path::new(&folder).join(format!("{width}-{scheme}.png")));
+            browser.photograph(&Path::new(&folder).join(format!("{name}-{width}-{scheme}.png")));
         }
         let requests = browser.requests();
         let outside: Vec<_> = requests.iter().filter(|url| !url.starts_with("data:") && !url.ends_with(".html")).collect();

@@ -1,12 +1,13 @@
 //! `etendue bench methods`: error against time, methods and backends side by side.
 
+use super::{command, scene_name, unique};
 use crate::accel::Backend;
 use crate::cli::args::{SceneArgs, ThreadArgs};
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
 use crate::integrator::Method;
 use crate::render::methods::{self, MethodsReport, Request, SceneReport, Subject};
-use crate::render::{Budget, Choices, picture_name};
+use crate::render::{Budget, Choices};
 use clap::ValueEnum;
 use std::path::PathBuf;
 
@@ -93,7 +94,7 @@ fn request(args: &Args) -> Request {
         repetitions: args.repetitions,
         reference_budget: args.reference_budget.map_or(4 * args.budget.0, |b| b.0),
         folder: args.output.clone(),
-        command: command(std::env::args().skip(1)),
+        command: command(),
     }
 }
 
@@ -102,31 +103,12 @@ fn subject(args: &Args, at: usize, threads: usize) -> Result<Subject> {
     let choices = scene.choices()?;
     let build = |backend| scene.stage(&Choices { backend: Some(backend), ..choices.clone() }, threads);
     let backends = unique(args.backends.as_deref().unwrap_or(Backend::AVAILABLE));
-    let name = picture_name(&scene.scene);
-    let twin = args.scenes[..at].iter().filter(|other| picture_name(other) == name).count();
     Ok(Subject {
-        name: if twin > 0 { format!("{name}-{}", twin + 1) } else { name },
+        name: scene_name(&args.scenes, at),
         stages: backends.into_iter().map(build).collect::<Result<_>>()?,
         look: choices.look()?,
         reference: args.references.get(at).map(|path| (path.clone(), args.reference_noise.get(at).copied())),
     })
-}
-
-fn unique<T: Copy + PartialEq>(items: &[T]) -> Vec<T> {
-    let mut unique: Vec<T> = Vec::new();
-    items.iter().for_each(|&item| {
-        if !unique.contains(&item) {
-            unique.push(item);
-        }
-    });
-    unique
-}
-
-/// A command line as it is typed into a shell.
-fn command(arguments: impl Iterator<Item = String>) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "_-+=./:,@%".contains(c);
-    let quoted = |a: String| if !a.is_empty() && a.chars().all(is_plain) { a } else { format!("'{}'", a.replace('\'', r"'\''")) };
-    std::iter::once("etendue".to_owned()).chain(arguments.map(quoted)).collect::<Vec<_>>().join(" ")
 }
 
 fn lines(scene: &SceneReport) -> Vec<String> {
@@ -149,17 +131,6 @@ fn lines(scene: &SceneReport) -> Vec<String> {
 }
 
 fn conditions(report: &MethodsReport) -> String {
-    let processor = report.processor.as_deref().unwrap_or("unknown processor");
+    let processor = report.conditions.processor.as_deref().unwrap_or("unknown processor");
     format!("{} repetitions, {} threads, {processor}", report.repetitions, report.threads)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn commands_can_be_typed_again() {
-        let typed = ["bench", "my scene.gltf", "--size", "64x64", "it's", ""].map(String::from);
-        assert_eq!(command(typed.into_iter()), r"etendue bench 'my scene.gltf' --size 64x64 'it'\''s' ''");
-    }
 }

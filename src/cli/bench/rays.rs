@@ -1,70 +1,215 @@
-//! `etendue bench rays`: how fast rays are traced, by backend.
+//! `etendue bench rays`: how fast rays are answered, and whether all backends answer the same.
 
-use crate::accel::Backend;
-use crate::cli::args::{SceneArgs, ThreadArgs};
+use super::{command, scene_name, unique};
+use crate::accel::equivalence::Tally;
+use crate::accel::{Backend, Build};
+use crate::cli::args::SceneArgs;
 use crate::cli::{Console, startup};
-use crate::error::Result;
-use crate::render::{Choices, RayBench, RayRates};
-use serde::Serialize;
+use crate::error::{Error, Result};
+use crate::render::Choices;
+use crate::render::machine;
+use crate::render::ray_bench::{self, Address, CategoryRow, PaceRates, Rate, RaysReport, Request, RowRates, SceneRates, Subject};
+use std::path::PathBuf;
+
+/// Addresses on a line; reports have more.
+const MOST_SHOWN: usize = 3;
 
 /// Arguments of `bench rays`.
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Args {
-    #[command(flatten)]
-    scene: SceneArgs,
+    /// The scenes: .gltf or .glb files
+    #[arg(value_name = "SCENES", required_unless_present_any = ["hard_cases", "replay"])]
+    scenes: Vec<PathBuf>,
+    /// Do not read the render.toml beside a scene
+    #[arg(long)]
+    no_config: bool,
+    /// Where report.json, rates.csv, categories.csv and index.html go [default: nowhere]
+    #[arg(long, short, value_name = "FOLDER")]
+    output: Option<PathBuf>,
     /// Backends to compare, separated by commas [default: all there are]
     #[arg(long, value_enum, value_delimiter = ',')]
     backends: Option<Vec<Backend>>,
-    /// Rounds, each a pass and a replay with every backend
-    #[arg(long, default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Builds of each backend, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "robust")]
+    builds: Vec<Build>,
+    /// Numbers of threads, separated by commas [default: 1 and all cores]
+    #[arg(long, short = 'j', value_name = "N", value_delimiter = ',')]
+    threads: Vec<usize>,
+    /// Rounds, each of which measures everything once; 0 compares hits alone
+    #[arg(long, default_value_t = 9, value_name = "N")]
     rounds: u32,
+    /// About how many rays are recorded at most: a pass that would trace more is made with fewer pixels of the same view. 100
+    /// bytes each
+    #[arg(long, default_value_t = 2_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    rays: u64,
+    /// Keep the recorded rays of the scene in this file
+    #[arg(long, value_name = "FILE", conflicts_with = "load")]
+    save: Option<PathBuf>,
+    /// Take the rays of the scene from a file that --save made, instead of recording them
+    #[arg(long, value_name = "FILE")]
+    load: Option<PathBuf>,
+    /// Compare what is hit in hard cases, too: seams, slivers, instances, scales (see src/accel/hard_cases)
+    #[arg(long)]
+    hard_cases: bool,
+    /// Rays of each hard case
+    #[arg(long, default_value_t = 100_000, value_name = "N", requires = "hard_cases")]
+    rays_per_case: u64,
+    /// Print one ray and what every row answers, by the address that a report gives it; measures nothing
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["output", "save", "hard_cases"])]
+    replay: Option<Address>,
     #[command(flatten)]
-    threads: ThreadArgs,
+    choices: Choices,
     #[command(flatten)]
     console: Console,
 }
 
-#[derive(Serialize)]
-struct Document {
-    threads: usize,
-    rates: Vec<RayRates>,
-}
-
 /// Measures.
-pub(super) fn run(args: Args) -> Result<()> {
-    let choices = args.scene.choices()?;
-    let threads = startup::start_threads(args.threads.threads)?;
-    let backends = args.backends.as_deref().unwrap_or(Backend::AVAILABLE);
-    let subject = |&backend: &Backend| {
-        let (stage, settings) = args.scene.stage(&Choices { backend: Some(backend), ..choices.clone() }, threads)?;
-        RayBench::new(stage, settings)
-    };
-    let mut subjects = backends.iter().map(subject).collect::<Result<Vec<_>>>()?;
-    for _ in 0..args.rounds {
-        subjects.iter_mut().for_each(RayBench::round);
+pub(super) fn run(args: &Args) -> Result<()> {
+    check(args)?;
+    let request = request(args)?;
+    let most = request.threads.iter().copied().max();
+    let threads = startup::start_threads(most)?;
+    if let Some(address) = &args.replay {
+        return replay(args, &request, address, threads);
     }
-    let document = Document { threads, rates: subjects.iter().map(RayBench::rates).collect() };
-    args.console.document(&document)?;
-    args.console
-        .line(&format!("million rays per second, {threads} threads, median of {} rounds (least to most)", args.rounds))?;
-    document.rates.iter().try_for_each(|rates| args.console.line(&line(rates)))
+    let subjects = (0..args.scenes.len()).map(|at| subject(args, at, threads)).collect::<Result<Vec<_>>>()?;
+    let report = ray_bench::run(&request, subjects, &mut |text| args.console.note(text))?;
+    args.console.document(&report)?;
+    lines(&report).iter().try_for_each(|line| args.console.line(line))?;
+    match &args.output {
+        Some(folder) => args.console.line(&format!("report: {}", folder.join("index.html").display())),
+        None => Ok(()),
+    }
 }
 
-fn line(rates: &RayRates) -> String {
-    let RayRates { raw, render, share, .. } = rates;
-    format!(
-        "{:7} raw {:6.2} ({:.2} to {:.2})  in the render {:6.2} ({:.2} to {:.2})  share {:.3} ({:.3} to {:.3})  built in {:.3} s, {:.0} bytes a triangle",
-        rates.backend,
-        raw.median,
-        raw.least,
-        raw.most,
-        render.median,
-        render.least,
-        render.most,
-        share.median,
-        share.least,
-        share.most,
-        rates.accel_seconds,
-        rates.bytes_per_triangle
-    )
+/// Tells mistakes before anything is loaded.
+fn check(args: &Args) -> Result<()> {
+    let choices = &args.choices;
+    if choices.spp.is_some() || choices.time.is_some() || choices.target_error.is_some() {
+        return Err(Error::usage("bench rays takes --rounds instead of --spp, --time and --target-error"));
+    }
+    if choices.backend.is_some() || choices.build.is_some() {
+        return Err(Error::usage("bench rays takes --backends and --builds instead of --backend and --build"));
+    }
+    if (args.save.is_some() || args.load.is_some()) && args.scenes.len() != 1 {
+        return Err(Error::usage("--save and --load take one scene"));
+    }
+    Ok(())
+}
+
+fn request(args: &Args) -> Result<Request> {
+    let backends = unique(args.backends.as_deref().unwrap_or(Backend::AVAILABLE));
+    let builds = unique(&args.builds);
+    let count = |asked| machine::threads(asked, |name| std::env::var(name).ok());
+    let threads = match &args.threads[..] {
+        [] => vec![1, count(None)?],
+        asked => asked.iter().map(|&n| count(Some(n))).collect::<Result<_>>()?,
+    };
+    Ok(Request {
+        setups: backends.iter().flat_map(|&backend| builds.iter().map(move |&build| (backend, build))).collect(),
+        threads: unique(&threads),
+        rounds: args.rounds,
+        rays: args.rays,
+        hard_case_rays: args.hard_cases.then_some(args.rays_per_case),
+        load: args.load.clone(),
+        save: args.save.clone(),
+        folder: args.output.clone(),
+        command: command(),
+    })
+}
+
+/// A scene with the default backend, robustly built: what records does not depend on what is measured.
+fn subject(args: &Args, at: usize, threads: usize) -> Result<Subject> {
+    let scene = SceneArgs { scene: args.scenes[at].clone(), no_config: args.no_config, choices: args.choices.clone() };
+    let (backend, build) = (Some(Backend::default()), Some(Build::Robust));
+    let (stage, settings) = scene.stage(&Choices { backend, build, ..scene.choices()? }, threads)?;
+    Ok(Subject { name: scene_name(&args.scenes, at), stage, settings })
+}
+
+fn replay(args: &Args, request: &Request, address: &Address, threads: usize) -> Result<()> {
+    let names: Vec<String> = (0..args.scenes.len()).map(|at| scene_name(&args.scenes, at)).collect();
+    let subject = match &address.scene {
+        None => None,
+        Some(name) => {
+            let at = names.iter().position(|other| other == name);
+            let at = at.ok_or_else(|| Error::usage(format!("--replay {address}: no scene given is called '{name}'")))?;
+            Some(subject(args, at, threads)?)
+        }
+    };
+    let replay = ray_bench::replay(request, subject, address)?;
+    args.console.document(&replay)?;
+    replay.lines().iter().try_for_each(|line| args.console.line(line))
+}
+
+fn lines(report: &RaysReport) -> Vec<String> {
+    let mut lines = Vec::new();
+    for scene in &report.scenes {
+        lines.extend(rate_lines(scene, report.rounds));
+        let found: Vec<_> = report.categories.iter().filter(|row| row.scene.as_ref() == Some(&scene.name)).collect();
+        lines.push(format!("{}: what is hit, all classes together", scene.name));
+        lines.extend(scene.rows.iter().map(|row| scene_hits(&row.backend, &found)));
+    }
+    let hard: Vec<_> = report.categories.iter().filter(|row| row.scene.is_none()).collect();
+    if !hard.is_empty() {
+        let wrong: Vec<String> = hard.iter().filter(|row| !row.addresses.is_empty()).map(|row| hard_hits(row)).collect();
+        lines.push(format!("hard cases: {} of {} rows have true differences or leaks", wrong.len(), hard.len()));
+        lines.extend(wrong);
+    }
+    lines
+}
+
+fn rate_lines(scene: &SceneRates, rounds: u32) -> Vec<String> {
+    let classes: Vec<String> = scene.classes.iter().map(|class| format!("{} {}", class.rays, class.name)).collect();
+    let mut lines = vec![format!("{}: {} rays ({})", scene.name, scene.rays, classes.join(", "))];
+    if rounds > 0 {
+        lines.push(format!("million rays per second, median of {rounds} rounds (least to most)"));
+    }
+    for row in &scene.rows {
+        lines.push(format!(
+            "  {:15} built in {:.3} s, {:.0} bytes a triangle",
+            row.backend, row.build_seconds, row.bytes_per_triangle
+        ));
+        lines.extend(row.paces.iter().flat_map(|pace| pace_lines(row, pace)));
+    }
+    lines.extend(scene.left_out.iter().map(|reason| format!("  left out: {reason}")));
+    lines
+}
+
+fn pace_lines(row: &RowRates, pace: &PaceRates) -> Vec<String> {
+    let spread = |r: Rate, digits: usize| format!("{:.digits$} ({:.digits$} to {:.digits$})", r.median, r.least, r.most);
+    let optional =
+        |name: &str, rate: Option<Rate>, digits| rate.map_or(String::new(), |r| format!("  {name} {}", spread(r, digits)));
+    let (render, share) = (optional("in the render", pace.render, 2), optional("share", pace.share, 3));
+    let threads = if pace.threads == 1 { "1 thread".into() } else { format!("{} threads", pace.threads) };
+    let classes: Vec<String> = pace.classes.iter().map(|class| format!("{} {:.2}", class.name, class.rate.median)).collect();
+    vec![
+        format!("  {:15} {threads:10} raw {}{render}{share}", row.backend, spread(pace.raw, 2)),
+        format!("  {:15} {threads:10} by class: {}", row.backend, classes.join("  ")),
+    ]
+}
+
+/// What a row hits in a scene; classes are told apart by the report.
+fn scene_hits(backend: &str, found: &[&CategoryRow]) -> String {
+    let rows: Vec<_> = found.iter().filter(|row| row.category.backend == backend).collect();
+    let sum = |of: fn(&Tally) -> u64| rows.iter().map(|row| of(&row.category.tally)).sum::<u64>();
+    let [rays, hits, ties, grazes, differences] =
+        [sum(|t| t.rays), sum(|t| t.hits), sum(|t| t.ties), sum(|t| t.grazes), sum(|t| t.true_differences)];
+    let beside = rows.first().map_or("", |row| &row.category.reference);
+    let addresses: Vec<&str> = rows.iter().flat_map(|row| &row.addresses).map(String::as_str).collect();
+    let counts = format!("{hits} hits of {rays} rays, {ties} ties, {grazes} grazes, {differences} true differences");
+    format!("  {backend:15} beside {beside}: {counts}{}", again(&addresses))
+}
+
+fn hard_hits(row: &CategoryRow) -> String {
+    let (category, tally) = (&row.category, &row.category.tally);
+    let counts = format!("{} true differences, {} leaks of {} rays", tally.true_differences, tally.leaks, tally.rays);
+    let addresses: Vec<&str> = row.addresses.iter().map(String::as_str).collect();
+    format!("  {:20} {:15} {counts}{}", category.name, category.backend, again(&addresses))
+}
+
+/// How the rays at `addresses` can be asked again, if there are any.
+fn again(addresses: &[&str]) -> String {
+    let (shown, more) = addresses.split_at(addresses.len().min(MOST_SHOWN));
+    let more = if more.is_empty() { "" } else { " …" };
+    if shown.is_empty() { String::new() } else { format!(": --replay {}{more}", shown.join(" or ")) }
 }

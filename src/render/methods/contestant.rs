@@ -110,8 +110,7 @@ pub(super) fn timed(
     judge: impl FnMut(&Film, u64) -> f64,
 ) -> Result<Vec<Mark>> {
     let (session, marks) = render(stage, settings, doublings, &Cancel::new(), judge)?;
-    let rays = session.provenance().work.passes.rays;
-    let rays = rays.camera + rays.bounce + rays.shadow;
+    let rays = session.provenance().work.passes.rays.total();
     let passes = session.film().passes().len().max(1) as f64;
     // Rays per pass vary so little that the whole render speaks for its parts.
     Ok(marks.into_iter().map(|m| Mark { rays: (rays as f64 * m.spp as f64 / passes) as u64, ..m }).collect())

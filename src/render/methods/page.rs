@@ -52,21 +52,8 @@ pub(super) fn write(
 }
 
 fn machine(report: &MethodsReport) -> Markup {
-    let memory = report.peak_memory_bytes.map_or("unknown".into(), megabytes);
     let budget = format!("{} s for the {} repetitions of each curve", report.budget_seconds, report.repetitions);
-    html! {
-        (facts([
-            ("Processor", report.processor.clone().unwrap_or("unknown".into())),
-            ("Threads", report.threads.to_string()),
-            ("étendue", report.program.to_string()),
-            ("Finished", report.finished.clone()),
-            ("Time", budget),
-            ("Most memory", format!("{memory} for all scenes and backends together")),
-        ]))
-        p { "To measure again:" }
-        pre { code { (report.command) } }
-        p.soft { "The numbers behind this page are in report.json and points.csv beside it." }
-    }
+    report.conditions.markup([("Threads", report.threads.to_string()), ("Time", budget)], "report.json and points.csv")
 }
 
 fn section(scene: &SceneReport, look: Look, field: &[Contestant<'_>], reference: &Reference, at: usize) -> Result<Markup> {

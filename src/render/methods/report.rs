@@ -4,28 +4,18 @@ use super::contestant::Contestant;
 use super::curve::{Curve, Interval, efficiency};
 use super::reference::{Record, Reference, SHARE};
 use super::{Request, Subject};
-use crate::error::{Error, Kind, Result};
-use crate::io::atomic::write_atomically;
-use crate::render::machine::{Processor, peak_memory};
-use crate::render::{Program, provenance};
+use crate::error::Result;
+use crate::render::{Conditions, report_files};
 use serde::Serialize;
-use std::io::Write;
 
 /// All that was measured.
 #[derive(Debug, Clone, Serialize)]
 pub struct MethodsReport {
-    /// The program.
-    pub program: Program,
-    /// The processor's name, where the system tells it.
-    pub processor: Option<String>,
+    /// The program, the machine and the command.
+    #[serde(flatten)]
+    pub conditions: Conditions,
     /// Threads.
     pub threads: usize,
-    /// The most memory the whole run took, all scenes and backends together.
-    pub peak_memory_bytes: Option<u64>,
-    /// The command.
-    pub command: String,
-    /// When it ended, in UTC.
-    pub finished: String,
     /// Seconds that all repetitions of a curve could take together.
     pub budget_seconds: f64,
     /// Repetitions of each curve.
@@ -92,12 +82,8 @@ pub(super) fn report(
     let all: Vec<&[Contestant<'_>]> = fields.iter().map(Vec::as_slice).collect();
     let scene = |((subject, field), reference): ((&Subject, &Vec<Contestant<'_>>), &Reference)| scene(subject, field, reference);
     MethodsReport {
-        program: Program::current(),
-        processor: Processor::detect().model,
+        conditions: Conditions::now(&request.command),
         threads: subjects.iter().flat_map(|s| &s.stages).map(|(stage, _)| stage.threads).max().unwrap_or(1),
-        peak_memory_bytes: peak_memory(),
-        command: request.command.clone(),
-        finished: provenance::now(),
         budget_seconds: request.budget.as_secs_f64(),
         repetitions,
         scenes: subjects.iter().zip(fields).zip(references).map(scene).collect(),
@@ -164,15 +150,8 @@ fn ratio(fields: &[&[Contestant<'_>]], a: usize, b: usize) -> Option<Ratio> {
 
 /// Writes `report.json` and `points.csv`.
 pub(super) fn write(request: &Request, report: &MethodsReport) -> Result<()> {
-    let internal = |what: &str| Error::new(Kind::Internal, format!("cannot make {what}"));
-    let json = serde_json::to_vec_pretty(report).map_err(|cause| internal("report.json").because(cause))?;
-    write_atomically(&request.folder.join("report.json"), |file| file.write_all(&json))?;
-    let mut table = csv::Writer::from_writer(Vec::new());
-    for row in rows(report) {
-        table.serialize(row).map_err(|cause| internal("points.csv").because(cause))?;
-    }
-    let table = table.into_inner().map_err(|cause| internal("points.csv").because(cause.into_error()))?;
-    write_atomically(&request.folder.join("points.csv"), |file| file.write_all(&table))
+    report_files::json(&request.folder.join("report.json"), report)?;
+    report_files::csv(&request.folder.join("points.csv"), rows(report))
 }
 
 fn rows(report: &MethodsReport) -> impl Iterator<Item = Row<'_>> {

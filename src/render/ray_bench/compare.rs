@@ -1,0 +1,123 @@
+//! What each row hits beside a reference: the streams of scenes class by class, and the hard cases.
+
+use super::row::{Row, Structure};
+use super::stream::Stream;
+use crate::accel::equivalence::{Category, Tally};
+use crate::accel::{Backend, Build, Intersector, hard_cases};
+use crate::error::Result;
+use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
+use serde::Serialize;
+
+/// How the answers of a backend to a group of rays relate to those of the reference.
+#[derive(Debug, Clone, Serialize)]
+pub struct CategoryRow {
+    /// The scene; `None` for a hard case.
+    pub scene: Option<String>,
+    /// Which rays, who answered, and the counts.
+    #[serde(flatten)]
+    pub category: Category,
+    /// Where the first rays with a true difference or a leak can be asked again.
+    pub addresses: Vec<String>,
+}
+
+impl CategoryRow {
+    fn new(scene: Option<&str>, category: Category) -> CategoryRow {
+        let group = scene.map_or(category.name.clone(), |scene| format!("{scene}/{}", category.name));
+        let addresses = category.tally.suspects.iter().map(|index| format!("{group}:{index}")).collect();
+        CategoryRow { scene: scene.map(str::to_owned), category, addresses }
+    }
+}
+
+impl Intersector for Structure {
+    fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
+        match self {
+            Structure::Accel(accel) => accel.closest(ray, any),
+            Structure::Cwbvh(tree) => tree.closest(ray, any),
+        }
+    }
+
+    fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
+        match self {
+            Structure::Accel(accel) => accel.occluded(ray, any),
+            Structure::Cwbvh(tree) => tree.occluded(ray, any),
+        }
+    }
+
+    fn bounds(&self) -> Bounds {
+        match self {
+            Structure::Accel(accel) => accel.bounds(),
+            Structure::Cwbvh(tree) => tree.bounds(),
+        }
+    }
+}
+
+/// What the others are compared with: the robust build of the default backend, or else the first row.
+pub(super) fn reference(rows: &[Row]) -> &Row {
+    let preferred = hard_cases::title(hard_cases::reference());
+    rows.iter().find(|row| row.title == preferred).unwrap_or(&rows[0])
+}
+
+/// Asks every row both queries about every ray of the stream.
+pub(super) fn streams(geometry: &Geometry, stream: &Stream, rows: &[Row]) -> Vec<CategoryRow> {
+    let reference = reference(rows);
+    let mut found = Vec::new();
+    for group in stream.groups() {
+        let rays = stream.rays(&group);
+        found.extend(rows.iter().map(|row| {
+            // Nobody knows of a scene whether it is closed.
+            let tally = Tally::of(geometry, &rays, &row.structure, &reference.structure, false);
+            let (name, backend) = (group.name.to_owned(), row.title.clone());
+            let category = Category { name, backend, reference: reference.title.clone(), tally };
+            CategoryRow::new(Some(&stream.name), category)
+        }));
+    }
+    found
+}
+
+/// Asks every backend the first `rays` rays of every hard case.
+///
+/// # Errors
+/// As [`crate::accel::Accel::build`].
+pub(super) fn hard(setups: &[(Backend, Build)], rays: u64, threads: usize) -> Result<Vec<CategoryRow>> {
+    let categories = hard_cases::categories(setups, rays, threads)?;
+    Ok(categories.into_iter().map(|category| CategoryRow::new(None, category)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Query, Question, RayClass};
+    use crate::stats::test_random::Random;
+    use glam::Vec3;
+
+    /// Streams may hold any bits: nothing panics, and what has no finite origin and direction hits nothing, whoever is asked.
+    #[test]
+    fn rays_of_any_bits_can_be_compared() {
+        let case = hard_cases::by_name("random").unwrap();
+        let backends = Backend::AVAILABLE.iter().map(|&backend| Row::of_backend(case.geometry(), (backend, Build::Robust), 1));
+        let rows: Vec<Row> = backends.chain([Row::of_cwbvh(case.geometry())]).collect::<Result<_>>().unwrap();
+        let mut random = Random::new(1);
+        let question = |i: u32| {
+            let mut bits = || f32::from_bits((random.uniform() * f64::from(u32::MAX)) as u32);
+            let mut vector = || Vec3::new(bits(), bits(), bits());
+            let (mut origin, mut direction) = (Vec3::ZERO, vector());
+            match i % 3 {
+                0 => origin = vector(),
+                1 => origin[(i / 3) as usize % 3] = f32::NAN,
+                _ => direction[(i / 3) as usize % 3] = f32::INFINITY,
+            }
+            let (t_min, t_max) = (bits().abs(), bits());
+            // Camera rays may be rays, the others are none.
+            let class = if i % 3 == 0 { RayClass::Camera } else { RayClass::Shadow };
+            Question { ray: Ray { t_min, t_max, ..Ray::new(origin, direction) }, query: Query::Closest, class }
+        };
+        let questions = (0..30_000).map(question).collect();
+        let stream = Stream { name: "bits".into(), scene_hash: String::new(), questions };
+        let found = streams(case.geometry(), &stream, &rows);
+        assert_eq!(found.len(), 2 * rows.len());
+        for row in found.iter().filter(|row| row.category.name == "shadow") {
+            let tally = &row.category.tally;
+            assert_eq!((tally.rays, tally.hits, tally.true_differences), (20_000, 0, 0), "{row:?}");
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! One ray again, by its address: its bits, and what every row says about it.
+
+use super::compare::reference;
+use super::row::Row;
+use super::stream::Stream;
+use crate::accel::equivalence::{Agreement, agreement};
+use crate::accel::{Intersector, hard_cases};
+use crate::error::{Error, Result};
+use crate::geometry::{Geometry, Opaque, Ray};
+use serde::Serialize;
+use std::str::FromStr;
+
+/// Where a ray is: `cornell-box/shadow:17` in the stream of a scene, `sphere-edges:1234` in a hard case.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Address {
+    /// The scene, or none for a hard case.
+    pub scene: Option<String>,
+    /// The group of rays, or the hard case.
+    pub group: String,
+    /// Which of them, from 0.
+    pub index: u64,
+}
+
+/// A ray and all answers.
+#[derive(Debug, Clone, Serialize)]
+pub struct Replay {
+    /// Where it is.
+    pub address: String,
+    /// Origin, direction, first and last parameter in decimals; what is not finite as JSON cannot say it: `null`.
+    pub ray: [f32; 8],
+    /// The same as bits in hexadecimal.
+    pub bits: [String; 8],
+    /// Who says what.
+    pub answers: Vec<Answer>,
+}
+
+/// What a backend says about a ray.
+#[derive(Debug, Clone, Serialize)]
+pub struct Answer {
+    /// The backend and its build.
+    pub backend: String,
+    /// What is first.
+    pub closest: Option<Met>,
+    /// Whether there is anything.
+    pub occluded: bool,
+    /// How that relates to the first hit of the reference.
+    pub agreement: Agreement,
+}
+
+/// A hit.
+#[derive(Debug, Clone, Serialize)]
+pub struct Met {
+    /// Number of the object in the geometry.
+    pub object: u32,
+    /// Name of its mesh.
+    pub mesh: String,
+    /// Number of the triangle in the mesh.
+    pub primitive: u32,
+    /// Where on the ray, recomputed from the triangle; `None` for one without area.
+    pub t: Option<f32>,
+}
+
+impl FromStr for Address {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let wrong = || format!("'{text}' is no address: write SCENE/CLASS:INDEX or CASE:INDEX, as reports do");
+        let (place, index) = text.rsplit_once(':').ok_or_else(wrong)?;
+        let (scene, group) = place.rsplit_once('/').map_or((None, place), |(scene, group)| (Some(scene.to_owned()), group));
+        let index = index.parse().map_err(|_| wrong())?;
+        Ok(Address { scene, group: group.to_owned(), index })
+    }
+}
+
+impl std::fmt::Display for Address {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Address { scene, group, index } = self;
+        scene.as_ref().map_or(Ok(()), |scene| write!(f, "{scene}/"))?;
+        write!(f, "{group}:{index}")
+    }
+}
+
+impl Address {
+    /// The ray at this address of `stream`.
+    ///
+    /// # Errors
+    /// A usage error if there is none.
+    pub(super) fn in_stream(&self, stream: &Stream) -> Result<Ray> {
+        let groups = stream.groups();
+        let Some(group) = groups.iter().find(|group| group.name == self.group) else {
+            let names: Vec<_> = groups.iter().map(|group| group.name).collect();
+            return Err(Error::usage(format!("--replay {self}: there are no such rays, but {}", names.join(", "))));
+        };
+        let place = usize::try_from(self.index).ok().and_then(|index| group.places.get(index));
+        let place = place.ok_or_else(|| Error::usage(format!("--replay {self}: there are {} such rays", group.places.len())))?;
+        Ok(stream.questions[*place as usize].ray)
+    }
+
+    /// The hard case that this is an address of.
+    ///
+    /// # Errors
+    /// A usage error if there is none.
+    pub(super) fn case(&self) -> Result<hard_cases::HardCase> {
+        hard_cases::by_name(&self.group).ok_or_else(|| Error::usage(format!("--replay {self}: there is no such hard case")))
+    }
+}
+
+/// Asks all `rows`, built over `geometry`.
+pub(super) fn replay(address: &Address, geometry: &Geometry, ray: &Ray, rows: &[Row]) -> Replay {
+    let expected = reference(rows).structure.closest(ray, &Opaque);
+    let answer = |row: &Row| {
+        let closest = row.structure.closest(ray, &Opaque);
+        Answer {
+            backend: row.title.clone(),
+            closest: closest.map(|hit| Met {
+                object: hit.object,
+                mesh: geometry.mesh_of(hit.object).name().to_owned(),
+                primitive: hit.primitive,
+                t: geometry.triangle(hit).meet(ray).map(|met| met.t),
+            }),
+            occluded: row.structure.occluded(ray, &Opaque),
+            agreement: agreement(geometry, ray, closest, expected),
+        }
+    };
+    let ([ox, oy, oz], [dx, dy, dz]) = (ray.origin.to_array(), ray.direction.to_array());
+    let numbers = [ox, oy, oz, dx, dy, dz, ray.t_min, ray.t_max];
+    Replay {
+        address: address.to_string(),
+        ray: numbers,
+        bits: numbers.map(|x| format!("{:08x}", x.to_bits())),
+        answers: rows.iter().map(answer).collect(),
+    }
+}
+
+impl Replay {
+    /// The same for people to read.
+    pub fn lines(&self) -> Vec<String> {
+        let part = |name: &str, range: std::ops::Range<usize>| {
+            let decimals: Vec<String> = self.ray[range.clone()].iter().map(|x| format!("{x:?}")).collect();
+            format!("  {name:9} {}  (bits {})", decimals.join(" "), self.bits[range].join(" "))
+        };
+        let mut lines = vec![self.address.clone(), part("origin", 0..3), part("direction", 3..6), part("t", 6..8)];
+        lines.extend(self.answers.iter().map(|answer| {
+            let hit = answer.closest.as_ref().map_or("nothing".into(), |met| {
+                let t = met.t.map_or("of a triangle without area".into(), |t| format!("at t {t:?}"));
+                format!("object {} ('{}') triangle {} {t}", met.object, met.mesh, met.primitive)
+            });
+            let occluded = if answer.occluded { "occluded" } else { "not occluded" };
+            let agreement = match answer.agreement {
+                Agreement::Same => "the same as the reference",
+                Agreement::Tie => "a tie",
+                Agreement::Graze => "a graze",
+                Agreement::Different => "a true difference",
+            };
+            format!("  {:15} hits {hit}, {occluded}: {agreement}", answer.backend)
+        }));
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_read_as_they_are_written() {
+        for text in ["cornell-box/bounce-4+:17", "a:b/c/shadow:0", "sphere-edges:1234"] {
+            assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
+        }
+        assert_eq!("a/b/shadow:3".parse::<Address>().unwrap().scene.as_deref(), Some("a/b"));
+        for text in ["", "shadow", "box/shadow", "box/shadow:", "box/shadow:-1", "box/shadow:x"] {
+            assert!(text.parse::<Address>().unwrap_err().contains("no address"), "{text}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! What is measured: a backend with a build, or obvhs's CWBVH, and the times of its rounds.
+
+use super::record::View;
+use super::stream::Stream;
+use crate::accel::bvh::cwbvh::Cwbvh;
+use crate::accel::hard_cases::title;
+use crate::accel::{Accel, Backend, Build, Intersector, Question};
+use crate::error::Result;
+use crate::geometry::Geometry;
+use crate::render::Stage;
+use crate::render::machine::Stopwatch;
+use rayon::prelude::*;
+use std::hint::black_box;
+
+/// Questions that one task asks: few enough to keep all threads busy with a small class.
+const CHUNK: usize = 512;
+
+/// Streams shorter than this are asked several times in a row, or the clock would be what is measured.
+const FEWEST: usize = 1 << 14;
+
+const MILLION: f64 = 1e6;
+
+/// What answers.
+pub(super) enum Structure {
+    /// A backend.
+    Accel(Accel),
+    /// obvhs's own tree and tests.
+    Cwbvh(Cwbvh),
+}
+
+/// A structure over a scene, and how fast it was.
+pub(super) struct Row {
+    /// Such as `embree-robust`.
+    pub(super) title: String,
+    pub(super) structure: Structure,
+    pub(super) build_seconds: f64,
+    pub(super) bytes: usize,
+    /// By number of threads, as they were asked for.
+    pub(super) paces: Vec<Pace>,
+}
+
+/// Million rays per second with a number of threads, round by round.
+pub(super) struct Pace {
+    pub(super) threads: usize,
+    /// All rays in the order of the render.
+    pub(super) raw: Vec<f64>,
+    /// By group of the stream.
+    pub(super) groups: Vec<Vec<f64>>,
+    /// Inside a render; empty for what cannot render.
+    pub(super) render: Vec<f64>,
+}
+
+impl Row {
+    /// Builds a backend.
+    ///
+    /// # Errors
+    /// As [`Accel::build`].
+    pub(super) fn of_backend(geometry: &Geometry, (backend, build): (Backend, Build), threads: usize) -> Result<Row> {
+        let clock = Stopwatch::start();
+        let accel = Accel::build(geometry, backend, build, threads)?;
+        let bytes = accel.bytes();
+        Ok(Row::new(title((backend, build)), Structure::Accel(accel), clock, bytes))
+    }
+
+    /// Builds obvhs's CWBVH.
+    ///
+    /// # Errors
+    /// As [`Cwbvh::build`].
+    pub(super) fn of_cwbvh(geometry: &Geometry) -> Result<Row> {
+        let clock = Stopwatch::start();
+        let tree = Cwbvh::build(geometry)?;
+        let bytes = tree.bytes();
+        Ok(Row::new("obvhs-cwbvh".into(), Structure::Cwbvh(tree), clock, bytes))
+    }
+
+    fn new(title: String, structure: Structure, clock: Stopwatch, bytes: usize) -> Row {
+        Row { title, structure, build_seconds: clock.wall().as_secs_f64(), bytes, paces: Vec::new() }
+    }
+
+    /// Asks the questions at `places`: million rays per second.
+    fn rate(&self, stream: &Stream, places: &[u32]) -> f64 {
+        match &self.structure {
+            Structure::Accel(accel) => rate(accel, &stream.questions, places),
+            Structure::Cwbvh(tree) => rate(tree, &stream.questions, places),
+        }
+    }
+
+    /// Times a pass with this row's backend, lent to the stage for that long.
+    fn render(&mut self, stage: Stage, view: &View, pass: u64) -> (Stage, Option<f64>) {
+        let Structure::Accel(accel) = &mut self.structure else { return (stage, None) };
+        let lent = exchanged(stage, accel);
+        let clock = Stopwatch::start();
+        let rays = view.pass(&lent.scene, pass).total();
+        let rate = rays as f64 / MILLION / clock.wall().as_secs_f64();
+        (exchanged(lent, accel), Some(rate))
+    }
+}
+
+/// The stage with the other backend, which gets the stage's.
+fn exchanged(stage: Stage, accel: &mut Accel) -> Stage {
+    Stage { scene: stage.scene.with_accel(|own| std::mem::replace(accel, own)), ..stage }
+}
+
+fn rate(accel: &impl Intersector, questions: &[Question], places: &[u32]) -> f64 {
+    let times = FEWEST.div_ceil(places.len().max(1));
+    let hits = |chunk: &[u32]| chunk.iter().filter(|&&place| questions[place as usize].ask(accel)).count();
+    let clock = Stopwatch::start();
+    black_box((0..times).into_par_iter().map(|_| places.par_chunks(CHUNK).map(hits).sum::<usize>()).sum::<usize>());
+    (times * places.len()) as f64 / MILLION / clock.wall().as_secs_f64()
+}
+
+/// Times everything once: for each pool of threads, all rays, each group and a pass, and for each of these all rows in turn.
+pub(super) fn round(
+    mut stage: Stage,
+    view: &View,
+    stream: &Stream,
+    rows: &mut [Row],
+    pools: &[rayon::ThreadPool],
+    pass: u64,
+) -> Stage {
+    let (everything, groups) = ((0..stream.questions.len() as u32).collect::<Vec<_>>(), stream.groups());
+    for (at, pool) in pools.iter().enumerate() {
+        for row in rows.iter_mut() {
+            let rate = pool.install(|| row.rate(stream, &everything));
+            row.paces[at].raw.push(rate);
+        }
+        for (group, rays) in groups.iter().enumerate() {
+            for row in rows.iter_mut() {
+                let rate = pool.install(|| row.rate(stream, &rays.places));
+                row.paces[at].groups[group].push(rate);
+            }
+        }
+        for row in rows.iter_mut() {
+            let rendered = pool.install(|| row.render(stage, view, pass));
+            stage = rendered.0;
+            row.paces[at].render.extend(rendered.1);
+        }
+    }
+    stage
+}
