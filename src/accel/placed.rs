@@ -1,7 +1,7 @@
 //! What every backend checks before it builds: that objects have meshes and places that f32 arithmetic can represent.
 
 use crate::error::{Error, Kind, Result};
-use crate::geometry::{Bounds, Geometry, Object, TriangleMesh};
+use crate::geometry::{Bounds, Geometry, Object, TriangleMesh, is_placement};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ fn of_object(index: usize, object: &Object, mesh: &TriangleMesh, boxes: &[Bounds
     let local = boxes[object.mesh as usize];
     let world = match &object.placement {
         None => local,
-        Some(m) if m.is_finite() && m.inverse().is_finite() => {
+        Some(m) if is_placement(m) => {
             let corner = |i: u32| Vec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), local.max, local.min);
             Bounds::around((0..8).map(|i| m.transform_point3(corner(i))))
         }

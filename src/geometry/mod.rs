@@ -18,5 +18,5 @@ pub use mesh::{Attributes, TriangleMesh};
 pub use ray::{Hit, MediumId, Ray};
 pub use spawn::{spawn_ray, spawn_segment};
 pub use surface_point::SurfacePoint;
-pub use triangle::{Triangle, TriangleHit, placement_error};
+pub use triangle::{Triangle, TriangleHit, is_placement, placement_error};
 pub use world::{Geometry, Object};

@@ -116,9 +116,23 @@ pub fn placement_error(m: &Affine3A, most: Vec3) -> f32 {
     16.0 * HALF_ULP * (most.dot(Vec3::from(columns)) + m.translation.abs().max_element())
 }
 
+/// Whether `m` can place an object: it is finite and can be inverted in f32. Beyond a scale of 7e12 the determinant overflows, and
+/// the inverse would be zero, with which every ray misses.
+pub fn is_placement(m: &Affine3A) -> bool {
+    m.is_finite() && m.matrix3.determinant().is_finite() && m.inverse().is_finite()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_cannot_be_inverted_in_f32_places_nothing() {
+        let scaled = |scale: f32| is_placement(&Affine3A::from_scale(Vec3::splat(scale)));
+        assert!(scaled(1e12) && scaled(-1e-12) && scaled(1.0));
+        assert!(!scaled(1e15) && !scaled(1e-15) && !scaled(0.0) && !scaled(f32::NAN) && !scaled(f32::INFINITY));
+        assert!(!is_placement(&Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0))));
+    }
 
     #[test]
     fn a_hit_is_where_the_ray_meets_the_plane() {

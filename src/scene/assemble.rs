@@ -5,7 +5,7 @@ use super::description::{AlphaMode, Description, Instance, Primitive};
 use super::material::Material;
 use super::rebase::Rebase;
 use crate::error::{Error, Result};
-use crate::geometry::{Attributes, Geometry, Object, TriangleMesh};
+use crate::geometry::{Attributes, Geometry, Object, TriangleMesh, is_placement};
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -65,7 +65,7 @@ fn placement(name: &str, to_scene: &DAffine3) -> Result<Affine3A> {
         Mat3::from_cols(m.x_axis.as_vec3(), m.y_axis.as_vec3(), m.z_axis.as_vec3()),
         to_scene.translation.as_vec3(),
     );
-    if placement.is_finite() && placement.inverse().is_finite() {
+    if is_placement(&placement) {
         Ok(placement)
     } else {
         Err(Error::scene(format!("'{name}' is placed by a transform that cannot be inverted")))
