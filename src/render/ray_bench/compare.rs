@@ -1,7 +1,7 @@
 //! What each row hits beside a reference: the streams of scenes class by class, and the hard cases.
 
 use super::row::{Row, Structure};
-use super::stream::Stream;
+use super::stream::Group;
 use crate::accel::equivalence::{Category, Tally};
 use crate::accel::{Backend, Build, Intersector, hard_cases};
 use crate::error::Result;
@@ -57,18 +57,18 @@ pub(super) fn reference(rows: &[Row]) -> &Row {
     rows.iter().find(|row| row.title == preferred).unwrap_or(&rows[0])
 }
 
-/// Asks every row both queries about every ray of the stream.
-pub(super) fn streams(geometry: &Geometry, stream: &Stream, rows: &[Row]) -> Vec<CategoryRow> {
+/// Asks every row both queries about every ray of a scene's groups.
+pub(super) fn streams(geometry: &Geometry, scene: &str, groups: &[Group], rows: &[Row]) -> Vec<CategoryRow> {
     let reference = reference(rows);
     let mut found = Vec::new();
-    for group in stream.groups() {
-        let rays = stream.rays(&group);
+    for group in groups {
+        let rays = group.rays();
         found.extend(rows.iter().map(|row| {
             // Nobody knows of a scene whether it is closed.
             let tally = Tally::of(geometry, &rays, &row.structure, &reference.structure, false);
             let (name, backend) = (group.name.to_owned(), row.title.clone());
             let category = Category { name, backend, reference: reference.title.clone(), tally };
-            CategoryRow::new(Some(&stream.name), category)
+            CategoryRow::new(Some(scene), category)
         }));
     }
     found
@@ -87,6 +87,7 @@ pub(super) fn hard(setups: &[(Backend, Build)], rays: u64, threads: usize) -> Re
 mod tests {
     use super::*;
     use crate::accel::{Query, Question, RayClass};
+    use crate::render::ray_bench::Stream;
     use crate::stats::test_random::Random;
     use glam::Vec3;
 
@@ -113,7 +114,7 @@ mod tests {
         };
         let questions = (0..30_000).map(question).collect();
         let stream = Stream { name: "bits".into(), scene_hash: String::new(), questions };
-        let found = streams(case.geometry(), &stream, &rows);
+        let found = streams(case.geometry(), &stream.name, &stream.groups(), &rows);
         assert_eq!(found.len(), 2 * rows.len());
         for row in found.iter().filter(|row| row.category.name == "shadow") {
             let tally = &row.category.tally;

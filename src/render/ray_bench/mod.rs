@@ -29,6 +29,7 @@ use crate::integrator::RayCounts;
 use record::View;
 use row::{Pace, Row};
 use std::path::PathBuf;
+use stream::Group;
 
 /// A scene whose rays are recorded. Its own backend is what records them, so that addresses do not depend on what is measured.
 pub struct Subject {
@@ -67,6 +68,7 @@ struct Field {
     stage: Stage,
     view: View,
     stream: Stream,
+    groups: Vec<Group>,
     counted: Option<RayCounts>,
     rows: Vec<Row>,
     left_out: Vec<String>,
@@ -131,7 +133,7 @@ fn measured(request: &Request, subject: Subject, note: &mut dyn FnMut(&str)) -> 
     let mut field = Field::new(request, subject)?;
     let name = field.stream.name.clone();
     note(&format!("{name}: comparing the hits of {} rays", field.stream.questions.len()));
-    let categories = compare::streams(field.stage.scene.geometry(), &field.stream, &field.rows);
+    let categories = compare::streams(field.stage.scene.geometry(), &name, &field.groups, &field.rows);
     for round in 0..request.rounds {
         note(&format!("{name}: round {} of {}", round + 1, request.rounds));
         field = field.timed(round);
@@ -144,22 +146,23 @@ impl Field {
         let (stage, view, stream, counted) = stream_of(request, subject)?;
         request.save.as_ref().map_or(Ok(()), |path| stream_file::write(path, &stream))?;
         let (mut rows, left_out) = rows(request, stage.scene.geometry())?;
-        let groups = stream.groups().len();
-        let pace = |&threads: &usize| Pace { threads, raw: Vec::new(), groups: vec![Vec::new(); groups], render: Vec::new() };
+        let groups = stream.groups();
+        let pace =
+            |&threads: &usize| Pace { threads, raw: Vec::new(), groups: vec![Vec::new(); groups.len()], render: Vec::new() };
         rows.iter_mut().for_each(|row| row.paces = request.threads.iter().map(pace).collect());
         let pools = request.threads.iter().map(|&threads| record::pool(threads)).collect::<Result<Vec<_>>>()?;
-        Ok(Field { stage, view, stream, counted, rows, left_out, pools })
+        Ok(Field { stage, view, stream, groups, counted, rows, left_out, pools })
     }
 
     /// One more round: pass 0 is the recorded one, and each round renders another.
     fn timed(mut self, round: u32) -> Field {
         let pass = u64::from(round) + 1;
-        let stage = row::round(self.stage, &self.view, &self.stream, &mut self.rows, &self.pools, pass);
+        let stage = row::round(self.stage, &self.view, (&self.stream, &self.groups), &mut self.rows, &self.pools, pass);
         Field { stage, ..self }
     }
 
     fn rates(&self) -> SceneRates {
-        let (info, groups) = (&self.stage.info, self.stream.groups());
+        let info = &self.stage.info;
         SceneRates {
             name: self.stream.name.clone(),
             hash: self.stage.scene.hash().to_owned(),
@@ -167,9 +170,9 @@ impl Field {
             triangles: info.triangles,
             placed_triangles: info.placed_triangles,
             rays: self.stream.questions.len(),
-            classes: report::sizes(&self.stream),
+            classes: report::sizes(&self.groups),
             counted: self.counted,
-            rows: self.rows.iter().map(|row| RowRates::of(row, &groups, info.triangles)).collect(),
+            rows: self.rows.iter().map(|row| RowRates::of(row, &self.groups, info.triangles)).collect(),
             left_out: self.left_out.clone(),
         }
     }

@@ -91,9 +91,9 @@ impl Address {
             let names: Vec<_> = groups.iter().map(|group| group.name).collect();
             return Err(Error::usage(format!("--replay {self}: there are no such rays, but {}", names.join(", "))));
         };
-        let place = usize::try_from(self.index).ok().and_then(|index| group.places.get(index));
-        let place = place.ok_or_else(|| Error::usage(format!("--replay {self}: there are {} such rays", group.places.len())))?;
-        Ok(stream.questions[*place as usize].ray)
+        let question = usize::try_from(self.index).ok().and_then(|index| group.questions.get(index));
+        let none = || Error::usage(format!("--replay {self}: there are {} such rays", group.questions.len()));
+        Ok(question.ok_or_else(none)?.ray)
     }
 
     /// The hard case that this is an address of.

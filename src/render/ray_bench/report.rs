@@ -2,7 +2,7 @@
 
 use super::compare::CategoryRow;
 use super::row::{Pace, Row};
-use super::stream::{Group, Stream};
+use super::stream::Group;
 use crate::error::Result;
 use crate::integrator::RayCounts;
 use crate::render::{Conditions, report_files};
@@ -143,8 +143,8 @@ impl PaceRates {
 }
 
 /// How many rays each group has.
-pub(super) fn sizes(stream: &Stream) -> Vec<ClassSize> {
-    stream.groups().iter().map(|group| ClassSize { name: group.name.into(), rays: group.places.len() }).collect()
+pub(super) fn sizes(groups: &[Group]) -> Vec<ClassSize> {
+    groups.iter().map(|group| ClassSize { name: group.name.into(), rays: group.questions.len() }).collect()
 }
 
 /// A line of `rates.csv`.
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn rates_are_medians_and_shares_are_paired_by_round() {
-        let group = Group { name: "camera", places: vec![0] };
+        let group = Group { name: "camera", questions: Vec::new() };
         let pace = Pace { threads: 2, raw: vec![4.0, 2.0, 8.0], groups: vec![vec![1.0, 3.0, 2.0]], render: vec![1.0, 1.0, 6.0] };
         let rates = PaceRates::of(&pace, &[group]).unwrap();
         let numbers = |rate: Rate| [rate.median, rate.least, rate.most];

@@ -1,7 +1,7 @@
 //! What is measured: a backend with a build, or obvhs's CWBVH, and the times of its rounds.
 
 use super::record::View;
-use super::stream::Stream;
+use super::stream::{Group, Stream};
 use crate::accel::bvh::cwbvh::Cwbvh;
 use crate::accel::hard_cases::title;
 use crate::accel::{Accel, Backend, Build, Intersector, Question};
@@ -77,11 +77,11 @@ impl Row {
         Row { title, structure, build_seconds: clock.wall().as_secs_f64(), bytes, paces: Vec::new() }
     }
 
-    /// Asks the questions at `places`: million rays per second.
-    fn rate(&self, stream: &Stream, places: &[u32]) -> f64 {
+    /// Asks the questions: million rays per second.
+    fn rate(&self, questions: &[Question]) -> f64 {
         match &self.structure {
-            Structure::Accel(accel) => rate(accel, &stream.questions, places),
-            Structure::Cwbvh(tree) => rate(tree, &stream.questions, places),
+            Structure::Accel(accel) => rate(accel, questions),
+            Structure::Cwbvh(tree) => rate(tree, questions),
         }
     }
 
@@ -101,33 +101,32 @@ fn exchanged(stage: Stage, accel: &mut Accel) -> Stage {
     Stage { scene: stage.scene.with_accel(|own| std::mem::replace(accel, own)), ..stage }
 }
 
-fn rate(accel: &impl Intersector, questions: &[Question], places: &[u32]) -> f64 {
-    let times = FEWEST.div_ceil(places.len().max(1));
-    let hits = |chunk: &[u32]| chunk.iter().filter(|&&place| questions[place as usize].ask(accel)).count();
+fn rate(accel: &impl Intersector, questions: &[Question]) -> f64 {
+    let times = FEWEST.div_ceil(questions.len().max(1));
+    let hits = |chunk: &[Question]| chunk.iter().filter(|question| question.ask(accel)).count();
     let clock = Stopwatch::start();
-    black_box((0..times).into_par_iter().map(|_| places.par_chunks(CHUNK).map(hits).sum::<usize>()).sum::<usize>());
-    (times * places.len()) as f64 / MILLION / clock.wall().as_secs_f64()
+    black_box((0..times).into_par_iter().map(|_| questions.par_chunks(CHUNK).map(hits).sum::<usize>()).sum::<usize>());
+    (times * questions.len()) as f64 / MILLION / clock.wall().as_secs_f64()
 }
 
 /// Times everything once: for each pool of threads, all rays, each group and a pass, and for each of these all rows in turn.
 pub(super) fn round(
     mut stage: Stage,
     view: &View,
-    stream: &Stream,
+    (stream, groups): (&Stream, &[Group]),
     rows: &mut [Row],
     pools: &[rayon::ThreadPool],
     pass: u64,
 ) -> Stage {
-    let (everything, groups) = ((0..stream.questions.len() as u32).collect::<Vec<_>>(), stream.groups());
     for (at, pool) in pools.iter().enumerate() {
         for row in rows.iter_mut() {
-            let rate = pool.install(|| row.rate(stream, &everything));
+            let rate = pool.install(|| row.rate(&stream.questions));
             row.paces[at].raw.push(rate);
         }
-        for (group, rays) in groups.iter().enumerate() {
+        for (number, group) in groups.iter().enumerate() {
             for row in rows.iter_mut() {
-                let rate = pool.install(|| row.rate(stream, &rays.places));
-                row.paces[at].groups[group].push(rate);
+                let rate = pool.install(|| row.rate(&group.questions));
+                row.paces[at].groups[number].push(rate);
             }
         }
         for row in rows.iter_mut() {
