@@ -108,25 +108,24 @@ fn widen(bvh: &Bvh2, mut leaf: impl FnMut(&[u32]) -> usize) -> Tree {
     let root = &bvh.nodes[0];
     let extent = root.aabb().min.abs().max(root.aabb().max.abs()).max_element();
     if root.is_leaf() {
-        return Tree::new(Vec::new(), name(root), 1, extent);
+        return Tree::new(Vec::new(), name(root), extent);
     }
     let mut nodes = vec![EMPTY];
-    // Binary inner nodes that become wide ones, where to, and how deep they are.
-    let (mut open, mut levels) = (vec![(root, 0, 1)], 1);
-    while let Some((binary, slot, level)) = open.pop() {
-        levels = levels.max(level);
+    // Binary inner nodes that become wide ones, and where to.
+    let mut open = vec![(root, 0)];
+    while let Some((binary, slot)) = open.pop() {
         for (lane, child) in descendants(bvh, binary).into_iter().flatten().enumerate() {
             let index = if child.is_leaf() {
                 name(child)
             } else {
                 nodes.push(EMPTY);
-                open.push((child, nodes.len() - 1, level + 1));
+                open.push((child, nodes.len() - 1));
                 nodes.len() as u32 - 1
             };
             nodes[slot].set(lane, child.aabb(), index);
         }
     }
-    Tree::new(nodes, 0, levels, extent)
+    Tree::new(nodes, 0, extent)
 }
 
 /// Two to four descendants of an inner node that together hold what it does: its children, the largest opened in turn.
