@@ -213,6 +213,21 @@ defects! {
     CropAtOrigin "crop-at-origin"
         "A crop shows the upper left corner of the picture and not its window."
         "review: an offset forgotten";
+    UvRotatesFirst "uv-rotates-first"
+        "Texture coordinates are rotated before they are scaled, which shears the image where the scale is uneven."
+        "review: KHR_texture_transform, its matrices in the other order";
+    MapSeam "map-seam"
+        "The last column of an environment map blends with itself and not with the first, in sampling and lookup alike."
+        "review: a border that is clamped and not wrapped";
+    SpecularGrazesFull "specular-grazes-full"
+        "The strength of KHR_materials_specular dims reflection at normal incidence and not at grazing angles."
+        "review: an f90 of 1 whatever the material";
+    DepthFromLastPane "depth-from-last-pane"
+        "The depth layer counts from the last surface that the camera's ray passed and not from the camera."
+        "review: a ray parameter taken for a distance";
+    ReplicatesAlike "replicates-alike"
+        "Replicates are divided by their mean number of passes and not by their own, so that error bars of interrupted renders are too wide."
+        "review: sums that are taken for means";
 }
 
 /// Whether `defect` is planted: a constant without the feature `defects`.

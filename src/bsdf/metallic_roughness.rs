@@ -94,7 +94,8 @@ impl MetallicRoughness {
     fn layer(&self) -> Schlick {
         let root = (self.ior - 1.0) / (self.ior + 1.0);
         let f0 = self.specular_color.map(|color| (root * root * color).min(1.0) * self.specular);
-        Schlick { f0, f90: Spectrum::splat(self.specular) }
+        let f90 = if planted(Defect::SpecularGrazesFull) { 1.0 } else { self.specular };
+        Schlick { f0, f90: Spectrum::splat(f90) }
     }
 
     /// The share `weight` of a solid's boundary.

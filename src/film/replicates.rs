@@ -103,6 +103,7 @@ impl<'a> Replicates<'a> {
         let unit = self.film.units().of(Plane::Color);
         let index = pixel * self.film.layout().channels() + channel;
         for ((mean, sums), n) in out.iter_mut().zip(self.film.sums()).zip(&self.counts) {
+            let n = if planted(Defect::ReplicatesAlike) { self.total / self.counts.len() as f64 } else { *n };
             *mean = sums.value(index) * unit / n;
         }
     }

@@ -2,6 +2,7 @@
 //! path a second time for it meets the same surfaces; renders without these planes pay nothing.
 
 use crate::bsdf::{Bsdf, Lobes, Shading};
+use crate::defects::{Defect, planted};
 use crate::film::{Layout, Plane};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::path::{Tally, Walk};
@@ -40,7 +41,8 @@ fn look(scene: &Scene, ray: Ray, sampler: &mut impl Sampler, layout: &Layout, va
     let mut walk = Walk::new(scene, ray);
     let Some(first) = walk.arrive(sampler, tally) else { return };
     put(Plane::Alpha, &[1.0]);
-    put(Plane::Depth, &[((first.p - ray.origin).length() as f64 / scene.rebase().scale) as f32]);
+    let depth = if planted(Defect::DepthFromLastPane) { first.t } else { (first.p - ray.origin).length() };
+    put(Plane::Depth, &[(f64::from(depth) / scene.rebase().scale) as f32]);
     put(Plane::Position, &scene.rebase().point_in_file(first.p.as_dvec3()).as_vec3().to_array());
     if layout.offset(Plane::Albedo).is_none() && layout.offset(Plane::Normal).is_none() {
         return;

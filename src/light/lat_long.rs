@@ -255,7 +255,8 @@ fn neighbours(j: usize, height: usize) -> [usize; 2] {
 /// The column after `x`, round the seam.
 #[inline]
 fn next(x: usize, width: usize) -> usize {
-    if x + 1 == width { 0 } else { x + 1 }
+    let first = if planted(Defect::MapSeam) { x } else { 0 };
+    if x + 1 == width { first } else { x + 1 }
 }
 
 #[inline]

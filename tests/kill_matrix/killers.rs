@@ -25,6 +25,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "sampling::table::tests::probabilities_sum_to_one_and_zero_weights_are_never_chosen"),
     of("lib", "geometry::world::tests::placed_normals_stay_perpendicular"),
     of("lib", "texture::tests::bilinear_lookup_is_exact_at_texel_centres_and_midway"),
+    of("lib", "io::gltf::texture::tests::an_uneven_scale_comes_before_rotation_and_offset"),
     of("lib", "light::punctual::tests::the_power_of_a_spot_is_its_intensity_integrated_over_directions"),
     of("lib", "film::filter::tests::inverse_is_accurate_and_monotone"),
     of("lib", "film::filter::tests::samples_follow_the_filter"),
@@ -54,6 +55,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("sampling", "textbook::rough_reflection_is_the_textbooks"),
     of("sampling", "textbook::schlicks_reflectance_has_the_fifth_power"),
     of("sampling", "textbook::alpha_is_the_square_of_roughness"),
+    of("sampling", "textbook::specular_strength_scales_reflection_at_every_angle"),
     of("sampling", "shading::both_walks_see_one_scattering_function"),
     of("sampling", "shading::light_does_not_leak_between_the_normals"),
     of("sampling", "shading::a_sampled_weight_is_the_value_over_the_density"),
@@ -90,5 +92,6 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("agreement", "textures::normal_maps_bend_where_the_specification_says"),
     of("agreement", "sides::a_mirror_shows_both_sides"),
     of("agreement", "sides::what_the_camera_does_not_see_still_throws_a_shadow"),
+    of("agreement", "sides::features_are_those_of_what_is_seen"),
     of("accel", "segments::a_segment_meets_neither_of_the_surfaces_that_it_joins"),
 ];

@@ -2,7 +2,7 @@
 
 use crate::models::{any_direction, white_plastic};
 use crate::random::{Random, samples};
-use etendue::bsdf::{Conductor, Dielectric, Fresnel, Ggx, MetallicRoughness, Surface, Thin, Wall, fresnel};
+use etendue::bsdf::{Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lobes, MetallicRoughness, Surface, Thin, Wall, fresnel};
 use etendue::geometry::Local;
 use etendue::spectrum::Spectrum;
 use std::f64::consts::PI;
@@ -65,6 +65,33 @@ fn alpha_is_the_square_of_roughness() {
                 panic!("{surface:?} is a mixture")
             };
             assert_eq!(ggx.alpha(), roughness * roughness, "{surface:?}");
+        }
+    }
+}
+
+/// KHR_materials_specular: its strength scales the reflection of a dielectric at every angle, its colour at normal incidence alone
+/// and up to 1; of sheets and of opaque surfaces alike. What is mirrored meets a facet at its own cosine.
+#[test]
+fn specular_strength_scales_reflection_at_every_angle() {
+    // the eight roundings of f0 and f90
+    const ROUNDING: f64 = 8.0 * 0.5 * f32::EPSILON as f64;
+    let color = Spectrum([0.5, 1.0, 40.0]);
+    for strength in [0.25f32, 0.7, 1.0] {
+        let sheet = MetallicRoughness { transmission: 1.0, specular: strength, specular_color: color, ..white_plastic(0.25) };
+        let Surface::Thin(Thin { fresnel, ggx, .. }) = sheet.surface() else { panic!("not a sheet") };
+        let opaque = MetallicRoughness { base: Spectrum::ZERO, transmission: 0.0, ..sheet }.surface();
+        for cos in [1.0f64, 0.5, 0.1, 0.01] {
+            let wo = Local::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let wi = Local::new(-wo.x, 0.0, cos);
+            let mirrored = opaque.eval(wi, wo, Lobes::SMOOTH);
+            let facets = ggx.reflection(wi, wo, Local::new(0.0, 0.0, 1.0));
+            for lane in 0..3 {
+                let f0 = (0.04 * f64::from(color[lane])).min(1.0);
+                let expected = f64::from(strength) * (f0 + (1.0 - f0) * (1.0 - cos).powi(5));
+                for got in [fresnel.reflectance(cos)[lane], mirrored[lane] / facets] {
+                    assert!((got / expected - 1.0).abs() < ROUNDING, "strength {strength} cos {cos}: {got}, not {expected}");
+                }
+            }
         }
     }
 }

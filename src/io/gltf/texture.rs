@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::notes::Notes;
+use crate::defects::{Defect, planted};
 use crate::texture::{Encoding, Filter, Image, Texture, Wrap};
 use ::gltf::json::extensions::texture::TextureTransform;
 use ::gltf::json::material::{Material, NormalTexture};
@@ -135,6 +136,10 @@ const UV_SETS: usize = 2;
 
 /// Scale, then rotation, then offset. Angles are counter-clockwise as one sees the image, whose v axis points down.
 fn uv_transform(t: &TextureTransform) -> Affine2 {
+    if planted(Defect::UvRotatesFirst) {
+        let scaled = Affine2::from_scale_angle_translation(Vec2::from(t.scale.0), 0.0, Vec2::from(t.offset.0));
+        return scaled * Affine2::from_angle(-t.rotation.0);
+    }
     Affine2::from_scale_angle_translation(Vec2::from(t.scale.0), -t.rotation.0, Vec2::from(t.offset.0))
 }
 
@@ -163,17 +168,31 @@ fn filter(sampler: &Sampler) -> Filter {
 mod tests {
     use super::*;
 
+    /// The transform in `json` takes each point to the other, but for one rounding of the angle and of each product of numbers up
+    /// to 1.
+    fn maps(json: &str, points: &[([f32; 2], [f32; 2])]) {
+        let transform = uv_transform(&serde_json::from_str(json).expect("valid"));
+        for &(uv, want) in points {
+            let got = transform.transform_point2(Vec2::from(uv));
+            assert!((got - Vec2::from(want)).abs().max_element() <= 4.0 * f32::EPSILON, "{uv:?}: {got} is not {want:?}");
+        }
+    }
+
     /// The example in KHR_texture_transform: "utilizes only the lower left quadrant of the source image, rotated".
     #[test]
     fn rotation_has_the_sign_of_the_specification() {
-        let json = r#"{ "offset": [0, 1], "rotation": 1.57079632679, "scale": [0.5, 0.5] }"#;
-        let transform = uv_transform(&serde_json::from_str(json).expect("valid"));
-        // One rounding of the angle and of each product of numbers up to 1.
-        let bound = 4.0 * f32::EPSILON;
-        for (uv, want) in [([0.0, 0.0], [0.0, 1.0]), ([1.0, 0.0], [0.0, 0.5]), ([0.0, 1.0], [0.5, 1.0]), ([1.0, 1.0], [0.5, 0.5])]
-        {
-            let got = transform.transform_point2(Vec2::from(uv));
-            assert!((got - Vec2::from(want)).abs().max_element() <= bound, "{uv:?}: {got} is not {want:?}");
-        }
+        maps(
+            r#"{ "offset": [0, 1], "rotation": 1.57079632679, "scale": [0.5, 0.5] }"#,
+            &[([0.0, 0.0], [0.0, 1.0]), ([1.0, 0.0], [0.0, 0.5]), ([0.0, 1.0], [0.5, 1.0]), ([1.0, 1.0], [0.5, 0.5])],
+        );
+    }
+
+    /// "translation * rotation * scale": an even scale, which the specification's example has, does not tell the order.
+    #[test]
+    fn an_uneven_scale_comes_before_rotation_and_offset() {
+        maps(
+            r#"{ "offset": [0.25, 0.5], "rotation": 1.57079632679, "scale": [1, 0.25] }"#,
+            &[([0.0, 0.0], [0.25, 0.5]), ([1.0, 0.0], [0.25, -0.5]), ([0.0, 1.0], [0.5, 0.5])],
+        );
     }
 }
