@@ -10,6 +10,7 @@
 pub mod defects;
 pub mod error;
 pub mod numeric;
+pub mod pages;
 pub mod parallel;
 // floor 2
 pub mod sampling;

@@ -19,6 +19,7 @@ mod tree;
 use crate::accel::{Build, Intersector, placed};
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray, placement_error};
+use crate::pages::Pages;
 use block::{Block, Corners};
 use glam::{Affine3A, Vec3};
 use ray::{Query, Slabs};
@@ -29,7 +30,7 @@ use tree::Tree;
 /// Triangles and the tree over them; a leaf of the tree is a block.
 struct Mesh {
     tree: Tree,
-    blocks: Box<[Block]>,
+    blocks: Pages<Block>,
 }
 
 /// A mesh at a place.
@@ -193,7 +194,8 @@ impl Mesh {
         mut block: impl FnMut(&Block, &Query, &mut Nearest) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let query = Query::new(ray);
-        self.tree.visit(&Slabs::new(ray, self.tree.extent()), reach, |leaf, reach| block(&self.blocks[leaf], &query, reach))
+        let blocks = &*self.blocks;
+        self.tree.visit(&Slabs::new(ray, self.tree.extent()), reach, |leaf, reach| block(&blocks[leaf], &query, reach))
     }
 }
 

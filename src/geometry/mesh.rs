@@ -2,29 +2,30 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::Bounds;
+use crate::pages::Pages;
 use glam::{Vec2, Vec3, Vec4};
 
 /// Per-vertex data besides positions; what is `None` the mesh does not have. Present arrays are as long as the positions.
 #[derive(Debug, Clone, Default)]
 pub struct Attributes {
     /// Shading normals of unit length.
-    pub normals: Option<Vec<Vec3>>,
+    pub normals: Option<Pages<Vec3>>,
     /// Tangents; w is the handedness of the bitangent, ±1.
-    pub tangents: Option<Vec<Vec4>>,
+    pub tangents: Option<Pages<Vec4>>,
     /// Texture coordinates of set 0 and set 1.
-    pub uvs: [Option<Vec<Vec2>>; 2],
+    pub uvs: [Option<Pages<Vec2>>; 2],
     /// Linear vertex colours with alpha.
-    pub colors: Option<Vec<Vec4>>,
+    pub colors: Option<Pages<Vec4>>,
 }
 
 impl Attributes {
     fn lengths(&self) -> impl Iterator<Item = (&'static str, usize)> {
         [
-            ("normals", self.normals.as_ref().map(Vec::len)),
-            ("tangents", self.tangents.as_ref().map(Vec::len)),
-            ("texture coordinates 0", self.uvs[0].as_ref().map(Vec::len)),
-            ("texture coordinates 1", self.uvs[1].as_ref().map(Vec::len)),
-            ("colours", self.colors.as_ref().map(Vec::len)),
+            ("normals", self.normals.as_ref().map(|a| a.len())),
+            ("tangents", self.tangents.as_ref().map(|a| a.len())),
+            ("texture coordinates 0", self.uvs[0].as_ref().map(|a| a.len())),
+            ("texture coordinates 1", self.uvs[1].as_ref().map(|a| a.len())),
+            ("colours", self.colors.as_ref().map(|a| a.len())),
         ]
         .into_iter()
         .filter_map(|(name, length)| Some((name, length?)))
@@ -37,8 +38,8 @@ impl Attributes {
 pub struct TriangleMesh {
     name: String,
     /// One element more than there are vertices: backends read 16 bytes at the last 12-byte position.
-    padded_positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
+    padded_positions: Pages<Vec3>,
+    triangles: Pages<[u32; 3]>,
     attributes: Attributes,
 }
 
@@ -73,7 +74,7 @@ impl TriangleMesh {
             return fail(format!("has {length} {what} for {count} vertices"));
         }
         positions.push(Vec3::ZERO);
-        Ok(TriangleMesh { name, padded_positions: positions, triangles, attributes })
+        Ok(TriangleMesh { name, padded_positions: positions.into(), triangles: triangles.into(), attributes })
     }
 
     /// The name it has in the scene file.
@@ -112,12 +113,11 @@ impl TriangleMesh {
     /// Bytes held, attributes included.
     pub fn bytes(&self) -> usize {
         let a = &self.attributes;
-        let of = |n: Option<usize>, size: usize| n.unwrap_or(0) * size;
-        self.padded_positions.len() * size_of::<Vec3>()
-            + self.triangles.len() * size_of::<[u32; 3]>()
-            + of(a.normals.as_ref().map(Vec::len), size_of::<Vec3>())
-            + of(a.tangents.as_ref().map(Vec::len), size_of::<Vec4>())
-            + a.uvs.iter().map(|uv| of(uv.as_ref().map(Vec::len), size_of::<Vec2>())).sum::<usize>()
-            + of(a.colors.as_ref().map(Vec::len), size_of::<Vec4>())
+        size_of_val(self.padded_positions())
+            + size_of_val(self.triangles())
+            + a.normals.as_deref().map_or(0, size_of_val)
+            + a.tangents.as_deref().map_or(0, size_of_val)
+            + a.uvs.iter().map(|uv| uv.as_deref().map_or(0, size_of_val)).sum::<usize>()
+            + a.colors.as_deref().map_or(0, size_of_val)
     }
 }

@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn placed_normals_stay_perpendicular() {
         let positions = vec![Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
-        let normals = Some(vec![Vec3::ONE.normalize(); 3]);
+        let normals = Some(vec![Vec3::ONE.normalize(); 3].into());
         let mesh = TriangleMesh::new("flat", positions, vec![[0, 1, 2]], Attributes { normals, ..Attributes::default() });
         let squeeze = Affine3A::from_scale(Vec3::new(0.2, 1.0, -3.0)) * Affine3A::from_rotation_y(0.7);
         let object = Object { mesh: 0, placement: Some(squeeze), filtered: false };

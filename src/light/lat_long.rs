@@ -17,20 +17,20 @@
 use super::{End, LightSample};
 use crate::defects::{Defect, planted};
 use crate::numeric::BELOW_ONE;
+use crate::pages::Pages;
 use crate::sampling::{Density, Distribution, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
 use crate::texture::RadianceMap;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 use std::f64::consts;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// A map with less than this is dark: the inverse of [`RadianceMap::BRIGHTEST`], so that shares of it stay inside f32, too.
 const DARK: f64 = 1e-30;
 
-/// Columns in a block of the two-level search.
-const BLOCK: usize = 32;
+/// Columns in a block of the two-level search: a cache line of sums.
+const BLOCK: usize = 16;
 
 /// The light of a [`RadianceMap`].
 #[derive(Debug)]
@@ -44,8 +44,8 @@ pub struct LatLong {
     /// Mean over each row of texels.
     rows: Vec<f32>,
     /// Sums over the cells of a row of centres up to and with each, row by row.
-    sums: Vec<f32>,
-    /// Those of them that end a block of cells: two thousand cells are searched in three cache lines.
+    sums: Pages<f32>,
+    /// Those of them that end a block of cells.
     blocks: Vec<f32>,
     /// ∫ of the mean over the lanes, by the height-linear interpolation, before scaling.
     integral: f64,
@@ -100,7 +100,7 @@ impl LatLong {
             map,
             scale,
             strips,
-            sums,
+            sums: sums.into(),
             integral,
         })
     }
@@ -185,12 +185,14 @@ impl LatLong {
     #[inline]
     fn column(&self, [above, below]: [usize; 2], h: f32, u: f32) -> (usize, f32) {
         let width = self.map.size()[0];
-        let lerp = |sums: &[f32], length: usize, i: usize| mix(sums[above * length + i], sums[below * length + i], h);
-        let sum = |i: usize| lerp(&self.sums, width, i);
-        let blocks = width.div_ceil(BLOCK);
+        let rows = [&self.sums[above * width..][..width], &self.sums[below * width..][..width]];
+        let sum = |i: usize| mix(rows[0][i], rows[1][i], h);
+        let count = width.div_ceil(BLOCK);
+        let blocks = [&self.blocks[above * count..][..count], &self.blocks[below * count..][..count]];
         let target = u * sum(width - 1);
-        let block = first_above(target, 0..blocks, |i| lerp(&self.blocks, blocks, i));
-        let cell = first_above(target, block * BLOCK..width.min((block + 1) * BLOCK), sum);
+        let first = BLOCK * first_above(target, blocks, h);
+        let block = first..width.min(first + BLOCK);
+        let cell = first + first_above(target, rows.map(|row| &row[block.clone()]), h);
         let start = if cell == 0 { 0.0 } else { sum(cell - 1) };
         (cell, warp::into_unit((target - start) / (sum(cell) - start)))
     }
@@ -235,15 +237,12 @@ fn add_row(map: &RadianceMap, y: usize, sums: &mut Vec<f32>) -> f64 {
     sum / row.len() as f64
 }
 
-/// The first of `range` whose value exceeds `target`, or its last.
+/// Where the mix of two growing rows, which grows, first exceeds `target`, or the last place. Counted and not bisected: eight are
+/// compared at once, and no step waits for the memory of the one before.
 #[inline]
-fn first_above(target: f32, range: Range<usize>, value: impl Fn(usize) -> f32) -> usize {
-    let (mut low, mut high) = (range.start, range.end - 1);
-    while low < high {
-        let middle = (low + high) / 2;
-        if value(middle) <= target { low = middle + 1 } else { high = middle }
-    }
-    low
+fn first_above(target: f32, [above, below]: [&[f32]; 2], h: f32) -> usize {
+    let passed: u32 = above.iter().zip(below).map(|(&a, &b)| u32::from(mix(a, b, h) <= target)).sum();
+    (passed as usize).min(above.len() - 1)
 }
 
 /// The rows of centres above and below strip `j`.

@@ -14,9 +14,9 @@ pub enum Aov {
     Depth,
     /// Position in the file's world space.
     Position,
-    /// Number of the instance at the pixel's centre, from 1; 0 where there is none.
+    /// Number of the instance at the pixel's centre, from 0; −1 where there is none.
     Instance,
-    /// Number of the material at the pixel's centre, from 1; 0 where there is none.
+    /// Number of the material at the pixel's centre, from 0; −1 where there is none.
     Material,
     /// How many samples of the pixel were not finite.
     Invalid,

@@ -6,6 +6,7 @@ use super::material::Material;
 use super::rebase::Rebase;
 use crate::error::{Error, Result};
 use crate::geometry::{Attributes, Geometry, Object, TriangleMesh, is_placement};
+use crate::pages::Pages;
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -79,10 +80,10 @@ fn keep(name: String, primitive: &Primitive) -> Result<TriangleMesh> {
 
 fn attributes(primitive: &Primitive) -> Attributes {
     Attributes {
-        normals: primitive.normals.clone(),
-        tangents: primitive.tangents.clone(),
-        uvs: primitive.uvs.clone(),
-        colors: primitive.colors.clone(),
+        normals: primitive.normals.clone().map(Pages::from),
+        tangents: primitive.tangents.clone().map(Pages::from),
+        uvs: primitive.uvs.clone().map(|uvs| uvs.map(Pages::from)),
+        colors: primitive.colors.clone().map(Pages::from),
     }
 }
 

@@ -1,10 +1,12 @@
 //! A picture of all directions: the texels of a latitude-longitude map.
 
+use crate::pages::Pages;
+
 /// Linear radiance in latitude-longitude layout, three 32-bit numbers a texel. The first row is the zenith's.
 pub struct RadianceMap {
     width: u32,
     height: u32,
-    texels: Vec<[f32; 3]>,
+    texels: Pages<[f32; 3]>,
 }
 
 /// Size and content hash, never the texels.
@@ -27,7 +29,7 @@ impl RadianceMap {
         let count = texels.len();
         assert!(width > 0 && height > 0 && count == width as usize * height as usize, "{count} texels for {width}x{height}");
         assert!(texels.iter().flatten().all(|x| (0.0..=Self::BRIGHTEST).contains(x)), "a texel out of range");
-        RadianceMap { width, height, texels }
+        RadianceMap { width, height, texels: texels.into() }
     }
 
     /// Width and height.

@@ -11,6 +11,7 @@
 
 use super::ray::Query;
 use crate::geometry::Hit;
+use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, Vec4};
 use std::array::from_fn;
 use std::ops::ControlFlow;
@@ -30,6 +31,8 @@ pub(super) struct Corners {
 }
 
 /// Up to four triangles; where there are fewer the last is repeated.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct Block {
     /// By vertex and axis.
     vertices: [[Vec4; 3]; 3],

@@ -5,6 +5,7 @@ use super::cwbvh::triangle;
 use super::tree::{LEAF, Node, Tree};
 use crate::accel::Build;
 use crate::geometry::Bounds;
+use crate::pages::Pages;
 use glam::{Vec3A, Vec4};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -23,7 +24,7 @@ use obvhs::{Boundable, BvhBuildParams};
 const TRAVERSAL_COST: f32 = 3.0;
 
 /// A tree over `triangles`, of which there is at least one, and its leaves.
-pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, Box<[Block]>) {
+pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, Pages<Block>) {
     let effort = effort(build);
     let bvh = if effort.pre_split {
         let (boxes, indices) = split(triangles);

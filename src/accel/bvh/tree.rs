@@ -2,6 +2,8 @@
 
 use super::Nearest;
 use super::ray::Slabs;
+use crate::pages::Pages;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 use smallvec::SmallVec;
 use std::ops::ControlFlow;
@@ -13,7 +15,8 @@ pub(super) const LEAF: u32 = 1 << 31;
 const SHALLOW: usize = 96;
 
 /// Four children and their boxes. Where there are fewer, a box is empty and met by no ray.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct Node {
     /// Smallest x, largest x, smallest y, … of the four.
     pub(super) planes: [Vec4; 6],
@@ -23,7 +26,7 @@ pub(super) struct Node {
 
 /// Nodes from the root down.
 pub(super) struct Tree {
-    nodes: Box<[Node]>,
+    nodes: Pages<Node>,
     root: u32,
     /// The largest coordinate of any box.
     extent: f32,
@@ -54,12 +57,12 @@ impl Tree {
     ) -> ControlFlow<()> {
         // Not an array: writing zeros to it takes a tenth of the time of a ray in a small scene.
         let mut stack = SmallVec::<[(u32, f32); SHALLOW]>::new();
-        let mut current = self.root;
+        let (nodes, mut current) = (&*self.nodes, self.root);
         loop {
             if current & LEAF != 0 {
                 leaf((current & !LEAF) as usize, reach)?;
             } else {
-                let node = &self.nodes[current as usize];
+                let node = &nodes[current as usize];
                 let (mut met, enter) = ray.meet(node, reach.t);
                 if met != 0 {
                     let mut next = (u32::MAX, f32::INFINITY);
