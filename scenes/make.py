@@ -23,6 +23,7 @@ import json
 import math
 import struct
 import sys
+import zlib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -136,6 +137,12 @@ def glass(ior, thickness):
                            "KHR_materials_volume": {"thicknessFactor": thickness}}}
 
 
+def textured():
+    """Half plastic, half metal: colour, roughness and metalness by texture."""
+    texture = {"baseColorTexture": {"index": 0}, "metallicRoughnessTexture": {"index": 1}}
+    return {"pbrMetallicRoughness": {**surface((1.0, 1.0, 1.0), 1.0, 1.0), **texture}, "doubleSided": True}
+
+
 # --- scenes: (name, mesh, material) of each object, and the materials --------------------------------------------------
 
 COLOURS = {"white": diffuse(0.725, 0.71, 0.68), "red": diffuse(0.63, 0.065, 0.05), "green": diffuse(0.14, 0.45, 0.091)}
@@ -162,6 +169,12 @@ SHORT = ("short", box((0.05, -0.65, 0), (0.63, -0.07, 0.6), -0.29), "white")
 def cornell_box():
     light = quad((-0.25, -0.2, 1.98), (-0.25, 0.2, 1.98), (0.25, 0.2, 1.98), (0.25, -0.2, 1.98))
     return ROOM + [TALL, SHORT, ("light", light, "light")], {**COLOURS, "light": emitter(17, 12, 4)}
+
+
+def textured_box():
+    objects, materials = cornell_box()
+    return [(n, m, material if material == "light" else "textured") for n, m, material in objects], \
+        {"textured": textured(), "light": materials["light"]}
 
 
 def modified_cornell():
@@ -243,7 +256,7 @@ def sphere_cap():
 
 
 SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic,
-          "landscape": landscape, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
+          "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
 
@@ -299,6 +312,32 @@ FLOAT, UNSIGNED_SHORT, UNSIGNED_INT = 5126, 5123, 5125
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 
 
+# --- textures: rows of pixels, 8 bits for red, green and blue -------------------------------------------------------------
+
+
+def tiles(pixel):
+    """The picture of 512 squared pixels in 8 x 8 tiles; `pixel` is told the tile and a number from 0 to 255 that varies within."""
+    return [[pixel((x // 64 * 5 + y // 64 * 3) % 8, (x * 37 ^ y * 91) & 255) for x in range(512)] for y in range(512)]
+
+
+TEXTURES = {
+    "color.png": lambda: tiles(lambda tile, grain: (160 + 8 * tile, 200 - 12 * tile + grain // 16, 140 + grain // 4)),
+    # Red is not looked at, green is the roughness, blue the metalness.
+    "rough.png": lambda: tiles(lambda tile, grain: (0, 70 + 16 * tile + grain // 8, 255 * (tile % 2))),
+}
+# By scene; their order is that of the indices in materials. Texture coordinates are an affine function of the position.
+TEXTURED = {"textured-box": ["color.png", "rough.png"]}
+
+
+def png(rows):
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    packed = b"".join(b"\0" + bytes(c for pixel in row for c in pixel) for row in rows)
+    header = struct.pack(">2I5B", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(packed, 9)) + chunk(b"IEND", b"")
+
+
 def to_gltf(v):
     return (v[0], v[2], -v[1] + 0.0)  # + 0.0: no negative zeros
 
@@ -323,6 +362,10 @@ class Buffer:
             extra = {"min": [min(axis) for axis in zip(*stored)], "max": [max(axis) for axis in zip(*stored)]}
         return self.add(flat, ARRAY_BUFFER, componentType=FLOAT, count=len(vectors), type="VEC3", **extra)
 
+    def coordinates(self, positions):
+        flat = struct.pack(f"<{2 * len(positions)}f", *(c for x, y, z in positions for c in (x + 0.5 * y, z + 0.5 * y)))
+        return self.add(flat, ARRAY_BUFFER, componentType=FLOAT, count=len(positions), type="VEC2")
+
     def indices(self, triangles):
         flat = [i for t in triangles for i in t]
         # 65535 restarts a primitive.
@@ -330,9 +373,11 @@ class Buffer:
         packed = struct.pack(f"<{len(flat)}{code}", *flat)
         return self.add(packed, ELEMENT_ARRAY_BUFFER, componentType=component, count=len(flat), type="SCALAR")
 
-    def primitive(self, mesh, material):
+    def primitive(self, mesh, material, textured):
         positions, triangles, normals = mesh
         attributes = {"POSITION": self.vectors(positions, bounds=True)}
+        if textured:
+            attributes["TEXCOORD_0"] = self.coordinates(positions)
         if normals:
             attributes["NORMAL"] = self.vectors(normals)
         return {"attributes": attributes, "indices": self.indices(triangles), "material": material}
@@ -341,7 +386,9 @@ class Buffer:
 def document(name, objects, materials):
     """The glTF document as JSON data, and its binary chunk."""
     buffer, order = Buffer(), list(materials)
-    meshes = [{"name": n, "primitives": [buffer.primitive(mesh, order.index(material))]} for n, mesh, material in objects]
+    images = TEXTURED.get(name, [])
+    meshes = [{"name": n, "primitives": [buffer.primitive(mesh, order.index(material), images)]} for n, mesh, material in objects]
+    textures = {"images": [{"uri": uri} for uri in images], "textures": [{"source": i} for i in range(len(images))]}
     nodes = [{"name": n, "mesh": i} for i, (n, _, _) in enumerate(objects)]
     origin, pitch, fov = CAMERAS.get(name, CAMERA)
     turn = {"rotation": [math.sin(pitch / 2), 0.0, 0.0, math.cos(pitch / 2)]} if pitch else {}
@@ -363,6 +410,7 @@ def document(name, objects, materials):
         "nodes": nodes,
         "cameras": [{"name": "camera", "type": "perspective", "perspective": lens}],
         "materials": [{"name": n, **m} for n, m in materials.items()],
+        **(textures if images else {}),
         "meshes": meshes,
         "accessors": buffer.accessors,
         "bufferViews": buffer.views,
@@ -384,6 +432,8 @@ def main(names):
         if name in ENVIRONMENTS:
             width, height, picture = ENVIRONMENTS[name]
             (folder / "env.exr").write_bytes(exr(width, height, picture(width, height)))
+        for uri in TEXTURED.get(name, []):
+            (folder / uri).write_bytes(png(TEXTURES[uri]()))
         triangles = sum(len(mesh[1]) for _, mesh, _ in objects)
         print(f"{folder / 'scene.gltf'}: {triangles} triangles, {len(binary)} bytes")
 

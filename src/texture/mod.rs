@@ -63,24 +63,33 @@ impl Texture {
     pub fn at(&self, uv: Vec2) -> [f32; 4] {
         let [w, h] = self.image.size();
         let p = self.transform.transform_point2(uv) * Vec2::new(w as f32, h as f32);
-        let texel = |x: i64, y: i64| self.image.texel(self.wrap[0].index(x, w), self.wrap[1].index(y, h), self.encoding);
+        let column = |x: f32| self.wrap[0].index(x as i64, w);
+        let row = |y: f32| self.wrap[1].index(y as i64, h);
         match self.filter {
-            Filter::Nearest => texel(p.x.floor() as i64, p.y.floor() as i64),
+            Filter::Nearest => self.image.texel(column(p.x.floor()), row(p.y.floor()), self.encoding),
             Filter::Linear => {
                 let q = if planted(Defect::TextureHalfTexel) { p } else { p - 0.5 };
                 let base = q.floor();
                 let f = q - base;
-                let (x, y) = (base.x as i64, base.y as i64);
+                let (columns, rows) = ([column(base.x), column(base.x + 1.0)], [row(base.y), row(base.y + 1.0)]);
                 let mix = |a: [f32; 4], b: [f32; 4], t: f32| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t);
-                mix(mix(texel(x, y), texel(x + 1, y), f.x), mix(texel(x, y + 1), texel(x + 1, y + 1), f.x), f.y)
+                let across = |y: u32| {
+                    let [left, right] = columns.map(|x| self.image.texel(x, y, self.encoding));
+                    mix(left, right, f.x)
+                };
+                mix(across(rows[0]), across(rows[1]), f.y)
             }
         }
     }
 }
 
 impl Wrap {
+    #[inline]
     fn index(self, i: i64, size: u32) -> u32 {
         let n = i64::from(size);
+        if (0..n).contains(&i) {
+            return i as u32;
+        }
         let wrapped = match self {
             Wrap::Repeat => i.rem_euclid(n),
             Wrap::Clamp => i.clamp(0, n - 1),
