@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The example pages in docs/reports/: error against time of all methods with all backends. For an otherwise idle machine; about
-# a quarter of an hour. JSON, CSV and references stay in bench/out/reports/.
+# The example pages in docs/reports/: error against time of all methods with all backends, and rays per second. For an otherwise
+# idle machine; about a quarter of an hour. JSON, CSV and references stay in bench/out/reports/.
 #
 #   BUDGET=20s             for each curve, all its repetitions together
 #   REFERENCE_BUDGET=300s  for each reference at most; one that is cut short shows as a warning, and its page is not worth keeping
@@ -30,3 +30,7 @@ with_reference() {
 with_reference cornell-box 8192
 with_reference veach-mis 4096
 page spheres sphere-lamp sphere-cap -- --size 48x48
+
+"$etendue" bench rays scenes/{cornell-box,modified-cornell,landscape}/scene.gltf --size 256x256 --filter box --depth 64 \
+  --builds fast,robust,compact,high --threads 1,2 --rounds 7 -o bench/out/rays
+cp bench/out/rays/index.html docs/reports/rays.html
