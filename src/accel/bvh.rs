@@ -8,7 +8,8 @@
 //! are widened by the error of that shear (see `ray.rs`). The nearest hit does not depend on the tree: equal distances are
 //! decided by the smaller object and triangle.
 //!
-//! Limits: triangles are still, coordinates are at most 1.8e18, and of directions shorter than 1e-36 hits are lost.
+//! Limits: triangles are still, coordinates are at most 1.8e18, and of directions shorter than 1e-36 hits are lost. Seen from more
+//! than 1e7 times their size away, triangles are as small as the rounding of their coordinates, and are met from beside them.
 
 mod block;
 pub mod cwbvh;

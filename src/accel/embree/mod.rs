@@ -5,8 +5,8 @@
 //! own arrays, which the scene keeps alive.
 //!
 //! Limits: triangles are still, a ray's time is passed on but changes nothing; Embree finds other hits on other instruction
-//! sets where rays graze edges; of directions shorter than 1e-15 it loses hits (it takes components below 1e-18 for that), and where
-//! components exceed 1e38 it loses and invents some; the floating-point environment is left alone (FTZ and DAZ off). Reference: Embree's manual.
+//! sets where rays graze edges; of directions shorter than 1e-15 it loses hits, as was measured, and where components exceed 1e38 it
+//! loses and invents some; the floating-point environment is left alone (FTZ and DAZ off). Reference: Embree's manual.
 
 // The only unsafe code of this crate: calls into a C library, each with the fact that makes it sound.
 #![allow(unsafe_code)]

@@ -139,15 +139,6 @@ pub fn by_name(name: &str) -> Option<HardCase> {
     all().into_iter().find(|case| case.name == name)
 }
 
-/// Asks `rays` rays of every case of the reference and of all `subjects`: see [`HardCase::measure`].
-///
-/// # Errors
-/// As [`Accel::build`].
-pub fn categories(subjects: &[(Backend, Build)], rays: u64, threads: usize) -> Result<Vec<Category>> {
-    let rows = all().iter().map(|case| case.measure(subjects, rays, threads)).collect::<Result<Vec<_>>>()?;
-    Ok(rows.into_iter().flatten().collect())
-}
-
 /// A triangle of `object`, by chance.
 fn some_triangle(geometry: &Geometry, object: u32, numbers: &mut Numbers) -> Hit {
     let count = geometry.mesh_of(object).triangles().len();

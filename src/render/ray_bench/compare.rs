@@ -74,13 +74,22 @@ pub(super) fn streams(geometry: &Geometry, scene: &str, groups: &[Group], rows: 
     found
 }
 
-/// Asks every backend the first `rays` rays of every hard case.
+/// Asks every backend the first `rays` rays of every hard case; `note` is told which.
 ///
 /// # Errors
 /// As [`crate::accel::Accel::build`].
-pub(super) fn hard(setups: &[(Backend, Build)], rays: u64, threads: usize) -> Result<Vec<CategoryRow>> {
-    let categories = hard_cases::categories(setups, rays, threads)?;
-    Ok(categories.into_iter().map(|category| CategoryRow::new(None, category)).collect())
+pub(super) fn hard(
+    setups: &[(Backend, Build)],
+    rays: u64,
+    threads: usize,
+    note: &mut dyn FnMut(&str),
+) -> Result<Vec<CategoryRow>> {
+    let mut found = Vec::new();
+    for case in hard_cases::all() {
+        note(&format!("{}: comparing the hits of {rays} rays", case.name()));
+        found.extend(case.measure(setups, rays, threads)?.into_iter().map(|category| CategoryRow::new(None, category)));
+    }
+    Ok(found)
 }
 
 #[cfg(test)]

@@ -94,8 +94,7 @@ pub fn run(request: &Request, subjects: Vec<Subject>, note: &mut dyn FnMut(&str)
         categories.extend(found);
     }
     if let Some(rays) = request.hard_case_rays {
-        note(&format!("asking {rays} rays of each hard case"));
-        categories.extend(compare::hard(&request.setups, rays, request.most_threads())?);
+        categories.extend(compare::hard(&request.setups, rays, request.most_threads(), note)?);
     }
     let (rounds, threads) = (request.rounds, request.threads.clone());
     let report = RaysReport { conditions: Conditions::now(&request.command), rounds, threads, scenes, categories };
