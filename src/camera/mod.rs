@@ -31,7 +31,29 @@ pub struct Pose {
     pub backward: Vec3,
 }
 
+/// How a camera sees a point.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen {
+    /// Where on the film, in pixels from the top left corner; not necessarily within the image.
+    pub film: [f32; 2],
+    /// Unit direction from the point to the camera.
+    pub toward: Vec3,
+    /// Where the segment ends that must be free.
+    pub eye: Vec3,
+    /// Pixels of film per unit of area at the point, perpendicular to `toward`.
+    pub magnification: f32,
+}
+
 impl Camera {
+    /// Where and how large the point `p` is seen; `None` behind the camera.
+    #[inline]
+    pub fn seen(&self, p: Vec3) -> Option<Seen> {
+        match self {
+            Camera::Pinhole(camera) => camera.seen(p),
+            Camera::Orthographic(camera) => camera.seen(p),
+        }
+    }
+
     /// The ray through the film position (x, y) in pixels from the top left corner, with a unit direction.
     #[inline]
     pub fn ray(&self, film: [f32; 2]) -> Ray {

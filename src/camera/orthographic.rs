@@ -1,8 +1,8 @@
 //! The orthographic camera.
 
-use super::Pose;
+use super::{Pose, Seen};
 use crate::geometry::Ray;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 /// Parallel projection along the view direction.
 #[derive(Debug, Clone)]
@@ -24,6 +24,18 @@ impl Orthographic {
     /// The same view with pixels `ratio` times as large.
     pub(super) fn with_pixels(&self, ratio: Vec2) -> Self {
         Orthographic { scale: self.scale * ratio, ..self.clone() }
+    }
+
+    /// See [`super::Camera::seen`].
+    #[inline]
+    pub fn seen(&self, p: Vec3) -> Option<Seen> {
+        let Pose { position, right, up, backward } = self.pose;
+        let to = position - p;
+        let depth = to.dot(backward);
+        let film = (Vec2::new(-to.dot(right), -to.dot(up)) - self.corner) / self.scale;
+        let magnification = (self.scale.x * self.scale.y).abs().recip();
+        let seen = Seen { film: film.to_array(), toward: backward, eye: p + backward * depth, magnification };
+        (depth > 0.0 && magnification.is_finite()).then_some(seen)
     }
 
     /// See [`super::Camera::ray`].

@@ -1,6 +1,6 @@
 //! The pinhole camera.
 
-use super::Pose;
+use super::{Pose, Seen};
 use crate::geometry::Ray;
 use glam::{Vec2, Vec3};
 
@@ -26,6 +26,19 @@ impl Pinhole {
     /// The same view with pixels `ratio` times as large.
     pub(super) fn with_pixels(&self, ratio: Vec2) -> Self {
         Pinhole { scale: self.scale * ratio, ..self.clone() }
+    }
+
+    /// See [`super::Camera::seen`].
+    #[inline]
+    pub fn seen(&self, p: Vec3) -> Option<Seen> {
+        let Pose { position, right, up, backward } = self.pose;
+        let to = position - p;
+        let (depth, distance) = (to.dot(backward), to.length());
+        // A direction of cosine c covers 1 / (pixel area c³) pixels a steradian [Veach97 §8.3.2].
+        let magnification = distance / ((self.scale.x * self.scale.y).abs() * depth.powi(3));
+        let film = (Vec2::new(-to.dot(right), -to.dot(up)) / depth - self.corner) / self.scale;
+        let seen = Seen { film: film.to_array(), toward: to / distance, eye: position, magnification };
+        (depth > 0.0 && magnification.is_finite()).then_some(seen)
     }
 
     /// See [`super::Camera::ray`].

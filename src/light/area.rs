@@ -1,8 +1,8 @@
 //! Emitting triangles: constant radiance, or a texture, over each.
 
-use super::{End, LightSample};
+use super::{EmissionNumbers, Emitted, End, LightSample};
 use crate::defects::{Defect, planted};
-use crate::geometry::Triangle;
+use crate::geometry::{Frame, Local, Triangle, spawn_ray};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
 use crate::texture::Texture;
@@ -118,6 +118,23 @@ impl AreaLight {
             return None;
         }
         Some(LightSample { wi, radiance, density: Density::Smooth(pdf), end: End::Surface { p: q, error, ng: self.ng } })
+    }
+
+    /// See [`super::Light::emit`].
+    pub(super) fn emit(&self, u: &EmissionNumbers) -> Option<Emitted> {
+        let barycentric = warp::uniform_triangle(u.position);
+        let (p, error) = self.triangle.point(barycentric);
+        let (normal, sides) = match self.emission.two_sided {
+            true if u.side >= 0.5 => (-self.ng, 2.0),
+            true => (self.ng, 2.0),
+            false => (self.ng, 1.0),
+        };
+        let w = Frame::around(normal).to_world(Local::from(warp::cosine_hemisphere(u.direction)));
+        let coverage = self.emission.coverage.as_ref().map_or(1.0, |c| c.at(barycentric));
+        // The cosine is in the density of the direction.
+        let power = self.emission.at(barycentric) * (coverage * sides * std::f32::consts::PI / self.density.value());
+        let ray = spawn_ray(p, error, self.ng, w);
+        (self.density.value() > 0.0).then_some(Emitted { end: End::Surface { p, error, ng: self.ng }, ray, power })
     }
 
     /// π times area times mean radiance, for each emitting side.

@@ -1,7 +1,7 @@
 //! Light from outside the scene, one kind a file. Rays that leave the scene find it, light sampling finds it by the same
 //! density, and it may be hidden from the camera (the integrators' business).
 
-use super::{LatLong, LightSample, Sky};
+use super::{Ball, EmissionNumbers, Emitted, LatLong, LightSample, Sky};
 use crate::sampling::{Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -35,7 +35,13 @@ impl Environment {
         }
     }
 
-    /// What enters a sphere of `radius`.
+    /// See [`super::Light::emit`].
+    pub(super) fn emit(&self, ball: &Ball, u: &EmissionNumbers) -> Option<Emitted> {
+        let sample = self.sample(u.direction)?;
+        Some(ball.lit(sample.wi, sample.radiance / sample.density.value(), u.position))
+    }
+
+    /// What enters a sphere of `radius`, mean over the lanes; a map's rows being taken as linear in the height, as its density is.
     pub fn power(&self, radius: f32) -> f64 {
         match self {
             Environment::Uniform(sky) => sky.power(radius),

@@ -5,6 +5,7 @@
 
 mod area;
 mod choose;
+mod emit;
 mod environment;
 mod lat_long;
 mod punctual;
@@ -12,6 +13,7 @@ mod sky;
 
 pub use area::{AreaLight, Coverage, Emission};
 pub use choose::Lights;
+pub use emit::{Ball, EmissionNumbers, Emitted};
 pub use environment::Environment;
 pub use lat_long::LatLong;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};

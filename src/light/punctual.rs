@@ -1,8 +1,9 @@
 //! Lights without extent: point, spot, directional (KHR_lights_punctual). Only light sampling finds them.
 
-use super::{End, LightSample};
+use super::{Ball, Emitted, End, LightSample};
 use crate::defects::{Defect, planted};
-use crate::sampling::Density;
+use crate::geometry::{Frame, Local, Ray};
+use crate::sampling::{Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 use std::f64::consts::PI;
@@ -28,6 +29,17 @@ impl PointLight {
         let falloff = if planted(Defect::PointLightLinear) { d2.sqrt() } else { d2 };
         let (wi, radiance) = (to / d2.sqrt(), self.intensity / falloff);
         Some(LightSample { wi, radiance, density: Density::Delta(1.0), end: End::Point(self.position) })
+    }
+
+    /// See [`super::Light::emit`].
+    pub(super) fn emit(&self, u: [f32; 2]) -> Emitted {
+        self.emit_along(warp::uniform_sphere(u), warp::uniform_sphere_pdf())
+    }
+
+    /// A ray in a direction that was made with density `pdf`.
+    fn emit_along(&self, direction: Vec3, pdf: Pdf<SolidAngle>) -> Emitted {
+        let ray = Ray::new(self.position, direction);
+        Emitted { end: End::Point(self.position), ray, power: self.intensity / pdf.value() }
     }
 
     /// 4π times the mean intensity.
@@ -71,6 +83,17 @@ impl SpotLight {
         (falloff > 0.0).then_some(sample)
     }
 
+    /// See [`super::Light::emit`]: uniform over the cone; `None` if it is too narrow for numbers of 24 bits.
+    pub(super) fn emit(&self, u: [f32; 2]) -> Option<Emitted> {
+        let widest = 1.0 - self.cos_outer;
+        let height = u[0] * widest;
+        let w = Frame::around(self.axis).to_world(Local::from(warp::cap(height, u[1])));
+        (widest > 0.0).then(|| {
+            let emitted = self.point.emit_along(w, warp::cap_pdf(widest));
+            Emitted { power: emitted.power * self.falloff(1.0 - height), ..emitted }
+        })
+    }
+
     /// Intensity integrated over the cone: 2π (1 − cos inner) and a third of the ramp's share.
     pub fn power(&self) -> f64 {
         let ramp = f64::from(self.slope.recip());
@@ -93,6 +116,11 @@ impl DirectionalLight {
     #[inline]
     pub fn sample(&self) -> LightSample {
         LightSample { wi: self.toward, radiance: self.irradiance, density: Density::Delta(1.0), end: End::Infinity }
+    }
+
+    /// See [`super::Light::emit`].
+    pub(super) fn emit(&self, ball: &Ball, position: [f32; 2]) -> Emitted {
+        ball.lit(self.toward, self.irradiance, position)
     }
 
     /// What it sends through the disk of the scene's `radius`.

@@ -80,7 +80,7 @@ pub fn uniform_hemisphere_inverse(w: Vec3) -> [f32; 2] {
 /// A direction of the whole sphere, uniformly: the cosine to z from `u[0]`, the azimuth from `u[1]`.
 #[inline]
 pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
-    cap(2.0 * u[0], TAU * u[1])
+    cap(2.0 * u[0], u[1])
 }
 
 /// Density of [`uniform_sphere`].
@@ -160,17 +160,24 @@ fn concentric_polar(u: [f32; 2]) -> (f32, Vec2) {
 /// functions of the library are called, which spills all registers and costs a path tracer 2 % of its time.
 #[inline]
 fn sin_cos_eighth(t: f32) -> (f32, f32) {
-    const SIN: [f32; 4] = [-3.595_429e-5, 2.490_006_8e-3, -8.074_543_5e-2, 0.785_398_16];
+    const SIN: [f32; 4] = [-3.595_429e-5, 2.490_006_8e-3, -8.074_543_5e-2, FRAC_PI_4];
     const COS: [f32; 5] = [3.529_797e-6, -3.259_386e-4, 1.585_432_5e-2, -0.308_425_14, 1.0];
     let z = t * t;
     let horner = |coefficients: &[f32]| coefficients.iter().fold(0.0, |sum, c| sum * z + c);
     (t * horner(&SIN), horner(&COS))
 }
 
-/// The direction at azimuth `phi` whose cosine to z is 1 − `height`, its sine taken without cancellation.
+/// The direction `turn` turns around +z whose cosine to it is 1 − `height`, its sine taken without cancellation. Uniform over the cap
+/// of height h where `height` is uniform up to h.
 #[inline]
-fn cap(height: f32, phi: f32) -> Vec3 {
-    (Vec2::from_angle(phi) * (height * (2.0 - height)).max(0.0).sqrt()).extend(1.0 - height)
+pub fn cap(height: f32, turn: f32) -> Vec3 {
+    (Vec2::from_angle(TAU * turn) * (height * (2.0 - height)).max(0.0).sqrt()).extend(1.0 - height)
+}
+
+/// Density of directions uniform over a cap of `height`, above 0.
+#[inline]
+pub fn cap_pdf(height: f32) -> Pdf<SolidAngle> {
+    Pdf::new((TAU * height).recip())
 }
 
 #[cfg(test)]

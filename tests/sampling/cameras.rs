@@ -77,6 +77,44 @@ fn an_orthographic_camera_covers_its_rectangle_evenly() {
     assert!(p > sidak(1), "{p}");
 }
 
+/// A point on a ray is seen where the ray came from, and a pixel's square of film covers the area that the magnification says.
+#[test]
+fn cameras_see_points_where_their_rays_go() {
+    let cameras = [
+        Camera::Pinhole(Pinhole::new(pose(), 1.0, SIZE[0], SIZE[1])),
+        Camera::Orthographic(Orthographic::new(pose(), 0.7, SIZE[0], SIZE[1])),
+    ];
+    // Side of the square of film, in pixels: small enough for its projection to be a parallelogram to 1e-4 of a pinhole's pixels of
+    // 2.5 degrees, large enough for roundings of 2e-6 pixels at its corners to be 4e-4 of it.
+    const SIDE: f32 = 0.02;
+    let mut random = Random::new(85);
+    for camera in cameras {
+        for _ in 0..samples(300) {
+            let (film, distance) = (film(&mut random), 0.5 + 3.0 * random.f32());
+            let along = |x: f32, y: f32| camera.ray([film[0] + x, film[1] + y]);
+            let ray = along(0.0, 0.0);
+            let p = ray.origin + ray.direction * distance;
+            let seen = camera.seen(p).expect("in front");
+            // Positions of magnitude 4 are rounded; a pixel is 1/20 of the view.
+            let off = (seen.film[0] - film[0]).hypot(seen.film[1] - film[1]);
+            assert!(off < 64.0 * f32::EPSILON * 20.0 / distance.min(1.0), "{camera:?} {film:?}: {:?}", seen.film);
+            assert!(seen.toward.distance(-ray.direction) < 16.0 * f32::EPSILON / distance.min(1.0));
+            assert!((seen.eye - ray.origin).length() < 32.0 * f32::EPSILON);
+            let meet = |x: f32, y: f32| {
+                let (r, d) = (along(x, y), ray.direction.as_dvec3());
+                let (o, w) = (r.origin.as_dvec3(), r.direction.as_dvec3());
+                o + w * ((p.as_dvec3() - o).dot(d) / w.dot(d))
+            };
+            let half = 0.5 * SIDE;
+            let (across, down) = (meet(half, 0.0) - meet(-half, 0.0), meet(0.0, half) - meet(0.0, -half));
+            let area = across.cross(down).length();
+            let covered = area * f64::from(seen.magnification) / f64::from(SIDE * SIDE);
+            assert!((covered - 1.0).abs() < 2e-3, "{camera:?} {film:?}: {covered}");
+            assert!(camera.seen(ray.origin - ray.direction).is_none());
+        }
+    }
+}
+
 /// x runs to the right, y down, and a smaller image of the view has the same rays at the same places.
 #[test]
 fn film_positions_mean_the_same_at_any_size() {

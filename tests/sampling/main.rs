@@ -20,6 +20,7 @@ mod slope;
 mod cameras;
 mod choices;
 mod distributions;
+mod emission;
 mod environments;
 mod furnace;
 mod grazing;
