@@ -74,7 +74,9 @@ fn what_a_backend_would_leave_out_in_silence_is_an_error() {
         let flat = build(&placed(Mat3::from_diagonal(Vec3::new(1.0, 1.0, 0.0))));
         assert_eq!(flat.kind, Kind::Scene);
         assert_eq!(flat.to_string(), "object 1 (mesh 'test') has a placement that cannot be inverted");
-        let huge = build(&placed(Mat3::from_diagonal(Vec3::splat(2e18))));
+        let beyond_f32 = build(&placed(Mat3::from_diagonal(Vec3::splat(1e15)))); // its determinant is
+        assert_eq!(beyond_f32.to_string(), flat.to_string());
+        let huge = build(&placed(Mat3::from_diagonal(Vec3::new(2e18, 1.0, 1.0))));
         assert_eq!((huge.kind, huge.to_string().as_str()), (Kind::Scene, "object 1 (mesh 'test') reaches beyond ±1.8e18"));
         assert_eq!(build(&placed(Mat3::from_diagonal(Vec3::splat(f32::NAN)))).kind, Kind::Scene);
         assert_eq!(build(&scene_of(vec![triangle()], vec![(1, None, false)])).kind, Kind::Internal);
