@@ -29,8 +29,10 @@ with_reference() {
 }
 with_reference cornell-box 8192
 with_reference veach-mis 4096
-page spheres sphere-lamp sphere-cap -- --size 48x48
+BUDGET=${BUDGET:-7s} page spheres sphere-lamp sphere-cap -- --size 48x48
 
 "$etendue" bench rays scenes/{cornell-box,modified-cornell,landscape}/scene.gltf --size 256x256 --filter box --depth 64 \
   --builds fast,robust,compact,high --threads 1,2 --rounds 7 -o bench/out/rays
 cp bench/out/rays/index.html docs/reports/rays.html
+"$etendue" bench rays --hard-cases --rays-per-case 2000000 -o bench/out/hard
+cp bench/out/hard/index.html docs/reports/hard-cases.html
