@@ -5,7 +5,7 @@ each name given, all of them without a name. Needs Python 3.8 and its standard l
     scenes/make.py                # all of them, in half a minute
     scenes/make.py cornell-box
 
-But for the spheres, whose radiance is known in closed form, the numbers are those of shared/peers/scenes.py, which the
+But for the spheres, whose radiance is known in closed form, and the textured box, the numbers are those of shared/peers/scenes.py, which the
 reference images were rendered from. Its conventions and what becomes of them here:
 
 - Z up, metres; glTF is Y up: (x, y, z) becomes (x, z, -y), a rotation, so windings stay.

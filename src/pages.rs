@@ -41,7 +41,13 @@ fn mapped<T: Pod>(items: &[T]) -> Option<Storage<T>> {
 
 impl<T: Pod> From<Vec<T>> for Pages<T> {
     fn from(items: Vec<T>) -> Self {
-        let huge = if size_of_val(&items[..]) < HUGE { None } else { mapped(&items) };
+        if size_of_val(&items[..]) < HUGE { Pages(Storage::Heap(items.into())) } else { (&items[..]).into() }
+    }
+}
+
+impl<T: Pod> From<&[T]> for Pages<T> {
+    fn from(items: &[T]) -> Self {
+        let huge = if size_of_val(items) < HUGE { None } else { mapped(items) };
         Pages(huge.unwrap_or_else(|| Storage::Heap(items.into())))
     }
 }
@@ -75,7 +81,7 @@ impl<T: Pod> Default for Pages<T> {
 
 impl<T: Pod> Clone for Pages<T> {
     fn clone(&self) -> Self {
-        self.to_vec().into()
+        (**self).into()
     }
 }
 

@@ -96,6 +96,7 @@ impl Table {
     fn new() -> Self {
         let empty = [[0.0; CELLS + 1]; ROWS + 1];
         let mut table = Table { white: empty, cosine: empty, mean_white: [0.0; ROWS + 1], mean_schlick: [0.0; ROWS + 1] };
+        let rule = Rule::new(QUADRATURE);
         for row in 0..=ROWS {
             // row 0 stands for all that is smoother than the least roughness there is
             let alpha = (row as f64 / ROWS as f64).powi(2).max(f64::from(DIRAC_ALPHA));
@@ -103,9 +104,10 @@ impl Table {
             for i in 0..=CELLS {
                 let (p, knee) = ((i as f64 / CELLS as f64).powi(2), KNEE * alpha);
                 let cos = (p * knee / (1.0 + knee - p)).max(GRAZING * alpha);
-                let steep = cos.min(STEEP);
-                table.white[row][i] = moments(ggx, cos, QUADRATURE).white as f32;
-                table.cosine[row][i] = ((1.0 - moments(ggx, steep, QUADRATURE).schlick.powf(0.2)) / (steep + alpha)) as f32;
+                let (steep, exact) = (cos.min(STEEP), rule.moments(ggx, cos));
+                let schlick = if cos > STEEP { rule.moments(ggx, steep).schlick } else { exact.schlick };
+                table.white[row][i] = exact.white as f32;
+                table.cosine[row][i] = ((1.0 - schlick.powf(0.2)) / (steep + alpha)) as f32;
             }
             if row == 0 {
                 // where a mirror is looked up, whatever its angle
@@ -154,33 +156,47 @@ fn bilinear<T: Scalar>(rows: &Rows, row: usize, weight: f32, x: T) -> T {
 /// the angle ω to the vertical; its share of what is seen is cos² τ cos(ω − ν) dτ dω, with ν the angle of the stretched view. With
 /// T = tan² τ and x = tan ω the reflection is above the horizon where cos α² (1 + T) x² − 2 α sin x + cos (α² T − 1) < 0: between
 /// the roots of that, for T up to where they meet. Everything is smooth there.
-pub fn moments(ggx: Ggx, cos: f64, [m, n]: [usize; 2]) -> Moments<f64> {
-    let (alpha, sin) = (f64::from(ggx.alpha()), (1.0 - cos * cos).max(0.0).sqrt());
-    let known = Local::new(sin, 0.0, cos);
-    let view = (alpha * sin).atan2(cos);
-    let a2 = alpha * alpha;
-    let most = ((1.0 - a2) + ((1.0 - a2).powi(2) + 4.0 * a2 / (cos * cos)).sqrt()) / (2.0 * a2);
-    let reach = most.sqrt().atan();
-    // half of the hemisphere, since the other is alike
-    let seen = std::f64::consts::FRAC_PI_4 * (1.0 + view.cos());
-    let inner = crowded_points(n);
-    let (mut white, mut grazing) = (0.0, 0.0);
-    for (tilt, dt) in crowded_points(m) {
-        let (sin_tau, cos_tau) = (reach * tilt).sin_cos();
-        let t = (sin_tau / cos_tau).powi(2);
-        let sum = sin + (sin * sin + cos * cos * (1.0 + t) * (1.0 - a2 * t)).max(0.0).sqrt();
-        let (low, high) = ((cos * (a2 * t - 1.0) / (alpha * sum)).atan(), (sum / (cos * alpha * (1.0 + t))).atan());
-        for &(x, dx) in &inner {
-            let omega = low + (high - low) * x;
-            let h = Local::new(alpha * omega.sin() * cos_tau, alpha * sin_tau, omega.cos() * cos_tau).normalized();
-            let other = reflect(known, h);
-            let share = cos_tau * cos_tau * (omega - view).cos() * reach * dt * (high - low) * dx / seen;
-            let ratio = ggx.reflection(known, other, h) * other.z.max(0.0) / ggx.reflection_pdf(known, h);
-            white += ratio * share;
-            grazing += ratio * share * schlick_weight(known.dot(h));
-        }
+pub fn moments(ggx: Ggx, cos: f64, points: [usize; 2]) -> Moments<f64> {
+    Rule::new(points).moments(ggx, cos)
+}
+
+/// Points and weights over τ and over ω.
+struct Rule([Vec<(f64, f64)>; 2]);
+
+impl Rule {
+    fn new(points: [usize; 2]) -> Self {
+        Rule(points.map(crowded_points))
     }
-    Moments { white, schlick: grazing / white }
+
+    /// See [`moments`].
+    fn moments(&self, ggx: Ggx, cos: f64) -> Moments<f64> {
+        let (alpha, sin) = (f64::from(ggx.alpha()), (1.0 - cos * cos).max(0.0).sqrt());
+        let known = Local::new(sin, 0.0, cos);
+        let view = (alpha * sin).atan2(cos);
+        let a2 = alpha * alpha;
+        let most = ((1.0 - a2) + ((1.0 - a2).powi(2) + 4.0 * a2 / (cos * cos)).sqrt()) / (2.0 * a2);
+        let reach = most.sqrt().atan();
+        // half of the hemisphere, since the other is alike
+        let seen = std::f64::consts::FRAC_PI_4 * (1.0 + view.cos());
+        let Rule([tilts, turns]) = self;
+        let (mut white, mut grazing) = (0.0, 0.0);
+        for &(tilt, dt) in tilts {
+            let (sin_tau, cos_tau) = (reach * tilt).sin_cos();
+            let t = (sin_tau / cos_tau).powi(2);
+            let sum = sin + (sin * sin + cos * cos * (1.0 + t) * (1.0 - a2 * t)).max(0.0).sqrt();
+            let (low, high) = ((cos * (a2 * t - 1.0) / (alpha * sum)).atan(), (sum / (cos * alpha * (1.0 + t))).atan());
+            for &(x, dx) in turns {
+                let omega = low + (high - low) * x;
+                let h = Local::new(alpha * omega.sin() * cos_tau, alpha * sin_tau, omega.cos() * cos_tau).normalized();
+                let other = reflect(known, h);
+                let share = cos_tau * cos_tau * (omega - view).cos() * reach * dt * (high - low) * dx / seen;
+                let ratio = ggx.reflection(known, other, h) * other.z.max(0.0) / ggx.reflection_pdf(known, h);
+                white += ratio * share;
+                grazing += ratio * share * schlick_weight(known.dot(h));
+            }
+        }
+        Moments { white, schlick: grazing / white }
+    }
 }
 
 /// n points of the unit interval, denser at both ends, and their weights: Gauss and Legendre's, by Newton's iteration from Tricomi's

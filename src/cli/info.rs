@@ -5,7 +5,7 @@ use super::{Console, startup};
 use crate::error::Result;
 use crate::film::Film;
 use crate::integrator;
-use crate::render::Settings;
+use crate::render::{Settings, megabytes};
 use crate::scene::SceneInfo;
 use serde::Serialize;
 
@@ -81,7 +81,6 @@ impl Memory {
 impl Document {
     fn lines(&self) -> Vec<String> {
         let (info, memory, settings) = (&self.info, &self.memory, &self.settings);
-        let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 / 1e6);
         let mut lines = vec![
             format!("scene      {} ({})", self.path, self.hash),
             format!("triangles  {} in {} meshes, {} instances", info.triangles, info.meshes, info.instances),

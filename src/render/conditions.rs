@@ -1,7 +1,7 @@
 //! Under what conditions something was measured, as reports and their pages show it.
 
 use super::machine::{Processor, peak_memory};
-use super::{Program, provenance};
+use super::{Program, megabytes, provenance};
 use crate::io::page::facts;
 use maud::{Markup, html};
 use serde::Serialize;
@@ -35,7 +35,7 @@ impl Conditions {
 
     /// The part of a page that tells them, and `more`; `files` holds the numbers behind the page.
     pub(super) fn markup<'a>(&self, more: impl IntoIterator<Item = (&'a str, String)>, files: &str) -> Markup {
-        let memory = self.peak_memory_bytes.map_or("unknown".into(), |bytes| format!("{:.1} MB", bytes as f64 / 1e6));
+        let memory = self.peak_memory_bytes.map_or("unknown".into(), megabytes);
         let own = [
             ("Processor", self.processor.clone().unwrap_or("unknown".into())),
             ("étendue", self.program.to_string()),

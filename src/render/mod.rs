@@ -41,4 +41,4 @@ pub use session::{Ended, Session};
 pub use settings::Settings;
 pub use stage::Stage;
 pub use surroundings::{Environment, Surroundings};
-pub use text::{Budget, Size, Window};
+pub use text::{Budget, Size, Window, megabytes};

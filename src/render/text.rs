@@ -27,6 +27,11 @@ pub struct Window(pub Crop);
 #[serde(try_from = "String")]
 pub struct Budget(pub Duration);
 
+/// `bytes` in megabytes with one decimal, as reports and pages say it.
+pub fn megabytes(bytes: u64) -> String {
+    format!("{:.1} MB", bytes as f64 / 1e6)
+}
+
 impl FromStr for Size {
     type Err = String;
 

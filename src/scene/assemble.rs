@@ -80,10 +80,10 @@ fn keep(name: String, primitive: &Primitive) -> Result<TriangleMesh> {
 
 fn attributes(primitive: &Primitive) -> Attributes {
     Attributes {
-        normals: primitive.normals.clone().map(Pages::from),
-        tangents: primitive.tangents.clone().map(Pages::from),
-        uvs: primitive.uvs.clone().map(|uvs| uvs.map(Pages::from)),
-        colors: primitive.colors.clone().map(Pages::from),
+        normals: primitive.normals.as_deref().map(Pages::from),
+        tangents: primitive.tangents.as_deref().map(Pages::from),
+        uvs: primitive.uvs.each_ref().map(|uvs| uvs.as_deref().map(Pages::from)),
+        colors: primitive.colors.as_deref().map(Pages::from),
     }
 }
 

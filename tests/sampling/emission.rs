@@ -7,6 +7,7 @@ use etendue::geometry::Triangle;
 use etendue::light::{AreaLight, Ball, DirectionalLight, Emission, EmissionNumbers, Environment, LatLong, Light};
 use etendue::light::{PointLight, Receiver, Sky, SpotLight};
 use etendue::spectrum::Spectrum;
+use etendue::stats::{Estimate, Moments};
 use etendue::texture::RadianceMap;
 use glam::Vec3;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -45,24 +46,13 @@ fn lights() -> Vec<(&'static str, Light)> {
     ]
 }
 
-/// A mean and its standard error.
-#[derive(Debug, Clone, Copy)]
-struct Mean(f64, f64);
-
-fn mean(mut one: impl FnMut() -> f64) -> Mean {
-    let n = f64::from(samples(SAMPLES));
-    let (mut sum, mut squares) = (0.0, 0.0);
-    for _ in 0..samples(SAMPLES) {
-        let x = one();
-        sum += x;
-        squares += x * x;
-    }
-    let mean = sum / n;
-    Mean(mean, ((squares / n - mean * mean).max(0.0) / n).sqrt())
+fn mean(mut one: impl FnMut() -> f64) -> Estimate {
+    let all: Moments = (0..samples(SAMPLES)).map(|_| one()).collect();
+    all.estimate().expect("samples")
 }
 
 /// Powers of emitted rays: of all, and of those that fall on the patch.
-fn emitted(light: &Light, seed: u64) -> [Mean; 2] {
+fn emitted(light: &Light, seed: u64) -> [Estimate; 2] {
     let ray = |random: &mut Random| {
         let [side, a, b, c, d] = random.cube();
         light.emit(&BALL, &EmissionNumbers { side, position: [a, b], direction: [c, d] })
@@ -79,7 +69,7 @@ fn emitted(light: &Light, seed: u64) -> [Mean; 2] {
 }
 
 /// What the patch receives by sampling the light from its points.
-fn received(light: &Light, seed: u64) -> Mean {
+fn received(light: &Light, seed: u64) -> Estimate {
     let mut random = Random::new(seed);
     mean(|| {
         let [x, y, u, v] = random.cube();
@@ -92,9 +82,9 @@ fn received(light: &Light, seed: u64) -> Mean {
 /// Relative: a dozen roundings of each ray.
 const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 
-fn agree(a: Mean, b: Mean, tests: usize) -> bool {
+fn agree(a: Estimate, b: Estimate, tests: usize) -> bool {
     let z = Normal::standard().inverse_cdf(1.0 - 0.5 * sidak(tests));
-    (a.0 - b.0).abs() <= z * a.1.hypot(b.1) + ROUNDING * a.0.abs()
+    (a.value - b.value).abs() <= z * a.standard_error.hypot(b.standard_error) + ROUNDING * a.value.abs()
 }
 
 #[test]
@@ -102,12 +92,16 @@ fn emitted_rays_carry_the_power_of_the_light_and_fall_where_it_is_seen() {
     let lights = lights();
     for (i, (name, light)) in (0..).zip(&lights) {
         let [all, fallen] = emitted(light, 3 * i);
-        let (power, found) = (Mean(light.power(BALL.radius), 0.0), received(light, 3 * i + 2));
-        assert!(agree(all, power, 2 * lights.len()), "{name}: {all:?} emitted, {power:?} stated");
+        let stated = Estimate { value: light.power(BALL.radius), standard_error: 0.0, dof: f64::INFINITY };
+        let found = received(light, 3 * i + 2);
+        assert!(agree(all, stated, 2 * lights.len()), "{name}: {all:?} emitted, {stated:?} stated");
         assert!(agree(fallen, found, 2 * lights.len()), "{name}: {fallen:?} fell, {found:?} is found");
         // Planted: a fifth more; a patch in the dark has nothing to show.
-        let more = Mean(1.2 * fallen.0, 1.2 * fallen.1);
-        assert!(found.0 == 0.0 && fallen.0 == 0.0 || !agree(more, found, 1), "{name}: {more:?} is not told from {found:?}");
+        let more = Estimate { value: 1.2 * fallen.value, standard_error: 1.2 * fallen.standard_error, ..fallen };
+        assert!(
+            found.value == 0.0 && fallen.value == 0.0 || !agree(more, found, 1),
+            "{name}: {more:?} is not told from {found:?}"
+        );
     }
 }
 

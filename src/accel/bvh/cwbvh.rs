@@ -104,11 +104,7 @@ fn query(ray: &Ray) -> Option<Query> {
 
 /// The triangles of an object in world space.
 fn placed(geometry: &Geometry, object: u32) -> impl Iterator<Item = Corners> + '_ {
-    let placement = geometry.objects[object as usize].placement.as_ref();
-    corners(geometry, object).map(move |corners| match placement {
-        None => corners,
-        Some(m) => Corners { vertices: corners.vertices.map(|p| m.transform_point3(p)), ..corners },
-    })
+    corners(geometry, object).map(|corners| Corners { vertices: geometry.triangle(corners.hit).vertices, ..corners })
 }
 
 pub(super) fn triangle(corners: &Corners) -> Triangle {

@@ -8,7 +8,7 @@ use super::{Request, Subject};
 use crate::error::Result;
 use crate::io::atomic::write_atomically;
 use crate::io::page::{Page, Picture, Plot, Series, compare, facts, gallery, key, ramp, table};
-use crate::render::Look;
+use crate::render::{Look, megabytes};
 use maud::{Markup, html};
 use std::io::Write;
 
@@ -228,8 +228,4 @@ fn plain(i: Interval) -> String {
 
 fn slope(s: Slope) -> String {
     format!("{:.2} [{:.2}, {:.2}]", s.value, s.low, s.high)
-}
-
-fn megabytes(bytes: u64) -> String {
-    format!("{:.1} MB", bytes as f64 / 1e6)
 }

@@ -1,11 +1,11 @@
 //! What each row hits beside a reference: the streams of scenes class by class, and the hard cases.
 
-use super::row::{Row, Structure};
+use super::row::Row;
 use super::stream::Group;
 use crate::accel::equivalence::{Category, Tally};
-use crate::accel::{Backend, Build, Intersector, hard_cases};
+use crate::accel::{Backend, Build, hard_cases};
 use crate::error::Result;
-use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
+use crate::geometry::Geometry;
 use serde::Serialize;
 
 /// How the answers of a backend to a group of rays relate to those of the reference.
@@ -25,29 +25,6 @@ impl CategoryRow {
         let group = scene.map_or(category.name.clone(), |scene| format!("{scene}/{}", category.name));
         let addresses = category.tally.suspects.iter().map(|index| format!("{group}:{index}")).collect();
         CategoryRow { scene: scene.map(str::to_owned), category, addresses }
-    }
-}
-
-impl Intersector for Structure {
-    fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
-        match self {
-            Structure::Accel(accel) => accel.closest(ray, any),
-            Structure::Cwbvh(tree) => tree.closest(ray, any),
-        }
-    }
-
-    fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
-        match self {
-            Structure::Accel(accel) => accel.occluded(ray, any),
-            Structure::Cwbvh(tree) => tree.occluded(ray, any),
-        }
-    }
-
-    fn bounds(&self) -> Bounds {
-        match self {
-            Structure::Accel(accel) => accel.bounds(),
-            Structure::Cwbvh(tree) => tree.bounds(),
-        }
     }
 }
 
@@ -96,6 +73,7 @@ pub(super) fn hard(
 mod tests {
     use super::*;
     use crate::accel::{Query, Question, RayClass};
+    use crate::geometry::Ray;
     use crate::render::ray_bench::Stream;
     use crate::stats::test_random::Random;
     use glam::Vec3;

@@ -6,7 +6,7 @@ use crate::accel::bvh::cwbvh::Cwbvh;
 use crate::accel::hard_cases::title;
 use crate::accel::{Accel, Backend, Build, Intersector, Question};
 use crate::error::Result;
-use crate::geometry::Geometry;
+use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
 use crate::render::Stage;
 use crate::render::machine::Stopwatch;
 use rayon::prelude::*;
@@ -26,6 +26,29 @@ pub(super) enum Structure {
     Accel(Accel),
     /// obvhs's own tree and tests.
     Cwbvh(Cwbvh),
+}
+
+impl Intersector for Structure {
+    fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
+        match self {
+            Structure::Accel(accel) => accel.closest(ray, any),
+            Structure::Cwbvh(tree) => tree.closest(ray, any),
+        }
+    }
+
+    fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
+        match self {
+            Structure::Accel(accel) => accel.occluded(ray, any),
+            Structure::Cwbvh(tree) => tree.occluded(ray, any),
+        }
+    }
+
+    fn bounds(&self) -> Bounds {
+        match self {
+            Structure::Accel(accel) => accel.bounds(),
+            Structure::Cwbvh(tree) => tree.bounds(),
+        }
+    }
 }
 
 /// A structure over a scene, and how fast it was.
