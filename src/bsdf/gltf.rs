@@ -9,7 +9,7 @@
 //! Transmission takes the share `transmission` (1 − `metallic`): a thin wall keeps Schlick's layer and lets 1 − F through;
 //! in a solid the exact Fresnel governs that share, `specular` does not. References: [glTF20], [Kelemen01].
 
-use super::albedo::Albedo;
+use super::albedo::{Albedo, Moments};
 use super::conductor::invert_reflection;
 use super::fresnel::schlick;
 use super::ggx::{Ggx, facing, half, reflect, through};
@@ -62,12 +62,19 @@ struct Choice<T> {
     transmission: T,
 }
 
+/// What one direction decides alone.
+struct End<T> {
+    choice: Choice<T>,
+    /// See [`Gltf::below`].
+    below: Spectrum<T>,
+}
+
 impl Gltf {
     /// Probabilities by the albedo of each part for light from or to `known`; `None` for a black surface.
     #[inline]
-    fn choice<T: Scalar>(&self, known: Local<T>) -> Option<Choice<T>> {
+    fn end<T: Scalar>(&self, known: Local<T>) -> Option<End<T>> {
         let moments = self.albedo.at(known.z.abs());
-        let below = (Spectrum::ONE - moments.albedo(self.layer.f0, self.layer.f90)).map(|x| x.max(T::ZERO));
+        let below = self.passed(&moments);
         let specular = moments.albedo(self.specular.f0, self.specular.f90).mean();
         let diffuse = (self.diffuse.cast() * below).mean();
         let transmission = match &self.transmission {
@@ -78,20 +85,25 @@ impl Gltf {
         let total = specular + diffuse + transmission;
         (total.value() > 0.0).then(|| {
             let k = total.recip();
-            Choice { specular: specular * k, diffuse: diffuse * k, transmission: transmission * k }
+            let choice = Choice { specular: specular * k, diffuse: diffuse * k, transmission: transmission * k };
+            End { choice, below }
         })
     }
 
     /// What the layer lets through from or to a direction of cosine `cos`.
     #[inline]
     fn below<T: Scalar>(&self, cos: T) -> Spectrum<T> {
-        let reflected = self.albedo.at(cos.abs()).albedo(self.layer.f0, self.layer.f90);
-        (Spectrum::ONE - reflected).map(|x| x.max(T::ZERO))
+        self.passed(&self.albedo.at(cos.abs()))
     }
 
     #[inline]
-    fn reflected<T: Scalar>(&self, wi: Local<T>, wo: Local<T>) -> Spectrum<T> {
-        let diffuse = (self.diffuse * self.coupling * FRAC_1_PI).cast() * self.below(wi.z) * self.below(wo.z);
+    fn passed<T: Scalar>(&self, moments: &Moments<T>) -> Spectrum<T> {
+        (Spectrum::ONE - moments.albedo(self.layer.f0, self.layer.f90)).map(|x| x.max(T::ZERO))
+    }
+
+    #[inline]
+    fn reflected<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, below: Spectrum<T>) -> Spectrum<T> {
+        let diffuse = (self.diffuse * self.coupling * FRAC_1_PI).cast() * below;
         if self.ggx.is_dirac() {
             return diffuse;
         }
@@ -121,17 +133,31 @@ impl Gltf {
     }
 
     /// Value and density of all smooth lobes in a direction that one of them made.
-    fn smooth(&self, known: Local, toward: Transport, direction: Local, eta: f32) -> Option<BsdfSample> {
-        let (wi, wo) = toward.flow(known, direction);
+    fn smooth(&self, known: Local, end: &End<f32>, toward: Transport, direction: Local, eta: f32) -> Option<BsdfSample> {
         let lobe = if known.same_side(direction) { Lobes::REFLECT } else { Lobes::TRANSMIT };
-        let density = self.pdf(known, direction, toward, Lobes::SMOOTH);
-        (density > 0.0).then(|| BsdfSample {
-            direction,
-            value: self.eval(wi, wo, Lobes::SMOOTH),
-            density: Density::Smooth(Pdf::new(density)),
-            lobe,
-            eta,
-        })
+        let (value, density) = self.value_and_pdf(known, end, direction, toward);
+        (density > 0.0).then(|| BsdfSample { direction, value, density: Density::Smooth(Pdf::new(density)), lobe, eta })
+    }
+
+    /// Value and density of all smooth lobes; `end` is of `known`.
+    #[inline]
+    fn value_and_pdf<T: Scalar>(&self, known: Local<T>, end: &End<T>, other: Local<T>, toward: Transport) -> (Spectrum<T>, T) {
+        let (wi, wo) = toward.flow(known, other);
+        let value = self.value(wi, wo, || end.below * self.below(other.z));
+        let [a, b, c] = self.densities(known, other, toward, &end.choice);
+        (value, a + b + c)
+    }
+
+    /// f(wi, wo) of all smooth lobes; `below` is what the layer lets through in both directions.
+    #[inline]
+    fn value<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, below: impl FnOnce() -> Spectrum<T>) -> Spectrum<T> {
+        let same = wi.same_side(wo);
+        let own = if same { self.reflected(wi, wo, below()) } else { Spectrum::ZERO };
+        match &self.transmission {
+            Transmission::Solid(glass) => own + glass.eval(wi, wo, Lobes::SMOOTH),
+            Transmission::Thin(t) if !same && !self.ggx.is_dirac() => self.transmitted_thin(*t, wi, wo),
+            _ => own,
+        }
     }
 
     fn reflect_in_facet(&self, known: Local, u: [f32; 3]) -> Option<Local> {
@@ -140,16 +166,17 @@ impl Gltf {
         above.same_side(other).then(|| facing(other, known))
     }
 
-    fn sample_transmission(&self, known: Local, toward: Transport, u: [f32; 3], p: f32) -> Option<BsdfSample> {
+    fn sample_transmission(&self, known: Local, end: &End<f32>, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+        let p = end.choice.transmission;
         match &self.transmission {
             Transmission::None => None,
             Transmission::Thin(_) if self.ggx.is_dirac() => Some(self.dirac(known, Lobes::DIRAC_TRANSMIT, p)),
-            Transmission::Thin(_) => self.smooth(known, toward, through(self.reflect_in_facet(known, u)?), 1.0),
+            Transmission::Thin(_) => self.smooth(known, end, toward, through(self.reflect_in_facet(known, u)?), 1.0),
             Transmission::Solid(glass) => {
                 let sample = glass.sample(known, toward, u)?;
                 match sample.density {
                     Density::Delta(q) => Some(BsdfSample { density: Density::Delta(q * p), ..sample }),
-                    Density::Smooth(_) => self.smooth(known, toward, sample.direction, sample.eta),
+                    Density::Smooth(_) => self.smooth(known, end, toward, sample.direction, sample.eta),
                 }
             }
         }
@@ -179,30 +206,26 @@ impl Bsdf for Gltf {
         if !lobes.intersects(if same { Lobes::REFLECT } else { Lobes::TRANSMIT }) {
             return Spectrum::ZERO;
         }
-        let own = if same { self.reflected(wi, wo) } else { Spectrum::ZERO };
-        match &self.transmission {
-            Transmission::Solid(glass) => own + glass.eval(wi, wo, lobes),
-            Transmission::Thin(t) if !same && !self.ggx.is_dirac() => self.transmitted_thin(*t, wi, wo),
-            _ => own,
-        }
+        self.value(wi, wo, || self.below(wi.z) * self.below(wo.z))
     }
 
     #[inline]
     fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
-        let choice = self.choice(known)?;
+        let end = self.end(known)?;
+        let choice = &end.choice;
         let smooth_end = choice.specular + choice.diffuse;
         let specular_end = if planted(Defect::LobesChosenEvenly) { 0.5 * smooth_end } else { choice.specular };
         if u[0] < specular_end {
             if self.ggx.is_dirac() {
                 return Some(self.dirac(known, Lobes::DIRAC_REFLECT, choice.specular));
             }
-            return self.smooth(known, toward, self.reflect_in_facet(known, u)?, 1.0);
+            return self.smooth(known, &end, toward, self.reflect_in_facet(known, u)?, 1.0);
         }
         if u[0] < smooth_end || choice.transmission <= 0.0 {
-            return self.smooth(known, toward, cosine_direction(known, [u[1], u[2]]), 1.0);
+            return self.smooth(known, &end, toward, cosine_direction(known, [u[1], u[2]]), 1.0);
         }
         let within_part = into_unit((u[0] - smooth_end) / choice.transmission);
-        self.sample_transmission(known, toward, [within_part, u[1], u[2]], choice.transmission)
+        self.sample_transmission(known, &end, toward, [within_part, u[1], u[2]])
     }
 
     #[inline]
@@ -210,14 +233,19 @@ impl Bsdf for Gltf {
         if !lobes.intersects(if known.same_side(other) { Lobes::REFLECT } else { Lobes::TRANSMIT }) {
             return T::ZERO;
         }
-        self.choice(known).map_or(T::ZERO, |choice| {
-            let [a, b, c] = self.densities(known, other, toward, &choice);
+        self.end(known).map_or(T::ZERO, |end| {
+            let [a, b, c] = self.densities(known, other, toward, &end.choice);
             a + b + c
         })
     }
 
+    #[inline]
+    fn eval_and_pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport) -> (Spectrum<T>, T) {
+        self.end(known).map_or((Spectrum::ZERO, T::ZERO), |end| self.value_and_pdf(known, &end, other, toward))
+    }
+
     fn invert(&self, known: Local, other: Local, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
-        let choice = self.choice(known)?;
+        let choice = self.end(known)?.choice;
         let [specular, diffuse, transmitted] = self.densities(known, other, toward, &choice);
         let total = specular + diffuse + transmitted;
         let pick = aux[0] * total;

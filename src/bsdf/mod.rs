@@ -100,6 +100,12 @@ pub trait Bsdf: Copy {
     /// Density of `other` per solid angle under [`Bsdf::sample`] restricted to the smooth components in `lobes`
     /// (with all of them: including the probability of having chosen a smooth one).
     fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, lobes: Lobes) -> T;
+    /// [`Bsdf::eval`] and [`Bsdf::pdf`] of all smooth components; models whose two share work do it once.
+    #[inline]
+    fn eval_and_pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport) -> (Spectrum<T>, T) {
+        let (wi, wo) = toward.flow(known, other);
+        (self.eval(wi, wo, Lobes::SMOOTH), self.pdf(known, other, toward, Lobes::SMOOTH))
+    }
     /// Numbers u that [`Bsdf::sample`] maps to `other` (smooth lobes only), chosen with the auxiliary numbers where
     /// several do, and the natural logarithm of the density of that choice in the unit cube.
     fn invert(&self, known: Local, other: Local, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)>;

@@ -63,14 +63,13 @@ impl<'a> Shading<'a> {
     #[inline]
     pub fn scattering(&self, other: Vec3) -> Option<Scattering> {
         let o = local(self.point, other)?;
-        let (wi, wo) = self.toward.flow(self.local, o);
-        let f = self.surface.eval(wi, wo, Lobes::SMOOTH);
+        let (f, pdf) = self.surface.eval_and_pdf(self.local, o, self.toward);
         if f.is_black() {
             return None;
         }
         let cos = if planted(Defect::CosineToNg) { self.cos(other) } else { o.z.abs() };
         let f_cos = f * (cos * self.adjoint(other, o));
-        Some(Scattering { f_cos, pdf: Pdf::new(self.surface.pdf(self.local, o, self.toward, Lobes::SMOOTH)) })
+        Some(Scattering { f_cos, pdf: Pdf::new(pdf) })
     }
 
     /// F(wi, wo) of the smooth lobes, for connections and merges.

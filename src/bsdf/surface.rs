@@ -72,6 +72,11 @@ impl Bsdf for Surface {
         dispatch!(self, b => b.pdf(known, other, toward, lobes), T::ZERO)
     }
 
+    #[inline]
+    fn eval_and_pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport) -> (Spectrum<T>, T) {
+        dispatch!(self, b => b.eval_and_pdf(known, other, toward), (Spectrum::ZERO, T::ZERO))
+    }
+
     fn invert(&self, known: Local, other: Local, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
         dispatch!(self, b => b.invert(known, other, toward, aux), None)
     }

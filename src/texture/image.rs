@@ -1,15 +1,16 @@
 //! Decoded images.
 
 use super::Encoding;
+use crate::pages::Pages;
 use std::sync::{LazyLock, OnceLock};
 
 /// Stored texels, row by row from the top.
 #[derive(Debug)]
 pub enum Texels {
     /// 8 bits a channel.
-    Rgba8(Vec<[u8; 4]>),
+    Rgba8(Pages<[u8; 4]>),
     /// 16 bits a channel.
-    Rgba16(Vec<[u16; 4]>),
+    Rgba16(Pages<[u16; 4]>),
 }
 
 /// An image in memory.
@@ -52,6 +53,21 @@ fn srgb_to_linear(x: f32) -> f32 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
+#[inline]
+fn linear8(texel: [u8; 4], colors: &[f32; 256]) -> [f32; 4] {
+    let [r, g, b, a] = texel.map(usize::from);
+    [colors[r], colors[g], colors[b], LINEAR8[a]]
+}
+
+#[inline]
+fn linear16(texel: [u16; 4], encoding: Encoding) -> [f32; 4] {
+    let [r, g, b, a] = texel.map(|c| f32::from(c) / 65535.0);
+    match encoding {
+        Encoding::Linear => [r, g, b, a],
+        Encoding::Srgb => [srgb_to_linear(r), srgb_to_linear(g), srgb_to_linear(b), a],
+    }
+}
+
 impl Image {
     /// An image of `width` × `height` texels.
     ///
@@ -83,17 +99,24 @@ impl Image {
     #[inline]
     pub fn texel(&self, x: u32, y: u32, encoding: Encoding) -> [f32; 4] {
         let i = y as usize * self.width as usize + x as usize;
+        match &self.texels {
+            Texels::Rgba8(t) => linear8(t[i], if encoding == Encoding::Srgb { &SRGB8 } else { &LINEAR8 }),
+            Texels::Rgba16(t) => linear16(t[i], encoding),
+        }
+    }
+
+    /// The linear values of the texels where two columns cross two rows: `[row][column]`.
+    #[inline]
+    pub fn crossing(&self, columns: [u32; 2], rows: [u32; 2], encoding: Encoding) -> [[[f32; 4]; 2]; 2] {
+        let width = self.width as usize;
+        let at = rows.map(|y| columns.map(|x| y as usize * width + x as usize));
         match (&self.texels, encoding) {
-            (Texels::Rgba8(t), _) => {
-                let colors = if encoding == Encoding::Srgb { &*SRGB8 } else { &LINEAR8 };
-                let [r, g, b, a] = t[i].map(usize::from);
-                [colors[r], colors[g], colors[b], LINEAR8[a]]
+            (Texels::Rgba8(t), Encoding::Linear) => at.map(|row| row.map(|i| linear8(t[i], &LINEAR8))),
+            (Texels::Rgba8(t), Encoding::Srgb) => {
+                let colors = &*SRGB8;
+                at.map(|row| row.map(|i| linear8(t[i], colors)))
             }
-            (Texels::Rgba16(t), Encoding::Linear) => t[i].map(|c| f32::from(c) / 65535.0),
-            (Texels::Rgba16(t), Encoding::Srgb) => {
-                let [r, g, b, a] = t[i].map(|c| f32::from(c) / 65535.0);
-                [srgb_to_linear(r), srgb_to_linear(g), srgb_to_linear(b), a]
-            }
+            (Texels::Rgba16(t), _) => at.map(|row| row.map(|i| linear16(t[i], encoding))),
         }
     }
 

@@ -72,12 +72,8 @@ impl Texture {
                 let base = q.floor();
                 let f = q - base;
                 let (columns, rows) = ([column(base.x), column(base.x + 1.0)], [row(base.y), row(base.y + 1.0)]);
-                let mix = |a: [f32; 4], b: [f32; 4], t: f32| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t);
-                let across = |y: u32| {
-                    let [left, right] = columns.map(|x| self.image.texel(x, y, self.encoding));
-                    mix(left, right, f.x)
-                };
-                mix(across(rows[0]), across(rows[1]), f.y)
+                let mix = |[a, b]: [[f32; 4]; 2], t: f32| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t);
+                mix(self.image.crossing(columns, rows, self.encoding).map(|row| mix(row, f.x)), f.y)
             }
         }
     }
@@ -116,7 +112,7 @@ mod tests {
 
     #[test]
     fn bilinear_lookup_is_exact_at_texel_centres_and_midway() {
-        let image = Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[0, 0, 0, 255], [255, 255, 255, 255]])));
+        let image = Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[0, 0, 0, 255], [255, 255, 255, 255]].into())));
         let texture = Texture {
             image,
             encoding: Encoding::Linear,

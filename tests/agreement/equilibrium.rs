@@ -118,7 +118,7 @@ impl Maker {
         let negative = texels.iter().map(|t| t.map(|x| 255 - x)).collect();
         let [base, emission] = [texels, negative].map(|texels| {
             Some(Texture {
-                image: Arc::new(Image::new(8, 6, Texels::Rgba8(texels))),
+                image: Arc::new(Image::new(8, 6, Texels::Rgba8(texels.into()))),
                 encoding: Encoding::Linear,
                 wrap: [Wrap::Repeat, Wrap::Mirror],
                 filter: Filter::Linear,

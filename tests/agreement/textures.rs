@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 fn texture(width: u32, encoding: Encoding, texels: Vec<[u8; 4]>) -> Texture {
-    let image = Arc::new(Image::new(width, texels.len() as u32 / width, Texels::Rgba8(texels)));
+    let image = Arc::new(Image::new(width, texels.len() as u32 / width, Texels::Rgba8(texels.into())));
     let (wrap, filter) = ([Wrap::Clamp; 2], Filter::Nearest);
     Texture { image, encoding, wrap, filter, uv_set: 0, transform: Affine2::IDENTITY }
 }

@@ -119,9 +119,9 @@ impl<'a> Encoded<'a> {
         let decoded = DynamicImage::from_decoder(self.decoder()?).map_err(undecodable)?;
         let (width, height) = (decoded.width(), decoded.height());
         let texels = if is_deep(decoded.color()) {
-            Texels::Rgba16(decoded.into_rgba16().pixels().map(|&Rgba(p)| p).collect())
+            Texels::Rgba16(decoded.into_rgba16().pixels().map(|&Rgba(p)| p).collect::<Vec<_>>().into())
         } else {
-            Texels::Rgba8(decoded.into_rgba8().pixels().map(|&Rgba(p)| p).collect())
+            Texels::Rgba8(decoded.into_rgba8().pixels().map(|&Rgba(p)| p).collect::<Vec<_>>().into())
         };
         Ok(Image::new(width, height, texels))
     }
