@@ -168,6 +168,25 @@ defects! {
     GlassClear "glass-clear"
         "The inside of glass does not absorb along a path."
         "absorption in shadow rays alone";
+    // paths
+    SplatsCountedOnce "splats-counted-once"
+        "Weights take connections with the camera for as many as walks from the camera, not for as many as a whole pass has."
+        "pbrt-v4 #347, where a crop was not in the weight";
+    ReversePdfForgotten "reverse-pdf-forgotten"
+        "Weights take the density of the walk in hand for that of a walk the other way."
+        "bidirectional path tracers on materials that are not symmetric";
+    InfinityHasDistance "infinity-has-distance"
+        "The place where light from infinity enters is taken per area of the surface and not perpendicular to the ray."
+        "bidirectional path tracers with environment maps";
+    DirectPdfIsEmissions "direct-pdf-is-emissions"
+        "Light found by chance is weighted against emission's density where a receiver's is meant."
+        "light-transport.md 2.3 (a)";
+    SplatsWithoutCosine "splats-without-magnification"
+        "Connections with the camera do not know how large an area the film sees."
+        "light tracers before a scene of another size";
+    SplatsOneDeeper "splats-one-deeper"
+        "Connections with the camera may have one scattering event more than the limit."
+        "the classic off-by-one of bidirectional methods";
     // camera and film
     PixelCorner "pixel-corner"
         "The filter stands on the pixel's corner: pictures are half a pixel off."

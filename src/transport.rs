@@ -11,6 +11,15 @@ pub enum Transport {
 }
 
 impl Transport {
+    /// The way of a walk from the other end.
+    #[inline]
+    pub fn reversed(self) -> Self {
+        match self {
+            Transport::Light => Transport::Camera,
+            Transport::Camera => Transport::Light,
+        }
+    }
+
     /// Orders (known, sampled) as the light flows: `(wi, wo)`.
     #[inline]
     pub fn flow<D>(self, known: D, sampled: D) -> (D, D) {

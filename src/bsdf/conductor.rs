@@ -62,6 +62,11 @@ impl Bsdf for Conductor {
     }
 
     #[inline]
+    fn dirac(&self, known: Local, _: Transport, lobe: Lobes) -> Option<BsdfSample> {
+        (self.ggx.is_dirac() && lobe == Lobes::DIRAC_REFLECT).then(|| self.mirror(known))
+    }
+
+    #[inline]
     fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: Transport, lobes: Lobes) -> T {
         if self.scatters(known, other, lobes) { self.ggx.reflection_pdf(known, half(known, other)) } else { T::ZERO }
     }

@@ -92,11 +92,18 @@ impl Dielectric {
         self.transmit.cast() * ((T::ONE - f) * a.dot(h).abs() * b.dot(h).abs() * shape)
     }
 
-    fn sample_smooth_face(&self, known: Local, toward: Transport, u: f32) -> BsdfSample {
+    /// Reflectance of the smooth face, and the probability of choosing reflection.
+    #[inline]
+    fn smooth_face(&self, known: Local) -> (f32, f32) {
+        let beyond = if planted(Defect::FresnelFromOutside) { self.eta } else { self.beyond(known) };
+        let f = dielectric(known.z.abs(), beyond);
+        (f, self.reflect_probability(f))
+    }
+
+    /// Reflection or refraction by the smooth face.
+    fn dirac_sample(&self, known: Local, toward: Transport, (f, p): (f32, f32), lobe: Lobes) -> BsdfSample {
         let eta = self.beyond(known);
-        let f = dielectric(known.z.abs(), if planted(Defect::FresnelFromOutside) { self.eta } else { eta });
-        let p = self.reflect_probability(f);
-        if u < p {
+        if lobe == Lobes::DIRAC_REFLECT {
             return BsdfSample {
                 direction: Local::new(-known.x, -known.y, known.z),
                 value: self.reflect * f,
@@ -180,12 +187,20 @@ impl Bsdf for Dielectric {
     #[inline]
     fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
         if self.is_dirac() {
-            return Some(self.sample_smooth_face(known, toward, u[0]));
+            let face = self.smooth_face(known);
+            let lobe = if u[0] < face.1 { Lobes::DIRAC_REFLECT } else { Lobes::DIRAC_TRANSMIT };
+            return Some(self.dirac_sample(known, toward, face, lobe));
         }
         let h = facing(self.ggx.sample_normal(facing(known, known), [u[1], u[2]]), known);
         let f = dielectric(known.dot(h), self.beyond(known));
         let p = self.reflect_probability(f);
         if u[0] < p { self.sample_reflection(known, h, f, p) } else { self.sample_refraction(known, toward, h, f, 1.0 - p) }
+    }
+
+    #[inline]
+    fn dirac(&self, known: Local, toward: Transport, lobe: Lobes) -> Option<BsdfSample> {
+        let sample = self.is_dirac().then(|| self.dirac_sample(known, toward, self.smooth_face(known), lobe))?;
+        (sample.density.value() > 0.0).then_some(sample)
     }
 
     #[inline]

@@ -119,17 +119,30 @@ impl Gltf {
         transmit.cast() * passed * self.ggx.reflection(lit, wo, h)
     }
 
-    /// A mirror direction, or straight on through a thin wall, taken with probability `p`.
-    fn dirac(&self, known: Local, lobe: Lobes, p: f32) -> BsdfSample {
-        let cos = known.z.abs();
-        let mirrored = Local::new(-known.x, -known.y, known.z);
-        let (direction, value) = match &self.transmission {
-            Transmission::Thin(transmit) if lobe == Lobes::DIRAC_TRANSMIT => {
-                (through(mirrored), *transmit * (Spectrum::ONE - schlick(self.layer.f0, self.layer.f90, cos)))
+    /// The Dirac component `lobe`, whatever parts make it up; `end` is of `known`.
+    fn dirac_of(&self, known: Local, end: &End<f32>, toward: Transport, lobe: Lobes) -> Option<BsdfSample> {
+        let (mirrored, cos) = (Local::new(-known.x, -known.y, known.z), known.z.abs());
+        let mut sample = BsdfSample { direction: mirrored, value: Spectrum::ZERO, density: Density::Delta(0.0), lobe, eta: 1.0 };
+        let mut probability = 0.0;
+        if lobe == Lobes::DIRAC_REFLECT && self.ggx.is_dirac() {
+            probability = end.choice.specular;
+            sample.value = schlick(self.specular.f0, self.specular.f90, cos);
+        }
+        match &self.transmission {
+            Transmission::Thin(transmit) if lobe == Lobes::DIRAC_TRANSMIT && self.ggx.is_dirac() => {
+                probability = end.choice.transmission;
+                sample.direction = through(mirrored);
+                sample.value = *transmit * (Spectrum::ONE - schlick(self.layer.f0, self.layer.f90, cos));
             }
-            _ => (mirrored, schlick(self.specular.f0, self.specular.f90, cos)),
-        };
-        BsdfSample { direction, value, density: Density::Delta(p), lobe, eta: 1.0 }
+            Transmission::Solid(glass) => {
+                if let Some(through) = glass.dirac(known, toward, lobe) {
+                    probability += end.choice.transmission * through.density.value();
+                    sample = BsdfSample { value: sample.value + through.value, ..through };
+                }
+            }
+            _ => {}
+        }
+        (probability > 0.0).then_some(BsdfSample { density: Density::Delta(probability), ..sample })
     }
 
     /// Value and density of all smooth lobes in a direction that one of them made.
@@ -167,15 +180,14 @@ impl Gltf {
     }
 
     fn sample_transmission(&self, known: Local, end: &End<f32>, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
-        let p = end.choice.transmission;
         match &self.transmission {
             Transmission::None => None,
-            Transmission::Thin(_) if self.ggx.is_dirac() => Some(self.dirac(known, Lobes::DIRAC_TRANSMIT, p)),
+            Transmission::Thin(_) if self.ggx.is_dirac() => self.dirac_of(known, end, toward, Lobes::DIRAC_TRANSMIT),
             Transmission::Thin(_) => self.smooth(known, end, toward, through(self.reflect_in_facet(known, u)?), 1.0),
             Transmission::Solid(glass) => {
                 let sample = glass.sample(known, toward, u)?;
                 match sample.density {
-                    Density::Delta(q) => Some(BsdfSample { density: Density::Delta(q * p), ..sample }),
+                    Density::Delta(_) => self.dirac_of(known, end, toward, sample.lobe),
                     Density::Smooth(_) => self.smooth(known, end, toward, sample.direction, sample.eta),
                 }
             }
@@ -217,7 +229,7 @@ impl Bsdf for Gltf {
         let specular_end = if planted(Defect::LobesChosenEvenly) { 0.5 * smooth_end } else { choice.specular };
         if u[0] < specular_end {
             if self.ggx.is_dirac() {
-                return Some(self.dirac(known, Lobes::DIRAC_REFLECT, choice.specular));
+                return self.dirac_of(known, &end, toward, Lobes::DIRAC_REFLECT);
             }
             return self.smooth(known, &end, toward, self.reflect_in_facet(known, u)?, 1.0);
         }
@@ -226,6 +238,11 @@ impl Bsdf for Gltf {
         }
         let within_part = into_unit((u[0] - smooth_end) / choice.transmission);
         self.sample_transmission(known, &end, toward, [within_part, u[1], u[2]])
+    }
+
+    #[inline]
+    fn dirac(&self, known: Local, toward: Transport, lobe: Lobes) -> Option<BsdfSample> {
+        self.dirac_of(known, &self.end(known)?, toward, lobe)
     }
 
     #[inline]

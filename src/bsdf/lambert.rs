@@ -39,6 +39,11 @@ impl Bsdf for Lambert {
     }
 
     #[inline]
+    fn dirac(&self, _: Local, _: Transport, _: Lobes) -> Option<BsdfSample> {
+        None
+    }
+
+    #[inline]
     fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: Transport, lobes: Lobes) -> T {
         if lobes.intersects(Lobes::REFLECT) { cosine_pdf(known, other) } else { T::ZERO }
     }

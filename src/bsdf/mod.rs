@@ -97,6 +97,9 @@ pub trait Bsdf: Copy {
     fn eval<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, lobes: Lobes) -> Spectrum<T>;
     /// Samples the direction that is not known with u = [lobe, direction, direction]; `None` if nothing scatters there.
     fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample>;
+    /// The Dirac component `lobe`, one of them, for the known direction: what [`Bsdf::sample`] gives where it takes it, with the
+    /// probability of that; `None` where it never does.
+    fn dirac(&self, known: Local, toward: Transport, lobe: Lobes) -> Option<BsdfSample>;
     /// Density of `other` per solid angle under [`Bsdf::sample`] restricted to the smooth components in `lobes`
     /// (with all of them: including the probability of having chosen a smooth one).
     fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, lobes: Lobes) -> T;

@@ -72,7 +72,7 @@ impl<'a> Shading<'a> {
         Some(Scattering { f_cos, pdf: Pdf::new(pdf) })
     }
 
-    /// F(wi, wo) of the smooth lobes, for connections and merges.
+    /// F(wi, wo) of the smooth lobes.
     #[inline]
     pub fn f(&self, other: Vec3) -> Spectrum {
         let Some(o) = local(self.point, other) else { return Spectrum::ZERO };
@@ -96,6 +96,29 @@ impl<'a> Shading<'a> {
         };
         let weight = sample.value * (cos * self.adjoint(direction, sample.direction));
         Some(ShadingSample { direction, weight, density: sample.density, lobe: sample.lobe, eta: sample.eta })
+    }
+
+    /// Density of the known direction in a walk the other way that has come along `other`, all smooth lobes together.
+    #[inline]
+    pub fn reverse_pdf(&self, other: Vec3) -> Pdf<SolidAngle> {
+        let pdf = |o| self.surface.pdf(o, self.local, self.toward.reversed(), Lobes::SMOOTH);
+        Pdf::new(local(self.point, other).map_or(0.0, pdf))
+    }
+
+    /// What multiple importance sampling compares of `sample`: the density that made it, and that of the known direction in a walk
+    /// the other way. A Dirac direction has the probability of its component times |w·ns| η², η the index on the side that w leads
+    /// to over that of the known direction: the factor by which a chain of Dirac vertices stretches one way and not the other.
+    pub fn densities(&self, sample: &ShadingSample) -> [f64; 2] {
+        match sample.density {
+            Density::Smooth(pdf) => [pdf, self.reverse_pdf(sample.direction)].map(|p| f64::from(p.value())),
+            Density::Delta(probability) => {
+                let other = self.point.frame.to_local(sample.direction);
+                let back = self.surface.dirac(other, self.toward.reversed(), sample.lobe);
+                let back = back.map_or(0.0, |back| back.density.value());
+                let eta2 = f64::from(sample.eta).powi(2);
+                [f64::from(probability * other.z.abs()) * eta2, f64::from(back * self.local.z.abs())]
+            }
+        }
     }
 
     /// Continues the walk along `other`, which was made with density `pdf` by other means than [`Shading::sample`].

@@ -68,6 +68,11 @@ impl Bsdf for Surface {
     }
 
     #[inline]
+    fn dirac(&self, known: Local, toward: Transport, lobe: Lobes) -> Option<BsdfSample> {
+        dispatch!(self, b => b.dirac(known, toward, lobe), None)
+    }
+
+    #[inline]
     fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, lobes: Lobes) -> T {
         dispatch!(self, b => b.pdf(known, other, toward, lobes), T::ZERO)
     }

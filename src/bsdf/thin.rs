@@ -40,11 +40,11 @@ impl Thin {
         lobes.intersection(self.lobes()).intersects(side) && (a.z * b.z).value().abs() > 0.0
     }
 
-    fn sample_smooth_face(&self, known: Local, u: f32) -> BsdfSample {
-        let (r, t, p) = self.split(known.z.abs());
+    /// Reflection or passage without scattering, as the shares of [`Thin::split`] say.
+    fn dirac_sample(known: Local, (r, t, p): (Spectrum, Spectrum, f32), lobe: Lobes) -> BsdfSample {
         let mirrored = Local::new(-known.x, -known.y, known.z);
-        let (direction, value, probability, lobe) =
-            if u < p { (mirrored, r, p, Lobes::DIRAC_REFLECT) } else { (through(mirrored), t, 1.0 - p, Lobes::DIRAC_TRANSMIT) };
+        let (direction, value, probability) =
+            if lobe == Lobes::DIRAC_REFLECT { (mirrored, r, p) } else { (through(mirrored), t, 1.0 - p) };
         BsdfSample { direction, value, density: Density::Delta(probability), lobe, eta: 1.0 }
     }
 }
@@ -70,7 +70,9 @@ impl Bsdf for Thin {
     #[inline]
     fn sample(&self, known: Local, _: Transport, u: [f32; 3]) -> Option<BsdfSample> {
         if self.ggx.is_dirac() {
-            return Some(self.sample_smooth_face(known, u[0]));
+            let split = self.split(known.z.abs());
+            let lobe = if u[0] < split.2 { Lobes::DIRAC_REFLECT } else { Lobes::DIRAC_TRANSMIT };
+            return Some(Self::dirac_sample(known, split, lobe));
         }
         let h = facing(self.ggx.sample_normal(facing(known, known), [u[1], u[2]]), known);
         let mirrored = reflect(known, h);
@@ -84,6 +86,12 @@ impl Bsdf for Thin {
             lobe,
             eta: 1.0,
         })
+    }
+
+    #[inline]
+    fn dirac(&self, known: Local, _: Transport, lobe: Lobes) -> Option<BsdfSample> {
+        let sample = self.ggx.is_dirac().then(|| Self::dirac_sample(known, self.split(known.z.abs()), lobe))?;
+        (sample.density.value() > 0.0).then_some(sample)
     }
 
     #[inline]

@@ -1,9 +1,9 @@
-//! A pass of a camera method: one sample of every pixel, each pixel its own. What the sample is worth is the method's.
+//! A pass: one sample of every pixel, each pixel its own, and what methods splat elsewhere. What the sample is worth is the method's.
 
 use super::{Guards, Integrator, InvalidSample, Options, PassReport, RayCounts};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
-use crate::film::{FilterSampler, Layout, PassFilm, Plane};
+use crate::film::{FilterSampler, Layout, PassFilm, Plane, Splats};
 use crate::geometry::Ray;
 use crate::parallel::Cancel;
 use crate::path::Tally;
@@ -17,9 +17,20 @@ const CHUNK: usize = 128;
 
 /// A method that estimates the radiance along a camera ray.
 pub(super) trait Radiance: Send + Sync {
-    /// An unbiased estimate of the radiance that arrives along `ray`.
-    fn radiance(&self, ray: Ray, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum;
+    /// An unbiased estimate of the radiance that arrives along `ray`, together with what it adds to `splats`: light at film positions,
+    /// per pixel of film area and walk from a light. `light` makes the numbers of such a walk, one for each sample.
+    fn radiance<S: Sampler>(
+        &self,
+        ray: Ray,
+        sampler: &mut S,
+        light: impl FnOnce() -> S,
+        splats: &mut impl FnMut([f32; 2], Spectrum),
+        tally: &mut Tally,
+    ) -> Spectrum;
 }
+
+/// What sets the numbers of a walk from a light apart from those of the pixel's own.
+const LIGHT_STREAM: u64 = 1 << 63;
 
 /// An integrator that renders each pixel by `method`.
 pub(super) struct CameraPass<'a, M: Radiance> {
@@ -48,27 +59,32 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         &self,
         pass: u64,
         layout: &Layout,
-        first: usize,
-        out: &mut [f32],
+        (first, out): (usize, &mut [f32]),
+        splats: &Splats,
         sampler: impl Fn(u64) -> P,
     ) -> PassReport {
         let channels = layout.channels();
         let mut report = PassReport::default();
+        let (address, per_walk) = (Address::new(self.options.seed).with(pass), (self.options.pixels as f32).recip());
         let mut tally = Tally::default();
         for (i, values) in out.chunks_exact_mut(channels).enumerate() {
             let pixel = layout.pixel(first + i);
-            let mut numbers = sampler(u64::from(pixel[1]) * u64::from(layout.width) + u64::from(pixel[0]));
+            let index = u64::from(pixel[1]) * u64::from(layout.width) + u64::from(pixel[0]);
+            let mut numbers = sampler(index);
             let ray = self.camera_ray(pixel, &mut numbers);
-            let mut color = self.method.radiance(ray, &mut numbers, &mut tally);
-            if !color.is_finite() {
+            let (mut valid, mut key) = (true, address.with(index));
+            let mut splat = |film: [f32; 2], light: Spectrum| {
+                let light = self.limited(light * per_walk, &mut valid, &mut report.guards);
+                key = key.with(0);
+                splats.add(self.options.filter, film, light, key.bits(0));
+            };
+            let color = self.method.radiance(ray, &mut numbers, || sampler(index | LIGHT_STREAM), &mut splat, &mut tally);
+            let color = self.limited(color, &mut valid, &mut report.guards);
+            if !valid {
                 report.drop_sample(InvalidSample { pass, x: pixel[0], y: pixel[1] });
                 if let Some(at) = layout.offset(Plane::Invalid) {
                     values[at] = 1.0;
                 }
-                color = Spectrum::ZERO;
-            }
-            if let Some(most) = self.options.clamp {
-                color = clamp(color, most, &mut report.guards);
             }
             values[..LANES].copy_from_slice(&color.to_rgb());
             if layout.planes().len() > 1 {
@@ -79,6 +95,15 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         report
     }
 
+    /// `color` as far as it is finite, which makes `valid` false otherwise, and not more than is allowed.
+    fn limited(&self, color: Spectrum, valid: &mut bool, guards: &mut Guards) -> Spectrum {
+        if !color.is_finite() {
+            *valid = false;
+            return Spectrum::ZERO;
+        }
+        self.options.clamp.map_or(color, |most| clamp(color, most, guards))
+    }
+
     fn passes<P: Sampler>(
         &self,
         pass: u64,
@@ -87,12 +112,15 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         sampler: impl Fn(u64) -> P + Sync,
     ) -> Option<PassReport> {
         let layout = out.layout().clone();
-        out.par_chunks(CHUNK)
-            .map(|(first, values)| (!cancel.requested()).then(|| self.chunk(pass, &layout, first, values, &sampler)))
+        let (chunks, splats) = out.par_chunks_and_splats(CHUNK);
+        let report = chunks
+            .map(|chunk| (!cancel.requested()).then(|| self.chunk(pass, &layout, chunk, splats, &sampler)))
             .try_reduce(PassReport::default, |mut a, b| {
                 a.absorb(b);
                 Some(a)
-            })
+            });
+        out.fold_splats();
+        report
     }
 }
 

@@ -69,8 +69,8 @@ fn first_diffuse(
             return here;
         }
         let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return here };
-        let [u, v] = sampler.u2(walk.depth, Slot::Direction);
-        let Some(scatter) = shading.sample([sampler.u1(walk.depth, Slot::Lobe), u, v]) else { return here };
+        let [u, v] = sampler.u2(walk.bounce, Slot::Direction);
+        let Some(scatter) = shading.sample([sampler.u1(walk.bounce, Slot::Lobe), u, v]) else { return here };
         walk.depart(&point, &scatter);
         match walk.arrive(sampler, tally) {
             Some(next) => point = next,

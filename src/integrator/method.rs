@@ -12,4 +12,9 @@ pub enum Method {
     /// Path tracing with next-event estimation, multiple importance sampling and Russian roulette.
     #[default]
     Path,
+    /// Light tracing: walks from lights, each vertex connected with the camera. Blind to what is seen in mirrors and through clear
+    /// glass.
+    Light,
+    /// Bidirectional path tracing: walks from both ends and every connection between them, combined by multiple importance sampling.
+    Bdpt,
 }

@@ -1,6 +1,7 @@
 //! Integrators: what one pass of a method does. An integrator has no hidden state: a pass is a pure function of
 //! (scene, settings, seed, pass). To add one, write its file, implement [`Integrator`] and give it a name in [`Method`].
 
+mod bidirectional;
 mod camera_pass;
 mod features;
 mod ids;
@@ -15,8 +16,10 @@ pub use prelude::Prelude;
 use crate::camera::Camera;
 use crate::film::{Filter, Layout, PassFilm};
 use crate::parallel::Cancel;
-use crate::sampling::SamplerKind;
+use crate::path::Techniques;
+use crate::sampling::{Heuristic, SamplerKind};
 use crate::scene::Scene;
+use bidirectional::Bidirectional;
 use camera_pass::CameraPass;
 use path::{Combined, Naive, NextEvent, PathTracer};
 
@@ -37,6 +40,30 @@ pub struct Options {
     pub replicates: u32,
     /// Whether the environment is hidden where the camera sees it directly.
     pub transparent: bool,
+    /// Which techniques bidirectional path tracing has.
+    pub techniques: Techniques,
+    /// How they share a path.
+    pub heuristic: Heuristic,
+    /// Pixels that a pass renders: as many walks start from lights.
+    pub pixels: usize,
+}
+
+impl Options {
+    /// What is usual for an image of `layout`: 4 replicates, seed 0, no limits.
+    pub fn new(layout: &Layout) -> Self {
+        Options {
+            seed: 0,
+            sampler: SamplerKind::default(),
+            filter: Filter::default(),
+            max_depth: None,
+            clamp: None,
+            replicates: 4,
+            transparent: false,
+            techniques: Techniques::ALL,
+            heuristic: Heuristic::default(),
+            pixels: layout.pixels(),
+        }
+    }
 }
 
 /// The integrator of `method` for an image that `camera` takes of `scene`.
@@ -53,6 +80,14 @@ pub fn build<'a>(method: Method, scene: &'a Scene, camera: Camera, options: &Opt
         }
         Method::Path => {
             let tracer = PathTracer::<Combined>::new(scene, depth, transparent);
+            Box::new(CameraPass::new(tracer, scene, camera, options))
+        }
+        Method::Light => {
+            let tracer = Bidirectional::new(scene, &camera, &Options { techniques: Techniques::LIGHT, ..*options });
+            Box::new(CameraPass::new(tracer, scene, camera, options))
+        }
+        Method::Bdpt => {
+            let tracer = Bidirectional::new(scene, &camera, options);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
     }
@@ -73,6 +108,9 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
     }
     if method == Method::PathNaive && features.dirac {
         spots.push("path-naive does not see mirrors and clear glass: they are black".into());
+    }
+    if method == Method::Light && features.dirac {
+        spots.push("light does not see what mirrors and clear glass show the camera: they are black".into());
     }
     spots
 }

@@ -108,7 +108,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
                 S::share_of_scattering(scattering.value(), pmf * pdf())
             }
             Departure::Surface(_, Density::Delta(_)) if planted(Defect::EmissionLostAfterDirac) => 0.0,
-            Departure::Surface(_, Density::Delta(_)) | Departure::Camera => 1.0,
+            Departure::Surface(_, Density::Delta(_)) | Departure::Camera | Departure::Light => 1.0,
         }
     }
 
@@ -129,7 +129,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         };
         let share = match &walk.departure {
             Departure::Surface(from, _) => self.share_of_hit(&walk.departure, index, || pdf(from)),
-            Departure::Camera => 1.0,
+            Departure::Camera | Departure::Light => 1.0,
         };
         walk.beta * radiance * share
     }
@@ -149,14 +149,14 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     #[inline]
     fn direct(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum {
         let (lights, receiver) = (self.scene.lights(), Receiver::from(shading.point));
-        let Some((light, pmf)) = lights.choose(&receiver, sampler.u1(walk.depth, Slot::LightPick)) else {
+        let Some((index, pmf)) = lights.choose(&receiver, sampler.u1(walk.bounce, Slot::LightPick)) else {
             return Spectrum::ZERO;
         };
-        let mut u = sampler.u2(walk.depth, Slot::LightPoint);
+        let mut u = sampler.u2(walk.bounce, Slot::LightPoint);
         if planted(Defect::LightPickReused) {
-            u[0] = sampler.u1(walk.depth, Slot::LightPick);
+            u[0] = sampler.u1(walk.bounce, Slot::LightPick);
         }
-        let Some(sample) = light.sample_toward(&receiver, u) else { return Spectrum::ZERO };
+        let Some(sample) = lights.all()[index].sample_toward(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
         let through = self.scene.transmittance(&self.segment(walk, shading.point, &sample), &mut tally.shadows);
@@ -178,8 +178,8 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     /// The next direction. Models with one lobe do not look at the number that chooses among several.
     #[inline]
     fn scatter(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler) -> Option<ShadingSample> {
-        let lobe = if shading.surface.is_single_lobe() { 0.0 } else { sampler.u1(walk.depth, Slot::Lobe) };
-        let [u, v] = sampler.u2(walk.depth, Slot::Direction);
+        let lobe = if shading.surface.is_single_lobe() { 0.0 } else { sampler.u1(walk.bounce, Slot::Lobe) };
+        let [u, v] = sampler.u2(walk.bounce, Slot::Direction);
         S::scatter(shading, [lobe, u, v])
     }
 
@@ -196,7 +196,14 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
 }
 
 impl<S: Strategy> Radiance for PathTracer<'_, S> {
-    fn radiance(&self, ray: Ray, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum {
+    fn radiance<P: Sampler>(
+        &self,
+        ray: Ray,
+        sampler: &mut P,
+        _: impl FnOnce() -> P,
+        _: &mut impl FnMut([f32; 2], Spectrum),
+        tally: &mut Tally,
+    ) -> Spectrum {
         let mut walk = Walk::new(self.scene, ray);
         let mut total = Spectrum::ZERO;
         loop {

@@ -1,6 +1,6 @@
 //! Emitting triangles: constant radiance, or a texture, over each.
 
-use super::{EmissionNumbers, Emitted, End, LightSample};
+use super::{EmissionDensity, EmissionNumbers, Emitted, End, LightSample};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Local, Triangle, spawn_ray};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
@@ -135,6 +135,13 @@ impl AreaLight {
         let power = self.emission.at(barycentric) * (coverage * sides * std::f32::consts::PI / self.density.value());
         let ray = spawn_ray(p, error, self.ng, w);
         (self.density.value() > 0.0).then_some(Emitted { end: End::Surface { p, error, ng: self.ng }, ray, power })
+    }
+
+    /// See [`super::Light::emission_density`].
+    pub(super) fn emission_density(&self, w: Vec3) -> EmissionDensity {
+        let cos = f64::from(w.dot(self.ng));
+        let cos = if self.emission.two_sided { 0.5 * cos.abs() } else { cos.max(0.0) };
+        EmissionDensity { end: f64::from(self.density.value()), ray: cos / PI }
     }
 
     /// π times area times mean radiance, for each emitting side.

@@ -39,11 +39,22 @@ impl Lights {
         Some((index, environment))
     }
 
-    /// A light for the point `at`, and the probability of having chosen it; `None` if there is no light.
+    /// A light for the point `at`, by its index, and the probability of having chosen it; `None` if there is no light.
     #[inline]
-    pub fn choose(&self, _at: &Receiver, u: f32) -> Option<(&Light, Pdf<Discrete>)> {
-        let (i, pmf) = self.by_power.as_ref()?.sample(u);
-        Some((&self.lights[i], pmf))
+    pub fn choose(&self, _at: &Receiver, u: f32) -> Option<(usize, Pdf<Discrete>)> {
+        Some(self.by_power.as_ref()?.sample(u))
+    }
+
+    /// A light to emit from: its index, and the probability of having chosen it; `None` if there is no light.
+    #[inline]
+    pub fn choose_emitter(&self, u: f32) -> Option<(usize, Pdf<Discrete>)> {
+        Some(self.by_power.as_ref()?.sample(u))
+    }
+
+    /// The probability that [`Lights::choose_emitter`] takes light `i`.
+    #[inline]
+    pub fn emitter_pmf(&self, i: usize) -> Pdf<Discrete> {
+        self.by_power.as_ref().map_or(Pdf::new(0.0), |d| d.pmf(i))
     }
 
     /// The probability that [`Lights::choose`] takes light `i` for the point `at`.

@@ -42,7 +42,27 @@ pub struct Emitted {
     pub power: Spectrum,
 }
 
+/// With which densities a light emits a ray, one after the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EmissionDensity {
+    /// Of where it leaves, per area, or of the direction of light from infinity, per solid angle; 1 where there is no choice.
+    pub end: f64,
+    /// Of the direction, per solid angle, or of the place where light from infinity enters, per area perpendicular to it.
+    pub ray: f64,
+}
+
 impl Light {
+    /// The densities with which [`Light::emit`] makes a ray in the unit direction `w`, from wherever on the light.
+    pub fn emission_density(&self, ball: &Ball, w: Vec3) -> EmissionDensity {
+        match self {
+            Light::Point(_) => EmissionDensity { end: 1.0, ray: f64::from(warp::uniform_sphere_pdf().value()) },
+            Light::Spot(light) => EmissionDensity { end: 1.0, ray: light.emission_pdf(w) },
+            Light::Directional(_) => EmissionDensity { end: 1.0, ray: ball.disk_pdf() },
+            Light::Area(light) => light.emission_density(w),
+            Light::Environment(light) => EmissionDensity { end: f64::from(light.along(-w).1.value()), ray: ball.disk_pdf() },
+        }
+    }
+
     /// A ray of this light into `ball`; `None` where it is dark.
     #[inline]
     pub fn emit(&self, ball: &Ball, u: &EmissionNumbers) -> Option<Emitted> {
@@ -58,6 +78,11 @@ impl Light {
 }
 
 impl Ball {
+    /// Density per area of the disk through which light from infinity enters.
+    pub(super) fn disk_pdf(&self) -> f64 {
+        (std::f64::consts::PI * f64::from(self.radius).powi(2)).recip()
+    }
+
     /// Light of `irradiance` on a surface perpendicular to it, from infinity along the unit vector `toward`.
     pub(super) fn lit(&self, toward: Vec3, irradiance: Spectrum, position: [f32; 2]) -> Emitted {
         let frame = Frame::around(toward);

@@ -13,7 +13,7 @@ mod sky;
 
 pub use area::{AreaLight, Coverage, Emission};
 pub use choose::Lights;
-pub use emit::{Ball, EmissionNumbers, Emitted};
+pub use emit::{Ball, EmissionDensity, EmissionNumbers, Emitted};
 pub use environment::Environment;
 pub use lat_long::LatLong;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};

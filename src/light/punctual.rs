@@ -94,6 +94,11 @@ impl SpotLight {
         })
     }
 
+    /// Density per solid angle of [`SpotLight::emit`].
+    pub(super) fn emission_pdf(&self, w: Vec3) -> f64 {
+        if w.dot(self.axis) >= self.cos_outer { f64::from(warp::cap_pdf(1.0 - self.cos_outer).value()) } else { 0.0 }
+    }
+
     /// Intensity integrated over the cone: 2π (1 − cos inner) and a third of the ramp's share.
     pub fn power(&self) -> f64 {
         let ramp = f64::from(self.slope.recip());

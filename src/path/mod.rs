@@ -1,7 +1,14 @@
-//! Paths through a scene: the walk that makes their vertices one by one, and the notation of all of path space.
+//! Paths through a scene: walks that make their vertices one by one from either end, connections between them, the weights of all
+//! the ways to make a path, and the notation of all of path space.
 
+mod connect;
+mod mis;
+mod subpath;
 mod walk;
 
+pub use connect::{Connection, Splat, connect, next_event, splat};
+pub use mis::{Sums, Technique, Techniques, Weights};
+pub use subpath::{Arrival, Subpath, Vertex};
 pub use walk::{Departure, Tally, Walk};
 
 #[doc = include_str!("notation.md")]

@@ -1,4 +1,4 @@
-//! A walk from the camera toward the lights: the state that every path-tracing method carries from vertex to vertex.
+//! A walk from the camera toward the lights or the other way: the state that is carried from vertex to vertex.
 //!
 //! Use it as `arrive`, look at the vertex, `depart`, `survives`, and again. Blended surfaces and absorbing media are content
 //! of the edge between two vertices and never vertices themselves.
@@ -12,6 +12,7 @@ use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
+use crate::transport::Transport;
 use glam::Vec3;
 
 /// How many scattering and null events a path may have before it is taken for a defect of the scene and cut.
@@ -29,7 +30,7 @@ const ROULETTE_GAIN: f32 = 3.0;
 pub struct Tally {
     /// Rays from the camera, those beyond surfaces that it does not see or sees through included.
     pub cameras: u64,
-    /// Rays from a scattering event, counted where they are traced.
+    /// Rays from a scattering event or a light, counted where they are traced.
     pub bounces: u64,
     /// Rays toward lights, those beyond blended surfaces included.
     pub shadows: u64,
@@ -44,6 +45,8 @@ pub struct Tally {
 pub enum Departure {
     /// At the camera.
     Camera,
+    /// At a light.
+    Light,
     /// At a surface point, in a direction of this density.
     Surface(Receiver, Density),
 }
@@ -51,6 +54,7 @@ pub enum Departure {
 /// The state of a walk.
 pub struct Walk<'a> {
     scene: &'a Scene,
+    toward: Transport,
     /// The current edge, in a unit direction.
     pub ray: Ray,
     /// Product of all scattering values and transmittances over their densities.
@@ -59,15 +63,25 @@ pub struct Walk<'a> {
     pub departure: Departure,
     /// Number of scattering events so far.
     pub depth: u32,
-    /// Square of the refractive index at the camera over the one here: radiance is scaled by it and will be scaled back.
-    eta2: f32,
+    /// What numbers are addressed by: the vertex that is left, counted from 0; a light has the 0 of its own walk.
+    pub bounce: u32,
+    /// What takes out of the throughput that which roulette must not see: the emitted power, or the square of the refractive index
+    /// at the camera over the one here, since radiance is scaled by it and will be scaled back.
+    scale: f32,
 }
 
 impl<'a> Walk<'a> {
     /// A walk along the camera ray `ray`.
     #[inline]
     pub fn new(scene: &'a Scene, ray: Ray) -> Self {
-        Walk { scene, ray, beta: Spectrum::ONE, departure: Departure::Camera, depth: 0, eta2: 1.0 }
+        let (beta, departure) = (Spectrum::ONE, Departure::Camera);
+        Walk { scene, toward: Transport::Light, ray, beta, departure, depth: 0, bounce: 0, scale: 1.0 }
+    }
+
+    /// A walk along a ray of light that stands for `power`, which is not black.
+    pub fn from_light(scene: &'a Scene, ray: Ray, power: Spectrum) -> Self {
+        let (departure, scale) = (Departure::Light, power.max_lane().recip());
+        Walk { scene, toward: Transport::Camera, ray, beta: power, departure, depth: 0, bounce: 1, scale }
     }
 
     /// Follows the current edge to the surface at its end; `None` where it leaves the scene. A blended surface is met with
@@ -80,6 +94,10 @@ impl<'a> Walk<'a> {
             let point = self.trace(tally);
             if point.as_ref().is_some_and(|p| self.unseen(p)) { self.past(sampler, tally) } else { point }
         };
+        if let (true, Departure::Light, Some(point)) = (self.scene.features().media, &self.departure, &point) {
+            // Nothing tells what a light is in until a boundary is met: the medium that lies before it.
+            self.ray.medium = self.scene.medium_beyond(point, -self.ray.direction);
+        }
         self.absorb(point.as_ref().map_or(f32::INFINITY, |p| p.t));
         tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
         point
@@ -90,7 +108,7 @@ impl<'a> Walk<'a> {
     fn trace(&self, tally: &mut Tally) -> Option<SurfacePoint> {
         let class = match self.departure {
             Departure::Camera => RayClass::Camera,
-            Departure::Surface(..) => RayClass::Bounce(self.depth),
+            Departure::Light | Departure::Surface(..) => RayClass::Bounce(self.depth),
         };
         match class {
             RayClass::Camera => tally.cameras += 1,
@@ -109,7 +127,7 @@ impl<'a> Walk<'a> {
     /// The first surface that does not let the edge pass; the edge then begins behind those that did.
     #[cold]
     fn past(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
-        let mut u = sampler.u1(self.depth, Slot::Event);
+        let mut u = sampler.u1(self.bounce, Slot::Event);
         for _ in 0..LONGEST {
             let point = self.trace(tally)?;
             let alpha = if self.unseen(&point) { 0.0 } else { self.scene.coverage(&point) };
@@ -138,19 +156,18 @@ impl<'a> Walk<'a> {
     /// The medium that a ray enters which leaves `point`, where the walk now is, along `w`.
     #[inline]
     pub fn medium_toward(&self, point: &SurfacePoint, w: Vec3) -> MediumId {
-        if !self.scene.features().media {
-            return MediumId::VACUUM;
-        }
-        let crosses = (w.dot(point.ng) > 0.0) == (self.ray.direction.dot(point.ng) > 0.0);
-        if crosses { self.scene.medium_beyond(point, w) } else { self.ray.medium }
+        self.scene.medium_toward(point, -self.ray.direction, self.ray.medium, w)
     }
 
     /// Leaves `point` as `scatter` says.
     #[inline]
     pub fn depart(&mut self, point: &SurfacePoint, scatter: &ShadingSample) {
         self.beta *= scatter.weight;
-        self.eta2 *= scatter.eta * scatter.eta;
+        if self.toward == Transport::Light {
+            self.scale *= scatter.eta * scatter.eta;
+        }
         self.depth += 1;
+        self.bounce += 1;
         let medium = self.medium_toward(point, scatter.direction);
         let density = match self.departure {
             Departure::Surface(_, before @ Density::Delta(_)) if planted(Defect::EmissionTwiceAfterDirac) => before,
@@ -160,7 +177,7 @@ impl<'a> Walk<'a> {
         self.ray = Ray { medium, time: self.ray.time, ..point.spawn(scatter.direction) };
     }
 
-    /// Russian roulette by throughput, the part that refraction scales back left out. Whoever survives is scaled up.
+    /// Russian roulette by the share of light that is left. Whoever survives is scaled up.
     #[inline]
     pub fn survives(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> bool {
         if self.depth >= LONGEST {
@@ -170,14 +187,14 @@ impl<'a> Walk<'a> {
         if self.depth < ROULETTE_FROM {
             return !self.beta.is_black();
         }
-        let q = (ROULETTE_GAIN * self.beta.max_lane() * self.eta2).min(1.0);
+        let q = (ROULETTE_GAIN * self.beta.max_lane() * self.scale).min(1.0);
         if q < 1.0 {
-            if sampler.u1(self.depth, Slot::Roulette) >= q {
+            if sampler.u1(self.bounce, Slot::Roulette) >= q {
                 return false;
             }
             let mut paid = if planted(Defect::RouletteUnpaid) { 1.0 } else { q };
             if planted(Defect::RouletteEta2) {
-                paid = (q / self.eta2).min(1.0);
+                paid = (q / self.scale).min(1.0);
             }
             self.beta *= paid.recip();
         }

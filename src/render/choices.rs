@@ -8,7 +8,8 @@ use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
 use crate::integrator::Method;
 use crate::io::png::Curve;
-use crate::sampling::SamplerKind;
+use crate::path::Technique;
+use crate::sampling::{Heuristic, SamplerKind};
 use std::path::Path;
 
 /// Samples per pixel where nothing is said about when the render is done.
@@ -77,6 +78,12 @@ pub struct Choices {
     /// Hide the environment, map or not, from the camera and write coverage as alpha: it still lights the scene
     #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
     pub transparent: Option<bool>,
+    /// Techniques that bdpt does without, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "TECHNIQUES")]
+    pub without: Option<Vec<Technique>>,
+    /// How the techniques of bdpt share a path [default: power]
+    #[arg(long, value_enum)]
+    pub heuristic: Option<Heuristic>,
     /// What surrounds the scene instead of its own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)
     #[arg(long, alias = "environment", value_name = "RADIANCE|FILE", allow_negative_numbers = true)]
     #[serde(alias = "environment")]
@@ -160,6 +167,8 @@ impl Choices {
             aovs: self.aovs.or(fallback.aovs),
             clamp: self.clamp.or(fallback.clamp),
             transparent: self.transparent.or(fallback.transparent),
+            without: self.without.or(fallback.without),
+            heuristic: self.heuristic.or(fallback.heuristic),
             env: self.env.or(fallback.env),
             env_rotation: self.env_rotation.or(fallback.env_rotation.filter(|_| !surrounds_here)),
             env_scale: self.env_scale.or(fallback.env_scale.filter(|_| !surrounds_here)),
@@ -177,6 +186,9 @@ impl Choices {
         let mut aovs = self.aovs.clone().unwrap_or_default();
         aovs.sort_unstable();
         aovs.dedup();
+        let mut without = self.without.clone().unwrap_or_default();
+        without.sort_unstable();
+        without.dedup();
         Ok(Settings {
             method: self.method.unwrap_or_default(),
             width,
@@ -193,6 +205,8 @@ impl Choices {
             aovs,
             clamp: self.clamp.map(positive).transpose()?,
             transparent: self.transparent.unwrap_or(false),
+            without,
+            heuristic: self.heuristic.unwrap_or_default(),
         })
     }
 

@@ -85,7 +85,7 @@ impl<'a> Session<'a> {
         let (stage, settings) = (self.stage, self.provenance.settings.clone());
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options());
-        let mut scratch = PassFilm::new(&self.layout);
+        let mut scratch = PassFilm::new(&self.layout).with_unit(self.film.units().radiance);
         let (earlier, mut done) = (self.provenance.work.clone(), 0);
         self.provenance.work.sessions += 1;
         let clock = Stopwatch::start();

@@ -5,7 +5,8 @@ use super::Aov;
 use crate::accel::{Backend, Build};
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{Method, Options};
-use crate::sampling::SamplerKind;
+use crate::path::{Technique, Techniques};
+use crate::sampling::{Heuristic, SamplerKind};
 use crate::scene::BuildOptions;
 
 /// Everything besides the scene that the pixels of a pass depend on.
@@ -42,6 +43,10 @@ pub struct Settings {
     pub clamp: Option<f32>,
     /// Whether the environment is hidden from the camera.
     pub transparent: bool,
+    /// Techniques that bidirectional path tracing does without, sorted.
+    pub without: Vec<Technique>,
+    /// How its techniques share a path.
+    pub heuristic: Heuristic,
 }
 
 impl Settings {
@@ -67,6 +72,9 @@ impl Settings {
             clamp: self.clamp,
             replicates: self.replicates,
             transparent: self.transparent,
+            techniques: Techniques::without(&self.without),
+            heuristic: self.heuristic,
+            pixels: self.layout().pixels(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Weights of multiple importance sampling, from density *ratios*: squares of densities overflow where their ratio does not.
 
 /// How two techniques that may make the same sample share it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Heuristic {
     /// Weights proportional to the densities [Veach97 §9.2.2].

@@ -11,7 +11,7 @@ use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::{Bsdf, Lobes};
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Hit, MediumId};
-use crate::light::{AreaLight, DirectionalLight, Environment, LatLong, Light, Lights, PointLight, Sky, SpotLight};
+use crate::light::{AreaLight, Ball, DirectionalLight, Environment, LatLong, Light, Lights, PointLight, Sky, SpotLight};
 use crate::spectrum::Spectrum;
 use std::sync::Arc;
 use std::time::Instant;
@@ -66,7 +66,8 @@ impl Scene {
         lights.extend(environment.map(Light::Environment));
         let prepare_seconds = start.elapsed().as_secs_f64();
         let accel = Accel::build(&geometry, options.backend, options.build, options.threads)?;
-        let radius = (extent.radius() * rebase.scale) as f32;
+        let centre = rebase.point((extent.min + extent.max) * 0.5).as_vec3();
+        let ball = Ball { centre, radius: (extent.radius() * rebase.scale) as f32 };
         let features = features(&geometry, &objects, &materials, &lights, &media);
         let mut info = census(&geometry, &materials, lights.len(), features);
         info.instances = description.instances.len();
@@ -78,8 +79,8 @@ impl Scene {
         info.accel_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
         info.accel_bytes = accel.bytes();
         let views = Views::new(description.cameras, extent.min, extent.max);
-        let lights = Lights::new(lights, radius);
-        Ok(Scene { geometry, objects, materials, media, lights, accel, rebase, radius, features, views, info, hash })
+        let lights = Lights::new(lights, ball.radius);
+        Ok(Scene { geometry, objects, materials, media, lights, accel, rebase, ball, features, views, info, hash })
     }
 }
 

@@ -17,7 +17,7 @@ pub use rebase::Rebase;
 
 use crate::accel::{Accel, Backend};
 use crate::geometry::Geometry;
-use crate::light::Lights;
+use crate::light::{Ball, Lights};
 use crate::spectrum::Spectrum;
 use material::Material;
 
@@ -30,7 +30,7 @@ pub struct Scene {
     lights: Lights,
     accel: Accel,
     rebase: Rebase,
-    radius: f32,
+    ball: Ball,
     features: Features,
     views: view::Views,
     info: SceneInfo,
@@ -110,9 +110,15 @@ impl Scene {
         &self.lights
     }
 
-    /// Radius of the sphere around all geometry, in scene units.
+    /// A ball around all geometry, in scene units.
+    #[inline]
+    pub fn ball(&self) -> &Ball {
+        &self.ball
+    }
+
+    /// Its radius.
     pub fn radius(&self) -> f32 {
-        self.radius
+        self.ball.radius
     }
 
     /// From the file's coordinates to the scene's.

@@ -80,7 +80,7 @@ impl Scene {
     pub fn transmittance(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
         self.accel.announce(RayClass::Shadow);
         let through = if self.features.blends && !planted(Defect::ShadowsIgnoreBlend) {
-            Spectrum::splat(self.passed_by_blends(*ray, rays))
+            Spectrum::splat(self.passed(*ray, rays, |point| self.coverage(point)))
         } else if self.is_occluded(ray, rays) {
             Spectrum::ZERO
         } else {
@@ -99,13 +99,25 @@ impl Scene {
         }
     }
 
-    /// Product of 1 − alpha over the surfaces on a segment.
-    fn passed_by_blends(&self, mut ray: Ray, rays: &mut u64) -> f32 {
+    /// [`Scene::transmittance`] of a segment that ends at the camera, for which [`Scene::culled`] surfaces are not there.
+    #[inline]
+    pub fn transmittance_to_camera(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
+        if !self.features.culled {
+            return self.transmittance(ray, rays);
+        }
+        self.accel.announce(RayClass::Shadow);
+        let covers = |point: &SurfacePoint| if self.culled(point, -ray.direction) { 0.0 } else { self.coverage(point) };
+        let through = Spectrum::splat(self.passed(*ray, rays, covers));
+        if ray.medium == MediumId::VACUUM { through } else { through * self.absorption(ray.medium, segment_length(ray)) }
+    }
+
+    /// Product over the surfaces on a segment of 1 minus what each `covers`.
+    fn passed(&self, mut ray: Ray, rays: &mut u64, covers: impl Fn(&SurfacePoint) -> f32) -> f32 {
         let (end, mut through) = (ray.at(ray.t_max), 1.0);
         while through > 0.0 {
             *rays += 1;
             let Some(point) = self.intersect(&ray) else { return through };
-            through *= 1.0 - self.coverage(&point);
+            through *= 1.0 - covers(&point);
             let next = point.spawn(ray.direction);
             let t_max = if ray.t_max.is_finite() {
                 (end - next.origin).dot(ray.direction) / ray.direction.length_squared()
@@ -130,8 +142,19 @@ impl Scene {
 
     /// The medium on the side of `point` to which the unit direction `w` leads, for a ray that goes through the surface.
     #[inline]
-    pub fn medium_beyond(&self, point: &SurfacePoint, w: Vec3) -> MediumId {
+    pub(crate) fn medium_beyond(&self, point: &SurfacePoint, w: Vec3) -> MediumId {
         if w.dot(point.ng) < 0.0 { self.material_of(point.hit).1.interior } else { MediumId::VACUUM }
+    }
+
+    /// The medium of an edge from `point` along the unit direction `w`, for a walk that came there from the direction `known` through
+    /// `medium`.
+    #[inline]
+    pub fn medium_toward(&self, point: &SurfacePoint, known: Vec3, medium: MediumId, w: Vec3) -> MediumId {
+        if !self.features.media {
+            return MediumId::VACUUM;
+        }
+        let crosses = (w.dot(point.ng) > 0.0) != (known.dot(point.ng) > 0.0);
+        if crosses { self.medium_beyond(point, w) } else { medium }
     }
 
     /// How the surface at `point` scatters, and its shading frame, bent by a normal map if it has one.

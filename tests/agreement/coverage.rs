@@ -60,16 +60,9 @@ struct Study<'a> {
 
 impl Study<'_> {
     fn run(&self, seed: u64) -> Run {
-        let options = Options {
-            seed,
-            sampler: self.sampler,
-            filter: Filter::Box,
-            max_depth: None,
-            clamp: None,
-            replicates: REPLICATES,
-            transparent: false,
-        };
         let layout = Layout::new(SIDE, SIDE, None, &[]);
+        let options =
+            Options { seed, sampler: self.sampler, filter: Filter::Box, replicates: REPLICATES, ..Options::new(&layout) };
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
         let prelude = integrator::prelude(self.scene, &camera, &options, &layout);
         let mut film = Film::new(layout.clone(), REPLICATES, seed, prelude.units);

@@ -65,21 +65,20 @@ pub(crate) fn render(scene: &Scene, shot: Shot) -> Picture {
 
 /// As [`render`], and how often each guard fired.
 pub(crate) fn render_guarded(scene: &Scene, shot: Shot) -> (Picture, Guards) {
+    let layout = Layout::new(shot.side, shot.side, None, &[]);
     let options = Options {
         seed: shot.seed,
         sampler: shot.sampler,
         filter: shot.filter,
         max_depth: shot.depth,
-        clamp: None,
         replicates: REPLICATES,
-        transparent: false,
+        ..Options::new(&layout)
     };
-    let layout = Layout::new(shot.side, shot.side, None, &[]);
     let camera = scene.camera(None, shot.side, shot.side).expect("a camera");
     let prelude = integrator::prelude(scene, &camera, &options, &layout);
     let mut film = Film::new(layout.clone(), REPLICATES, shot.seed, prelude.units);
     let integrator = integrator::build(shot.method, scene, camera, &options);
-    let mut pass_film = PassFilm::new(&layout);
+    let mut pass_film = PassFilm::new(&layout).with_unit(prelude.units.radiance);
     let mut total = PassReport::default();
     for pass in 0..shot.spp {
         pass_film.clear();

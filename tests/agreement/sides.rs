@@ -6,7 +6,6 @@ use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
 use etendue::geometry::Ray;
 use etendue::integrator::{self, Method, Options};
 use etendue::parallel::Cancel;
-use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
 use etendue::scene::description::{AlphaMode, Description, Instance, Material, Volume};
 use glam::{DAffine3, DVec3, Vec3};
@@ -123,15 +122,7 @@ fn features_are_those_of_what_is_seen() {
     let layout = Layout::new(side, side, None, &[Plane::Depth, Plane::Alpha]);
     let scene = before_a_wall(curtain());
     let camera = scene.camera(None, side, side).expect("a camera");
-    let options = Options {
-        seed: 1,
-        sampler: SamplerKind::Sobol,
-        filter: Filter::Box,
-        max_depth: None,
-        clamp: None,
-        replicates: 4,
-        transparent: false,
-    };
+    let options = Options { seed: 1, filter: Filter::Box, ..Options::new(&layout) };
     let prelude = integrator::prelude(&scene, &camera, &options, &layout);
     let mut film = Film::new(layout.clone(), options.replicates, options.seed, prelude.units);
     let mut pass = PassFilm::new(&layout);

@@ -4,7 +4,7 @@
 use crate::invariance::still_life;
 use crate::picture::{Picture, Shot, agree, render, scene};
 use crate::studio::{add_square, matte, point_light};
-use etendue::film::{Crop, Filter, Layout, PassFilm};
+use etendue::film::{Crop, Layout, PassFilm};
 use etendue::integrator::{self, Method, Options};
 use etendue::parallel::Cancel;
 use etendue::sampling::SamplerKind;
@@ -63,8 +63,7 @@ fn resolution_does_not_change_what_is_seen() {
 /// One pass over `crop`.
 fn pass(scene: &Scene, crop: Option<Crop>, sampler: SamplerKind) -> PassFilm {
     let layout = Layout::new(32, 24, crop, &[]);
-    let (max_depth, clamp, transparent) = (None, None, false);
-    let options = Options { seed: 5, sampler, filter: Filter::BlackmanHarris, max_depth, clamp, replicates: 4, transparent };
+    let options = Options { seed: 5, sampler, ..Options::new(&layout) };
     let camera = scene.camera(None, 32, 24).expect("a camera");
     let mut film = PassFilm::new(&layout);
     integrator::build(Method::Path, scene, camera, &options).run_pass(6, &Cancel::new(), &mut film).expect("a pass");

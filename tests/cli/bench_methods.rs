@@ -9,6 +9,9 @@ fn scene(name: &str) -> String {
     format!("{}/scenes/{name}/scene.gltf", env!("CARGO_MANIFEST_DIR"))
 }
 
+/// How many methods there are.
+const METHODS: usize = 5;
+
 #[test]
 fn curves_have_five_points_and_ratios_leave_the_blind_out() {
     let place = Place::new();
@@ -17,7 +20,7 @@ fn curves_have_five_points_and_ratios_leave_the_blind_out() {
     for (at, blind) in [(0, 0), (1, 1)] {
         let scene = &report["scenes"][at];
         let curves = scene["curves"].as_array().unwrap();
-        assert_eq!(curves.len(), 3);
+        assert_eq!(curves.len(), METHODS);
         for curve in curves {
             assert_eq!(curve["runs"].as_array().unwrap().len(), 2);
             let points = curve["points"].as_array().unwrap();
@@ -29,11 +32,11 @@ fn curves_have_five_points_and_ratios_leave_the_blind_out() {
         }
         let is_blind = |c: &&serde_json::Value| !c["blind_spots"].as_array().unwrap().is_empty();
         assert_eq!(curves.iter().filter(is_blind).count(), blind);
-        let seeing = 3 - blind;
+        let seeing = METHODS - blind;
         assert_eq!(scene["ratios"].as_array().unwrap().len(), seeing * (seeing - 1));
     }
     let rows = std::fs::read_to_string(place.path("out/points.csv")).unwrap();
-    assert!(rows.starts_with("scene,curve,is_blind,repetition,spp,cpu_seconds,") && rows.lines().count() > 2 * 3 * 2 * 5);
+    assert!(rows.starts_with("scene,curve,is_blind,repetition,spp,cpu_seconds,") && rows.lines().count() > 2 * METHODS * 2 * 5);
     assert!(place.path("out/index.html").is_file() && place.path("out/report.json").is_file());
     assert!(place.path("out/reference-cornell-box.exr").is_file());
 }
@@ -83,7 +86,7 @@ fn a_made_reference_is_taken_again() {
     );
     let first = place.run(&format!("{line} --reference-budget 300s -o out"));
     assert_eq!(first.code(), 0, "{}", first.stderr());
-    assert!(first.stderr().contains("making a reference by path,"), "another method makes it: {}", first.stderr());
+    assert!(first.stderr().contains("making a reference by bdpt,"), "another method makes it: {}", first.stderr());
     let again = place.run(&format!("{line} --reference-budget 300s -o out"));
     assert!(again.stderr().contains("taking out/reference-cornell-box.exr"), "{}", again.stderr());
     let other = place.run(&format!("{line} --reference-budget 300s --depth 3 -o out"));

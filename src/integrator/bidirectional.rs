@@ -1,0 +1,222 @@
+//! Bidirectional path tracing: a walk from the camera, a walk from a light, and every connection between their vertices and with
+//! the two ends, weighted so that each path counts once [Veach97 §10.3]. With connections to the camera alone it is light tracing.
+//!
+//! Use it where light arrives indirectly or through mirrors and glass: lamps behind shades, caustics, doors ajar. Where lights are
+//! sampled well from everywhere the path tracer is faster, since it traces no rays from lights. What only chains of
+//! mirrors on both sides of every smooth surface show (a caustic in a mirror, from a point light) no technique finds.
+
+use super::Options;
+use super::camera_pass::Radiance;
+use crate::bsdf::Shading;
+use crate::camera::Camera;
+use crate::defects::{Defect, planted};
+use crate::geometry::Ray;
+use crate::light::Light;
+use crate::path::{Arrival, Connection, Departure, Subpath, Sums, Tally, Techniques, Vertex, Walk, Weights};
+use crate::path::{connect, next_event, splat};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+
+/// Where the light of techniques goes, each told apart by its numbers of vertices `s` from the light and `t` from the camera.
+pub(super) trait Sink {
+    /// Adds `value` with `weight` to the sample.
+    fn add(&mut self, s: usize, t: usize, value: Spectrum, weight: f64);
+    /// Adds `value` with `weight` at a film position.
+    fn splat(&mut self, s: usize, film: [f32; 2], value: Spectrum, weight: f64);
+}
+
+/// The estimator.
+pub(super) struct Bidirectional<'a> {
+    scene: &'a Scene,
+    camera: Camera,
+    weights: Weights,
+    max_depth: usize,
+    /// Whether the environment is left out where the camera sees it directly.
+    transparent: bool,
+}
+
+impl<'a> Bidirectional<'a> {
+    pub(super) fn new(scene: &'a Scene, camera: &Camera, options: &Options) -> Self {
+        let Options { techniques, heuristic, .. } = *options;
+        let weights = Weights { techniques, heuristic, light_walks: options.pixels as f64 };
+        let max_depth = options.max_depth.map_or(usize::MAX, |d| d as usize);
+        Bidirectional { scene, camera: camera.clone(), weights, max_depth, transparent: options.transparent }
+    }
+
+    /// Whether a path of `s` vertices from the light and `t` from the camera is short enough and its technique takes part.
+    #[inline]
+    fn wants(&self, s: usize, t: usize) -> bool {
+        let events = (s + t).saturating_sub(2) - usize::from(planted(Defect::SplatsOneDeeper) && t == 1);
+        self.weights.techniques.has(s, t) && events <= self.max_depth
+    }
+
+    /// All that a sample along the camera ray `ray` finds.
+    pub(super) fn sample<S: Sampler>(
+        &self,
+        ray: Ray,
+        sampler: &mut S,
+        light: impl FnOnce() -> S,
+        sink: &mut impl Sink,
+        tally: &mut Tally,
+    ) {
+        let Techniques { connect, splat, .. } = self.weights.techniques;
+        let from_light = if connect || splat { self.light_walk(&mut light(), tally) } else { Vec::new() };
+        self.splats(&from_light, sink, tally);
+        self.camera_walk(ray, &from_light, sampler, sink, tally);
+    }
+
+    /// The vertices of a walk from a light that can be connected, each with its number.
+    fn light_walk(&self, sampler: &mut impl Sampler, tally: &mut Tally) -> Vec<Vertex<'a>> {
+        let mut vertices = Vec::new();
+        let Some(mut path) = Subpath::from_light(self.scene, &self.weights, sampler) else { return vertices };
+        while let Arrival::Surface(vertex) = path.arrive(&self.camera, sampler, tally) {
+            let longest = vertex.sums.index as usize >= self.max_depth;
+            let goes_on = !longest && vertex.shading().is_some_and(|shading| path.depart(&vertex, &shading, sampler, tally));
+            if vertex.is_connectible() {
+                vertices.push(vertex);
+            }
+            if !goes_on {
+                break;
+            }
+        }
+        vertices
+    }
+
+    /// Connects the vertices of a walk from a light with the camera.
+    fn splats(&self, from_light: &[Vertex], sink: &mut impl Sink, tally: &mut Tally) {
+        for y in from_light {
+            let s = y.sums.index as usize + 1;
+            if !self.wants(s, 1) {
+                continue;
+            }
+            let Some(found) = splat(self.scene, &self.weights, &self.camera, y) else { continue };
+            let through = self.scene.transmittance_to_camera(&found.connection.segment, &mut tally.shadows);
+            sink.splat(s, found.film, found.connection.value * through, found.connection.weight);
+        }
+    }
+
+    /// Walks from the camera and connects each vertex with all that `from_light` has.
+    fn camera_walk(&self, ray: Ray, from_light: &[Vertex], sampler: &mut impl Sampler, sink: &mut impl Sink, tally: &mut Tally) {
+        let mut path = Subpath::from_camera(self.scene, &self.weights, ray);
+        let Techniques { hit, next_event, connect, .. } = self.weights.techniques;
+        loop {
+            let z = match path.arrive(&self.camera, sampler, tally) {
+                Arrival::Surface(vertex) => vertex,
+                Arrival::Infinity(sums) => return self.background(&path, &sums, sink),
+            };
+            self.emitted(&path, &z, sink);
+            if !(hit || next_event || connect) || z.sums.index as usize > self.max_depth {
+                return;
+            }
+            let Some(shading) = z.shading() else { return };
+            if z.is_connectible() {
+                self.connections(&z, &shading, from_light, path.walk.bounce, sampler, sink, tally);
+            }
+            if !path.depart(&z, &shading, sampler, tally) {
+                return;
+            }
+        }
+    }
+
+    /// Connects `z` with a light and with each vertex of `from_light`.
+    #[allow(clippy::too_many_arguments)]
+    fn connections(
+        &self,
+        z: &Vertex,
+        shading: &Shading,
+        from_light: &[Vertex],
+        bounce: u32,
+        sampler: &mut impl Sampler,
+        sink: &mut impl Sink,
+        tally: &mut Tally,
+    ) {
+        let t = z.sums.index as usize + 1;
+        let mut add = |s: usize, found: Option<Connection>| {
+            if let Some(Connection { value, weight, segment }) = found {
+                let through = self.scene.transmittance(&segment, &mut tally.shadows);
+                sink.add(s, t, value * through, weight);
+            }
+        };
+        if self.wants(1, t) {
+            add(1, next_event(self.scene, &self.weights, z, shading, sampler, bounce));
+        }
+        for y in from_light {
+            let s = y.sums.index as usize + 1;
+            if self.wants(s, t) {
+                add(s, connect(self.scene, &self.weights, y, z, shading));
+            }
+        }
+    }
+
+    /// What the surface at `z` emits toward the walk.
+    fn emitted(&self, path: &Subpath, z: &Vertex, sink: &mut impl Sink) {
+        let t = z.sums.index as usize + 1;
+        let Some((index, light)) = self.scene.light_at(&z.point) else { return };
+        let Light::Area(area) = light else { return };
+        let radiance = area.radiance(z.point.barycentric, z.known);
+        if radiance.is_black() || !self.wants(0, t) {
+            return;
+        }
+        let density = light.emission_density(self.scene.ball(), z.known);
+        let [direct, end] = self.probabilities(&path.walk, index).map(|pmf| pmf * density.end);
+        sink.add(0, t, z.beta * radiance, self.weights.hit(&z.sums, direct, end, density.ray));
+    }
+
+    /// What arrives from outside the scene.
+    fn background(&self, path: &Subpath, sums: &Sums, sink: &mut impl Sink) {
+        let t = sums.index as usize + 1;
+        let Some((index, environment)) = self.scene.lights().environment() else { return };
+        if !self.wants(0, t) || self.transparent && t == 2 {
+            return;
+        }
+        let w = path.walk.ray.direction;
+        let (radiance, pdf) = environment.along(w);
+        let density = self.scene.lights().all()[index].emission_density(self.scene.ball(), -w);
+        let [direct, end] = self.probabilities(&path.walk, index).map(|pmf| pmf * f64::from(pdf.value()));
+        sink.add(0, t, path.walk.beta * radiance, self.weights.hit(sums, direct, end, density.ray));
+    }
+
+    /// Probabilities of light `index`: to be chosen where the edge of `walk` begins, and to emit.
+    fn probabilities(&self, walk: &Walk, index: usize) -> [f64; 2] {
+        let lights = self.scene.lights();
+        let emitter = lights.emitter_pmf(index);
+        let direct = if let Departure::Surface(receiver, _) = &walk.departure { lights.pmf(receiver, index) } else { emitter };
+        [direct, emitter].map(|pmf| f64::from(pmf.value()))
+    }
+}
+
+/// The weighted sum: what renders are made of.
+struct Weighted<'a, F> {
+    color: Spectrum,
+    splats: &'a mut F,
+}
+
+impl<F: FnMut([f32; 2], Spectrum)> Sink for Weighted<'_, F> {
+    #[inline]
+    fn add(&mut self, _: usize, _: usize, value: Spectrum, weight: f64) {
+        self.color += value * weight as f32;
+    }
+
+    #[inline]
+    fn splat(&mut self, _: usize, film: [f32; 2], value: Spectrum, weight: f64) {
+        if !value.is_black() {
+            (self.splats)(film, value * weight as f32);
+        }
+    }
+}
+
+impl Radiance for Bidirectional<'_> {
+    fn radiance<S: Sampler>(
+        &self,
+        ray: Ray,
+        sampler: &mut S,
+        light: impl FnOnce() -> S,
+        splats: &mut impl FnMut([f32; 2], Spectrum),
+        tally: &mut Tally,
+    ) -> Spectrum {
+        let mut sink = Weighted { color: Spectrum::ZERO, splats };
+        self.sample(ray, sampler, light, &mut sink, tally);
+        sink.color
+    }
+}

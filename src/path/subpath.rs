@@ -1,0 +1,154 @@
+//! A walk whose vertices can be connected: it carries what multiple importance sampling must know, in either direction.
+//!
+//! Use it as `arrive`, connect the vertex, `depart`, and again.
+
+use super::mis::{Link, Start, Sums, Weights};
+use super::{Departure, Tally, Walk};
+use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
+use crate::camera::Camera;
+use crate::geometry::{MediumId, Ray, SurfacePoint};
+use crate::light::{EmissionNumbers, End, Receiver};
+use crate::sampling::{Discrete, Pdf, Sampler, Slot};
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+use glam::Vec3;
+use std::borrow::Cow;
+
+/// A point of a surface that a walk has come to.
+pub struct Vertex<'a> {
+    /// Where.
+    pub point: SurfacePoint,
+    /// How it scatters.
+    pub surface: Cow<'a, Surface>,
+    /// The unit direction to the vertex before.
+    pub known: Vec3,
+    /// The walk's throughput up to here.
+    pub beta: Spectrum,
+    /// The medium that the walk came through.
+    pub medium: MediumId,
+    /// What it knows of earlier techniques.
+    pub sums: Sums,
+    /// The end of the path that its walk goes toward.
+    pub toward: Transport,
+}
+
+impl Vertex<'_> {
+    /// Scattering from the direction that is known; `None` where the two normals have it on different sides.
+    #[inline]
+    pub fn shading(&self) -> Option<Shading<'_>> {
+        Shading::new(&self.point, &self.surface, self.known, self.toward)
+    }
+
+    /// Whether it scatters into directions that a walk did not choose.
+    #[inline]
+    pub fn is_connectible(&self) -> bool {
+        self.surface.lobes().intersects(Lobes::SMOOTH)
+    }
+
+    /// The medium of an edge that leaves along `w`.
+    #[inline]
+    pub fn medium_toward(&self, scene: &Scene, w: Vec3) -> MediumId {
+        scene.medium_toward(&self.point, self.known, self.medium, w)
+    }
+}
+
+/// How a subpath's edge ends. It is taken apart where it is made, so that it need not be small.
+#[allow(clippy::large_enum_variant)]
+pub enum Arrival<'a> {
+    /// At a surface.
+    Surface(Vertex<'a>),
+    /// Outside the scene, with what is known there.
+    Infinity(Sums),
+}
+
+/// A walk and what weights need of its current edge.
+pub struct Subpath<'a> {
+    scene: &'a Scene,
+    weights: Weights,
+    /// The walk itself.
+    pub walk: Walk<'a>,
+    link: Link,
+    toward: Transport,
+}
+
+impl<'a> Subpath<'a> {
+    /// Along the camera ray `ray`.
+    #[inline]
+    pub fn from_camera(scene: &'a Scene, weights: &Weights, ray: Ray) -> Self {
+        // The density is known where the edge ends: see `arrive`.
+        Subpath {
+            scene,
+            weights: *weights,
+            walk: Walk::new(scene, ray),
+            link: weights.from_camera(0.0),
+            toward: Transport::Light,
+        }
+    }
+
+    /// Along a ray of some light; `None` where it is dark.
+    pub fn from_light(scene: &'a Scene, weights: &Weights, sampler: &mut impl Sampler) -> Option<Self> {
+        let (index, pmf) = scene.lights().choose_emitter(sampler.u1(0, Slot::LightPick))?;
+        let light = &scene.lights().all()[index];
+        let numbers = EmissionNumbers {
+            side: sampler.u1(0, Slot::Lobe),
+            position: sampler.u2(0, Slot::LightPoint),
+            direction: sampler.u2(0, Slot::Direction),
+        };
+        let emitted = light.emit(scene.ball(), &numbers)?;
+        let power = emitted.power / pmf.value();
+        let (start, receiver) = match emitted.end {
+            End::Surface { p, ng, .. } => (Start::Surface { p, ng }, Receiver { p, ng }),
+            End::Point(p) => (Start::Point(p), Receiver { p, ng: emitted.ray.direction }),
+            End::Infinity => (Start::Far, Receiver { p: emitted.ray.origin, ng: emitted.ray.direction }),
+        };
+        let density = light.emission_density(scene.ball(), emitted.ray.direction);
+        let end = |pmf: Pdf<Discrete>| f64::from(pmf.value()) * density.end;
+        // What receivers choose by is known at the receiver: until choices depend on it any will do.
+        let direct = end(scene.lights().pmf(&receiver, index));
+        let link = weights.from_light(end(pmf), density.ray, direct, light.is_dirac(), start);
+        Some(Subpath {
+            scene,
+            weights: *weights,
+            walk: Walk::from_light(scene, emitted.ray, power),
+            link,
+            toward: Transport::Camera,
+        })
+    }
+
+    /// Follows the edge to its end.
+    #[inline]
+    pub fn arrive(&mut self, camera: &Camera, sampler: &mut impl Sampler, tally: &mut Tally) -> Arrival<'a> {
+        let Some(mut point) = self.walk.arrive(sampler, tally) else {
+            return Arrival::Infinity(self.weights.leave(&self.link, self.walk.ray.direction));
+        };
+        if let Departure::Camera = self.walk.departure {
+            self.link.forward = camera.seen(point.p).map_or(0.0, |seen| f64::from(seen.magnification));
+        }
+        let sums = self.weights.arrive(&self.link, point.p, point.ng, self.walk.ray.direction);
+        let surface = self.scene.surface(&mut point);
+        Arrival::Surface(Vertex {
+            point,
+            surface,
+            known: -self.walk.ray.direction,
+            beta: self.walk.beta,
+            medium: self.walk.ray.medium,
+            sums,
+            toward: self.toward,
+        })
+    }
+
+    /// Leaves `vertex`, where it has arrived; whether it goes on.
+    #[inline]
+    pub fn depart(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler, tally: &mut Tally) -> bool {
+        let bounce = self.walk.bounce;
+        let [u, v] = sampler.u2(bounce, Slot::Direction);
+        let lobe = if vertex.surface.is_single_lobe() { 0.0 } else { sampler.u1(bounce, Slot::Lobe) };
+        let Some(scatter) = shading.sample([lobe, u, v]) else { return false };
+        let densities = shading.densities(&scatter);
+        let SurfacePoint { p, ng, .. } = vertex.point;
+        self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), p, ng);
+        self.walk.depart(&vertex.point, &scatter);
+        self.walk.survives(sampler, tally)
+    }
+}
