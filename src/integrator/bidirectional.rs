@@ -69,10 +69,11 @@ impl<'a> Bidirectional<'a> {
     /// The vertices of a walk from a light that can be connected, each with its number.
     fn light_walk(&self, sampler: &mut impl Sampler, tally: &mut Tally) -> Vec<Vertex<'a>> {
         let mut vertices = Vec::new();
-        let Some(mut path) = Subpath::from_light(self.scene, &self.weights, sampler) else { return vertices };
+        let Some((mut path, _)) = Subpath::from_light(self.scene, &self.weights, sampler) else { return vertices };
         while let Arrival::Surface(vertex) = path.arrive(&self.camera, sampler, tally) {
             let longest = vertex.sums.index as usize >= self.max_depth;
-            let goes_on = !longest && vertex.shading().is_some_and(|shading| path.depart(&vertex, &shading, sampler, tally));
+            let goes_on =
+                !longest && vertex.shading().is_some_and(|shading| path.depart(&vertex, &shading, sampler, tally).is_some());
             if vertex.is_connectible() {
                 vertices.push(vertex);
             }
@@ -113,7 +114,7 @@ impl<'a> Bidirectional<'a> {
             if z.is_connectible() {
                 self.connections(&z, &shading, from_light, path.walk.bounce, sampler, sink, tally);
             }
-            if !path.depart(&z, &shading, sampler, tally) {
+            if path.depart(&z, &shading, sampler, tally).is_none() {
                 return;
             }
         }

@@ -2,13 +2,15 @@
 //! the ways to make a path, and the notation of all of path space.
 
 mod connect;
+mod full;
 mod mis;
 mod subpath;
 mod walk;
 
 pub use connect::{Connection, Splat, connect, next_event, splat};
+pub use full::{Densities, Evaluation, FullPath, Node};
 pub use mis::{Sums, Technique, Techniques, Weights};
-pub use subpath::{Arrival, Subpath, Vertex};
+pub use subpath::{Arrival, Emitter, Subpath, Vertex};
 pub use walk::{Departure, Tally, Walk};
 
 #[doc = include_str!("notation.md")]

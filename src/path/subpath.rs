@@ -62,6 +62,17 @@ pub enum Arrival<'a> {
     Infinity(Sums),
 }
 
+/// The end of a path on a light.
+#[derive(Debug, Clone, Copy)]
+pub struct Emitter {
+    /// Index of the light.
+    pub index: usize,
+    /// Where on it.
+    pub end: End,
+    /// What leaves it along the path: radiance, the intensity of a point, the irradiance of parallel light.
+    pub radiance: Spectrum,
+}
+
 /// A walk and what weights need of its current edge.
 pub struct Subpath<'a> {
     scene: &'a Scene,
@@ -86,8 +97,8 @@ impl<'a> Subpath<'a> {
         }
     }
 
-    /// Along a ray of some light; `None` where it is dark.
-    pub fn from_light(scene: &'a Scene, weights: &Weights, sampler: &mut impl Sampler) -> Option<Self> {
+    /// Along a ray of some light, and where it left that light; `None` where it is dark.
+    pub fn from_light(scene: &'a Scene, weights: &Weights, sampler: &mut impl Sampler) -> Option<(Self, Emitter)> {
         let (index, pmf) = scene.lights().choose_emitter(sampler.u1(0, Slot::LightPick))?;
         let light = &scene.lights().all()[index];
         let numbers = EmissionNumbers {
@@ -107,13 +118,11 @@ impl<'a> Subpath<'a> {
         // What receivers choose by is known at the receiver: until choices depend on it any will do.
         let direct = end(scene.lights().pmf(&receiver, index));
         let link = weights.from_light(end(pmf), density.ray, direct, light.is_dirac(), start);
-        Some(Subpath {
-            scene,
-            weights: *weights,
-            walk: Walk::from_light(scene, emitted.ray, power),
-            link,
-            toward: Transport::Camera,
-        })
+        let cos = if let End::Surface { ng, .. } = emitted.end { emitted.ray.direction.dot(ng).abs() } else { 1.0 };
+        let radiance = emitted.power * ((density.end * density.ray) as f32 / cos);
+        let emitter = Emitter { index, end: emitted.end, radiance };
+        let walk = Walk::from_light(scene, emitted.ray, power);
+        Some((Subpath { scene, weights: *weights, walk, link, toward: Transport::Camera }, emitter))
     }
 
     /// Follows the edge to its end.
@@ -138,17 +147,17 @@ impl<'a> Subpath<'a> {
         })
     }
 
-    /// Leaves `vertex`, where it has arrived; whether it goes on.
+    /// Leaves `vertex`, where it has arrived, through the component that is returned; `None` where it ends.
     #[inline]
-    pub fn depart(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler, tally: &mut Tally) -> bool {
+    pub fn depart(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<Lobes> {
         let bounce = self.walk.bounce;
         let [u, v] = sampler.u2(bounce, Slot::Direction);
         let lobe = if vertex.surface.is_single_lobe() { 0.0 } else { sampler.u1(bounce, Slot::Lobe) };
-        let Some(scatter) = shading.sample([lobe, u, v]) else { return false };
+        let scatter = shading.sample([lobe, u, v])?;
         let densities = shading.densities(&scatter);
         let SurfacePoint { p, ng, .. } = vertex.point;
         self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), p, ng);
         self.walk.depart(&vertex.point, &scatter);
-        self.walk.survives(sampler, tally)
+        self.walk.survives(sampler, tally).then_some(scatter.lobe)
     }
 }

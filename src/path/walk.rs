@@ -65,6 +65,8 @@ pub struct Walk<'a> {
     pub depth: u32,
     /// What numbers are addressed by: the vertex that is left, counted from 0; a light has the 0 of its own walk.
     pub bounce: u32,
+    /// Probability of having survived roulette so far: the throughput is over it.
+    pub survival: f32,
     /// What takes out of the throughput that which roulette must not see: the emitted power, or the square of the refractive index
     /// at the camera over the one here, since radiance is scaled by it and will be scaled back.
     scale: f32,
@@ -75,13 +77,13 @@ impl<'a> Walk<'a> {
     #[inline]
     pub fn new(scene: &'a Scene, ray: Ray) -> Self {
         let (beta, departure) = (Spectrum::ONE, Departure::Camera);
-        Walk { scene, toward: Transport::Light, ray, beta, departure, depth: 0, bounce: 0, scale: 1.0 }
+        Walk { scene, toward: Transport::Light, ray, beta, departure, depth: 0, bounce: 0, survival: 1.0, scale: 1.0 }
     }
 
     /// A walk along a ray of light that stands for `power`, which is not black.
     pub fn from_light(scene: &'a Scene, ray: Ray, power: Spectrum) -> Self {
         let (departure, scale) = (Departure::Light, power.max_lane().recip());
-        Walk { scene, toward: Transport::Camera, ray, beta: power, departure, depth: 0, bounce: 1, scale }
+        Walk { scene, toward: Transport::Camera, ray, beta: power, departure, depth: 0, bounce: 1, survival: 1.0, scale }
     }
 
     /// Follows the current edge to the surface at its end; `None` where it leaves the scene. A blended surface is met with
@@ -197,6 +199,7 @@ impl<'a> Walk<'a> {
                 paid = (q / self.scale).min(1.0);
             }
             self.beta *= paid.recip();
+            self.survival *= q;
         }
         true
     }

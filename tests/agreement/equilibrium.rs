@@ -49,9 +49,9 @@ const KINDS: [Kind; 5] = [Kind::Room, Kind::Sky, Kind::Matte, Kind::Lossless, Ki
 impl Kind {
     fn methods(self) -> &'static [Method] {
         match self {
-            Kind::Matte => &[Method::Path, Method::PathNaive],
-            Kind::Lossless => &[Method::Path, Method::PathNee],
-            _ => &[Method::Path],
+            Kind::Matte => &[Method::Path, Method::PathNaive, Method::Light, Method::Bdpt],
+            Kind::Lossless => &[Method::Path, Method::PathNee, Method::Bdpt],
+            _ => &[Method::Path, Method::Bdpt],
         }
     }
 }

@@ -56,7 +56,7 @@ fn times(block: Block, factor: f64) -> Block {
 }
 
 /// Tests of this file.
-const TESTS: usize = 3;
+const TESTS: usize = 6;
 
 /// `forth` = `factor` × `back`, and not if it is `planted` times as bright. The weights' change within a pixel of 1/16 is second
 /// order, 1e-3, and nearly the same both ways.
@@ -77,11 +77,13 @@ fn expect(forth: Block, back: Block, factor: f64, planted: f64, what: &str) {
 fn light_and_camera_can_be_swapped() {
     let spp = if deep() { 1024 } else { 16 };
     let places = [DVec3::new(-0.9, 1.3, 0.9), DVec3::new(0.9, 0.9, 0.6)];
-    for method in [Method::Path, Method::PathNee] {
+    for method in [Method::Path, Method::PathNee, Method::Light, Method::Bdpt] {
         let [forth, back] = [[0, 1], [1, 0]].map(|[a, b]| response(places[a], places[b], method, spp));
         expect(forth, back, 1.0, 1.05, &format!("{method:?} in air"));
     }
     let (air, spp) = (places[1], 4 * spp);
-    let [forth, back] = [response(IN_GLASS, air, Method::Path, spp), response(air, IN_GLASS, Method::Path, spp)];
-    expect(forth, back, INDEX.powi(2), 1.2, "into glass and out of it");
+    for method in [Method::Path, Method::Bdpt] {
+        let [forth, back] = [response(IN_GLASS, air, method, spp), response(air, IN_GLASS, method, spp)];
+        expect(forth, back, INDEX.powi(2), 1.2, &format!("{method:?} into glass and out of it"));
+    }
 }

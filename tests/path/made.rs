@@ -1,0 +1,203 @@
+//! Paths as bidirectional path tracing makes them: both walks, kept whole, and every technique that joins them.
+
+use etendue::bsdf::Lobes;
+use etendue::camera::Camera;
+use etendue::geometry::MediumId;
+use etendue::light::{End, Light, Receiver};
+use etendue::path::{Arrival, Emitter, FullPath, Node, Subpath, Sums, Tally, Vertex, Weights, connect, next_event, splat};
+use etendue::sampling::{Address, Independent, Sampler, Slot};
+use etendue::scene::Scene;
+use etendue::spectrum::Spectrum;
+use glam::{DVec3, Vec3};
+
+/// Edges that a walk has at most.
+const LONGEST: usize = 7;
+
+/// A vertex of a walk, the component that it left through, and what the evaluator knows nothing of: the probability that roulette let
+/// it come there, over the share of light that media left.
+struct Step<'a> {
+    vertex: Vertex<'a>,
+    lobe: Lobes,
+    undo: Spectrum,
+}
+
+/// A path made by technique `s`, what the fast code says of it, and the same path for the evaluator.
+pub(crate) struct Made<'a> {
+    pub(crate) s: usize,
+    pub(crate) t: usize,
+    /// f(x̄) / p_{s,t}, without roulette.
+    pub(crate) value: Spectrum,
+    pub(crate) weight: f64,
+    pub(crate) path: FullPath<'a>,
+    pub(crate) emitter: Emitter,
+    pub(crate) nodes: Vec<Node>,
+}
+
+/// What both walks and their sampler have in common.
+pub(crate) struct Studio<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) camera: &'a Camera,
+    pub(crate) weights: Weights,
+    pub(crate) side: u32,
+}
+
+/// What a walk met, and what the sky is for it if it left.
+struct Walked<'a> {
+    steps: Vec<Step<'a>>,
+    sky: Option<Sky>,
+}
+
+/// A walk that left the scene.
+struct Sky {
+    sums: Sums,
+    w: Vec3,
+    beta: Spectrum,
+    undo: Spectrum,
+}
+
+impl<'a> Studio<'a> {
+    fn walk(&self, mut path: Subpath<'a>, sampler: &mut Independent) -> Walked<'a> {
+        let (mut steps, mut tally, mut left_by_media) = (Vec::<Step>::new(), Tally::default(), Spectrum::ONE);
+        loop {
+            let vertex = match path.arrive(self.camera, sampler, &mut tally) {
+                Arrival::Surface(vertex) => vertex,
+                Arrival::Infinity(sums) => {
+                    let undo = left_by_media.map(|x: f32| path.walk.survival / x);
+                    let sky = Sky { sums, w: path.walk.ray.direction, beta: path.walk.beta, undo };
+                    return Walked { steps, sky: Some(sky) };
+                }
+            };
+            if vertex.medium != MediumId::VACUUM {
+                left_by_media *= self.scene.absorption(vertex.medium, vertex.point.t);
+            }
+            let undo = left_by_media.map(|x: f32| path.walk.survival / x);
+            let left = vertex.shading().and_then(|shading| path.depart(&vertex, &shading, sampler, &mut tally));
+            steps.push(Step { vertex, lobe: left.unwrap_or(Lobes::SMOOTH), undo });
+            if left.is_none() || steps.len() == LONGEST {
+                return Walked { steps, sky: None };
+            }
+        }
+    }
+
+    /// Every path that the two walks of sample `index` make.
+    pub(crate) fn sample(&self, index: u64) -> Vec<Made<'a>> {
+        let [mut eye, mut lamp] = [0, 1].map(|stream| Independent::new(Address::new(index).with(stream)));
+        let film = eye.u2(0, Slot::Aux).map(|u| u * self.side as f32);
+        let camera = self.walk(Subpath::from_camera(self.scene, &self.weights, self.camera.ray(film)), &mut eye);
+        let light = Subpath::from_light(self.scene, &self.weights, &mut lamp);
+        let mut made = Vec::new();
+        if let Some((path, emitter)) = light {
+            let light = self.walk(path, &mut lamp);
+            self.joined(&emitter, &light.steps, &camera.steps, &mut made);
+        }
+        self.ended(&camera, &mut eye, &mut made);
+        made
+    }
+
+    /// t = 1, and s, t ≥ 2.
+    fn joined(&self, emitter: &Emitter, light: &[Step<'a>], camera: &[Step<'a>], made: &mut Vec<Made<'a>>) {
+        for (i, y) in light.iter().enumerate().filter(|(_, y)| y.vertex.is_connectible()) {
+            if let Some(found) = splat(self.scene, &self.weights, self.camera, &y.vertex) {
+                let toward = self.camera.seen(y.vertex.point.p).expect("seen").toward;
+                let value = found.connection.value * y.undo;
+                made.extend(self.made(*emitter, &light[..=i], &[], toward, value, found.connection.weight, 1));
+            }
+            for (j, z) in camera.iter().enumerate().filter(|(_, z)| z.vertex.is_connectible()) {
+                let Some(shading) = z.vertex.shading() else { continue };
+                let Some(found) = connect(self.scene, &self.weights, &y.vertex, &z.vertex, &shading) else { continue };
+                let across = (z.vertex.point.p - y.vertex.point.p).normalize();
+                let value = found.value * y.undo * z.undo;
+                made.extend(self.made(*emitter, &light[..=i], &camera[..=j], across, value, found.weight, j + 2));
+            }
+        }
+    }
+
+    /// s = 1 and s = 0.
+    fn ended(&self, camera: &Walked<'a>, sampler: &mut Independent, made: &mut Vec<Made<'a>>) {
+        for (j, z) in camera.steps.iter().enumerate() {
+            let steps = &camera.steps[..=j];
+            let shading = z.vertex.shading().filter(|_| z.vertex.is_connectible());
+            if let Some(shading) = shading {
+                if let Some(found) = next_event(self.scene, &self.weights, &z.vertex, &shading, sampler, j as u32) {
+                    let (emitter, wi) = self.sampled(&z.vertex, sampler, j as u32);
+                    made.extend(self.made(emitter, &[], steps, -wi, found.value * z.undo, found.weight, j + 2));
+                }
+            }
+            if j > 0 {
+                made.extend(self.hit(steps));
+            }
+        }
+        if let (Some(sky), false) = (&camera.sky, camera.steps.is_empty()) {
+            made.extend(self.sky(&camera.steps, sky));
+        }
+    }
+
+    /// The light that next-event estimation samples from `z` with the numbers of `bounce`, and its direction.
+    fn sampled(&self, z: &Vertex, sampler: &mut Independent, bounce: u32) -> (Emitter, Vec3) {
+        let (lights, receiver) = (self.scene.lights(), Receiver::from(&z.point));
+        let (index, _) = lights.choose(&receiver, sampler.u1(bounce, Slot::LightPick)).expect("a light");
+        let sample = lights.all()[index].sample_toward(&receiver, sampler.u2(bounce, Slot::LightPoint)).expect("a sample");
+        let falloff = if let End::Point(p) = sample.end { p.distance_squared(z.point.p) } else { 1.0 };
+        (Emitter { index, end: sample.end, radiance: sample.radiance * falloff }, sample.wi)
+    }
+
+    /// The last vertex of a walk from the camera as a light.
+    fn hit(&self, steps: &[Step<'a>]) -> Option<Made<'a>> {
+        let z = &steps.last()?.vertex;
+        let (index, light) = self.scene.light_at(&z.point)?;
+        let Light::Area(area) = light else { return None };
+        let radiance = area.radiance(z.point.barycentric, z.known);
+        if radiance.is_black() {
+            return None;
+        }
+        let lights = self.scene.lights();
+        let density = light.emission_density(self.scene.ball(), z.known);
+        let [direct, end] = [lights.pmf(&Receiver::from(&z.point), index), lights.emitter_pmf(index)];
+        let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value()) * density.end);
+        let weight = self.weights.hit(&z.sums, direct, end, density.ray);
+        let emitter = Emitter { index, end: End::Surface { p: z.point.p, error: z.point.error, ng: z.point.ng }, radiance };
+        let value = z.beta * radiance * steps[steps.len() - 1].undo;
+        self.made(emitter, &[], &steps[..steps.len() - 1], z.known, value, weight, steps.len() + 1)
+    }
+
+    /// What lies behind the last vertex of a walk from the camera.
+    fn sky(&self, steps: &[Step<'a>], sky: &Sky) -> Option<Made<'a>> {
+        let (index, environment) = self.scene.lights().environment()?;
+        let (radiance, pdf) = environment.along(sky.w);
+        let lights = self.scene.lights();
+        let density = lights.all()[index].emission_density(self.scene.ball(), -sky.w);
+        let z = &steps.last()?.vertex;
+        let [direct, end] = [lights.pmf(&Receiver::from(&z.point), index), lights.emitter_pmf(index)];
+        let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value() * pdf.value()));
+        let weight = self.weights.hit(&sky.sums, direct, end, density.ray);
+        let emitter = Emitter { index, end: End::Infinity, radiance };
+        self.made(emitter, &[], steps, -sky.w, sky.beta * radiance * sky.undo, weight, steps.len() + 2)
+    }
+
+    /// The path of the light's steps, the edge in direction `across`, and the camera's steps.
+    #[allow(clippy::too_many_arguments)]
+    fn made(
+        &self,
+        emitter: Emitter,
+        light: &[Step<'a>],
+        camera: &[Step<'a>],
+        across: Vec3,
+        value: Spectrum,
+        weight: f64,
+        t: usize,
+    ) -> Option<Made<'a>> {
+        let of = |steps: &[Step<'a>], i: usize, joins: bool| {
+            let joined = joins && i + 1 == steps.len();
+            Node::new(&steps[i].vertex, if joined { Lobes::SMOOTH } else { steps[i].lobe })
+        };
+        let s = light.len() + camera.len() + 2 - t;
+        let mut nodes: Vec<Node> = (0..light.len()).map(|i| of(light, i, true)).collect();
+        // A walk that hit a light left its last vertex before through what it sampled; all other ends are connected.
+        nodes.extend((0..camera.len()).rev().map(|i| of(camera, i, s > 0)));
+        let mut directions: Vec<DVec3> = light.iter().map(|step| -step.vertex.known.as_dvec3()).collect();
+        directions.push(across.as_dvec3());
+        directions.extend(camera.iter().rev().map(|step| step.vertex.known.as_dvec3()));
+        let path = FullPath::new(self.scene, self.camera, emitter, nodes.clone(), directions)?;
+        (!value.is_black()).then_some(Made { s, t, value, weight, path, emitter, nodes })
+    }
+}

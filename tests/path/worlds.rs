@@ -1,0 +1,129 @@
+//! Scenes that have between them all that paths can meet.
+
+use crate::studio::{Ball, add_room, add_square, camera, glass, matte, metal, point_light};
+use etendue::accel::Backend;
+use etendue::scene::description::{Description, Environment, Material, PunctualKind, PunctualLight, Volume};
+use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Spectrum;
+use etendue::texture::RadianceMap;
+use glam::{DAffine3, DVec3, Vec3};
+use std::sync::Arc;
+
+const EYE: DVec3 = DVec3::new(0.1, 0.2, 0.9);
+
+/// A scene by name, and the smallest roughness α of its smooth lobes.
+pub(crate) struct World {
+    pub(crate) name: &'static str,
+    pub(crate) scene: Scene,
+    pub(crate) alpha: f64,
+}
+
+fn build(name: &'static str, alpha: f64, mut description: Description) -> World {
+    description.cameras.push(camera(EYE, DVec3::new(-0.05, -0.2, -0.3)));
+    let options = BuildOptions { backend: Backend::Obvhs, build: Default::default(), threads: 1 };
+    World { name, scene: Scene::build(description, &options).expect("a valid scene"), alpha }
+}
+
+fn lamp(scene: &mut Description) {
+    let emission = Spectrum([8.0, 6.0, 4.0]);
+    let material = Material { emission, double_sided: false, ..matte(0.0, 0.0) };
+    add_square(scene, Vec3::new(0.2, 0.95, 0.1), Vec3::X * 0.3, Vec3::Z * 0.2, material);
+}
+
+fn room() -> Description {
+    let mut scene = Description::default();
+    add_room(&mut scene, &Material { base_color: Spectrum([0.7, 0.5, 0.8]), ..matte(0.7, 0.0) });
+    lamp(&mut scene);
+    scene
+}
+
+/// A ball with the normals of a sphere.
+fn smooth_ball(scene: &mut Description, centre: DVec3, radius: f32, material: Material) {
+    let ball = Ball::new(2, radius);
+    let normals = ball.positions.iter().map(|p| p.normalize()).collect();
+    ball.add(scene, centre, material);
+    scene.meshes.last_mut().expect("just added").primitives[0].normals = Some(normals);
+}
+
+/// Gloss over a diffuse base, of perceptual roughness `roughness`.
+fn lacquer(roughness: f32) -> Material {
+    Material { base_color: Spectrum([0.2, 0.5, 0.7]), specular: 1.0, roughness, ..matte(0.5, 0.0) }
+}
+
+/// Everything smooth.
+fn rough() -> World {
+    let mut scene = room();
+    Ball::new(2, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), metal(0.9, 0.4));
+    Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), glass(0.5));
+    Ball::new(1, 0.25).add(&mut scene, DVec3::new(0.1, -0.1, -0.5), lacquer(0.5));
+    build("rough", 0.16, scene)
+}
+
+/// Mirrors, clear glass, a window, and mixtures with Dirac parts.
+fn dirac() -> World {
+    let mut scene = room();
+    Ball::new(3, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), metal(0.9, 0.0));
+    Ball::new(3, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), glass(0.0));
+    Ball::new(1, 0.25).add(&mut scene, DVec3::new(0.1, -0.1, -0.5), lacquer(0.0));
+    Ball::new(2, 0.2).add(&mut scene, DVec3::new(-0.6, 0.2, 0.1), Material { transmission: 0.5, ..glass(0.0) });
+    let window = Material { specular: 1.0, transmission: 1.0, roughness: 0.0, ..matte(0.8, 0.0) };
+    add_square(&mut scene, Vec3::new(0.6, 0.3, 0.2), Vec3::new(0.2, 0.0, 0.1), Vec3::Y * 0.3, window);
+    let pane = Material { specular: 1.0, transmission: 0.4, roughness: 0.0, ..matte(0.8, 0.0) };
+    add_square(&mut scene, Vec3::new(-0.1, 0.5, -0.2), Vec3::X * 0.2, Vec3::Z * 0.3, pane);
+    build("dirac", 1.0, scene)
+}
+
+/// Interpolated normals on everything that scatters by chance or in one direction.
+fn bent() -> World {
+    let mut scene = room();
+    smooth_ball(&mut scene, DVec3::new(-0.4, -0.6, -0.2), 0.35, lacquer(0.4));
+    smooth_ball(&mut scene, DVec3::new(0.4, -0.65, 0.1), 0.3, glass(0.0));
+    smooth_ball(&mut scene, DVec3::new(0.1, -0.1, -0.5), 0.25, metal(0.8, 0.0));
+    smooth_ball(&mut scene, DVec3::new(-0.5, 0.3, 0.1), 0.2, glass(0.5));
+    build("bent", 0.16, scene)
+}
+
+/// Lights of every kind under a map, nothing around.
+fn open() -> World {
+    let mut scene = Description::default();
+    lamp(&mut scene);
+    add_square(&mut scene, Vec3::new(0.0, -0.9, 0.0), Vec3::X, Vec3::NEG_Z, matte(0.6, 0.0));
+    Ball::new(2, 0.35).add(&mut scene, DVec3::new(-0.4, -0.5, -0.2), lacquer(0.5));
+    Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.5, 0.1), metal(0.9, 0.0));
+    Ball::new(2, 0.25).add(&mut scene, DVec3::new(0.1, 0.0, -0.5), glass(0.0));
+    scene.lights.push(point_light(DVec3::new(-0.3, 0.6, 0.4), 0.5));
+    let aimed = |kind, from: DVec3, intensity| PunctualLight {
+        name: "aimed".into(),
+        kind,
+        intensity: Spectrum::splat(intensity),
+        transform: camera(from, DVec3::new(0.0, -0.5, 0.0)).transform,
+    };
+    scene.lights.push(aimed(PunctualKind::Spot { inner: 0.3, outer: 0.6 }, DVec3::new(0.7, 0.8, 0.3), 2.0));
+    scene.lights.push(aimed(PunctualKind::Directional, DVec3::new(-1.0, 2.0, 1.0), 0.5));
+    let texels: Vec<[f32; 3]> = (0..32u8).map(|i| [0.1 + f32::from(i % 5), 0.2 + f32::from(i % 3), 0.3]).collect();
+    let map = Arc::new(RadianceMap::new(8, 4, texels));
+    scene.environment = Some(Environment::Map { map, scale: 0.5, rotation: 20.0 });
+    build("open", 0.25, scene)
+}
+
+/// Coloured glass, rough and clear, and the same far away and large, as instances.
+fn tinted() -> World {
+    let mut scene = room();
+    let volume = Some(Volume { attenuation_distance: 0.3, attenuation_color: Spectrum([0.9, 0.4, 0.6]) });
+    Ball::new(3, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), Material { volume, ..glass(0.0) });
+    Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), Material { volume, ..glass(0.6) });
+    Ball::new(2, 0.2).add(&mut scene, DVec3::new(0.0, 0.2, -0.4), Material { volume, transmission: 0.5, ..glass(0.5) });
+    let by = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(300.0),
+        glam::DQuat::from_rotation_y(0.4),
+        DVec3::new(1e4, -2e3, 5e3),
+    );
+    scene.instances.iter_mut().for_each(|i| i.transform = by * i.transform);
+    scene.cameras.push(camera(EYE, DVec3::new(-0.05, -0.2, -0.3)));
+    scene.cameras.iter_mut().for_each(|c| c.transform = by * c.transform);
+    build("tinted", 0.25, scene)
+}
+
+pub(crate) fn all() -> [World; 5] {
+    [rough(), dirac(), bent(), open(), tinted()]
+}
