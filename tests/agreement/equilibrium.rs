@@ -31,7 +31,7 @@ const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
 
 /// What a scene is made of, and so which methods see all of it with a finite variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
+pub(crate) enum Kind {
     /// Anything in a room.
     Room,
     /// Anything under a sky.
@@ -44,14 +44,14 @@ enum Kind {
     InGlass,
 }
 
-const KINDS: [Kind; 5] = [Kind::Room, Kind::Sky, Kind::Matte, Kind::Lossless, Kind::InGlass];
+pub(crate) const KINDS: [Kind; 5] = [Kind::Room, Kind::Sky, Kind::Matte, Kind::Lossless, Kind::InGlass];
 
 impl Kind {
     fn methods(self) -> &'static [Method] {
         match self {
-            Kind::Matte => &[Method::Path, Method::PathNaive, Method::Light, Method::Bdpt],
-            Kind::Lossless => &[Method::Path, Method::PathNee, Method::Bdpt],
-            _ => &[Method::Path, Method::Bdpt],
+            Kind::Matte => &[Method::Path, Method::PathNaive],
+            Kind::Lossless => &[Method::Path, Method::PathNee],
+            _ => &[Method::Path],
         }
     }
 }
@@ -233,7 +233,7 @@ fn complemented(material: Material, colour: Spectrum) -> Material {
 }
 
 /// A scene of `kind` and its camera's radiance.
-fn equilibrium(kind: Kind, seed: u64) -> (Description, f64) {
+pub(crate) fn equilibrium(kind: Kind, seed: u64) -> (Description, f64) {
     let mut maker = Maker { random: Random::new(seed), kind, scene: Description::default(), expected: 1.0 };
     if matches!(kind, Kind::Sky | Kind::Lossless) {
         maker.sky()

@@ -11,8 +11,13 @@ mod random;
 #[path = "../support/slope.rs"]
 mod slope;
 
+#[allow(dead_code, reason = "tests/path uses what is not used here")]
+#[path = "../path/worlds.rs"]
+mod worlds;
+
 #[cfg(feature = "embree")]
 mod backends;
+mod bidirectional;
 mod closed_forms;
 mod coverage;
 mod enclosures;

@@ -5,8 +5,8 @@ use etendue::accel::Backend;
 use etendue::scene::description::{Description, Environment, Material, PunctualKind, PunctualLight, Volume};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Spectrum;
-use etendue::texture::RadianceMap;
-use glam::{DAffine3, DVec3, Vec3};
+use etendue::texture::{Encoding, Filter, Image, RadianceMap, Texels, Texture, Wrap};
+use glam::{Affine2, DAffine3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 const EYE: DVec3 = DVec3::new(0.1, 0.2, 0.9);
@@ -73,13 +73,29 @@ fn dirac() -> World {
     build("dirac", 1.0, scene)
 }
 
-/// Interpolated normals on everything that scatters by chance or in one direction.
+/// A map of normals that lean up to 25 degrees.
+fn ripples() -> Texture {
+    let lean = |i: u8| [128 + 9 * (i % 7), 110 + 6 * (i % 5), 245, 255];
+    Texture {
+        image: Arc::new(Image::new(4, 4, Texels::Rgba8((0..16).map(lean).collect::<Vec<_>>().into()))),
+        encoding: Encoding::Linear,
+        wrap: [Wrap::Repeat; 2],
+        filter: Filter::Linear,
+        uv_set: 0,
+        transform: Affine2::from_scale(Vec2::splat(3.0)),
+    }
+}
+
+/// Interpolated normals on everything that scatters by chance or in one direction, and a panel with a map of normals.
 fn bent() -> World {
     let mut scene = room();
     smooth_ball(&mut scene, DVec3::new(-0.4, -0.6, -0.2), 0.35, lacquer(0.4));
     smooth_ball(&mut scene, DVec3::new(0.4, -0.65, 0.1), 0.3, glass(0.0));
     smooth_ball(&mut scene, DVec3::new(0.1, -0.1, -0.5), 0.25, metal(0.8, 0.0));
     smooth_ball(&mut scene, DVec3::new(-0.5, 0.3, 0.1), 0.2, glass(0.5));
+    let panel = Material { normal_texture: Some((ripples(), 1.0)), ..lacquer(0.5) };
+    add_square(&mut scene, Vec3::new(0.5, 0.2, -0.6), Vec3::new(0.3, 0.0, 0.1), Vec3::Y * 0.4, panel);
+    scene.meshes.last_mut().expect("just added").primitives[0].uvs[0] = Some(vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
     build("bent", 0.16, scene)
 }
 
