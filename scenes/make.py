@@ -35,11 +35,11 @@ def quad(a, b, c, d):
     return [a, b, c, d], [(0, 1, 2), (0, 2, 3)], None
 
 
-def box(lo, hi, angle):
-    """A box turned about the vertical through its centre."""
+def box(lo, hi, angle=0.0, pivot=None):
+    """A box turned about the vertical through its centre or another point."""
     corners = [(x, y, z) for z in (lo[2], hi[2]) for y in (lo[1], hi[1]) for x in (lo[0], hi[0])]
     faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    cx, cy = (lo[0] + hi[0]) / 2, (lo[1] + hi[1]) / 2
+    cx, cy = pivot or ((lo[0] + hi[0]) / 2, (lo[1] + hi[1]) / 2)
     cos, sin = math.cos(angle), math.sin(angle)
     turned = [((x - cx) * cos - (y - cy) * sin + cx, (x - cx) * sin + (y - cy) * cos + cy, z) for x, y, z in corners]
     return turned, [t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))], None
@@ -146,11 +146,12 @@ def textured():
 # --- scenes: (name, mesh, material) of each object, and the materials --------------------------------------------------
 
 COLOURS = {"white": diffuse(0.725, 0.71, 0.68), "red": diffuse(0.63, 0.065, 0.05), "green": diffuse(0.14, 0.45, 0.091)}
-# Origin, angle above the horizon, field of view. All look along the peers' +Y, which is glTF's -Z, the direction of an
+# Origin, angle above the horizon, field of view, and angle to the right of the peers' +Y, which is glTF's -Z, the direction of an
 # unrotated camera.
 CAMERA = ((0.0, -3.9, 1.0), 0.0, 39.3)
 CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "veach-mis": ((0.0, -11.0, 4.0), math.atan2(-2.3, 11.0), 42.0),
+           "ajar-door": ((-1.3, -1.8, 1.35), math.atan2(-0.4, math.hypot(1.65, 3.8)), 60.0, math.atan2(1.65, 3.8)),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
 # Point lights: position and radiant intensity.
 LAMPS = {"sphere-lamp": ((0.0, 0.0, 0.0), math.pi)}
@@ -189,6 +190,28 @@ def glass_caustic():
     ball = icosphere(6, (0, 0, 0.47), 0.45)
     materials = {**COLOURS, "light": emitter(120, 110, 90), "glass": glass(1.5, 0.9)}
     return ROOM + [("ball", ball, "glass"), ("light", light, "light")], materials
+
+
+def ajar_door():
+    """A room lit through a gap of a few centimetres by a lamp in the next one, after the scene of [Veach97 §11.5]."""
+    x0, x1, top = 0.2, 1.1, 2.0
+    shell = [quad((-2, -2, 0), (2, -2, 0), (2, 6, 0), (-2, 6, 0)), quad((-2, -2, 2.5), (-2, 6, 2.5), (2, 6, 2.5), (2, -2, 2.5)),
+             quad((-2, -2, 0), (-2, -2, 2.5), (2, -2, 2.5), (2, -2, 0)), quad((-2, 6, 0), (2, 6, 0), (2, 6, 2.5), (-2, 6, 2.5)),
+             quad((2, -2, 0), (2, -2, 2.5), (2, 6, 2.5), (2, 6, 0))]
+    wall = [box((-2, 2, 0), (x0, 2.1, 2.5)), box((x1, 2, 0), (2, 2.1, 2.5)), box((x0, 2, top), (x1, 2.1, 2.5))]
+    legs = [((-0.85, -0.05), (-0.75, 0.05)), ((0.55, 0.65), (0.65, 0.75)), ((0.55, -0.05), (0.65, 0.05)), ((-0.85, 0.65), (-0.75, 0.75))]
+    table = [box((-0.9, -0.1, 0.6), (0.7, 0.8, 0.66))] + [box((*a, 0), (*b, 0.6)) for a, b in legs]
+    door = box((x0 + 0.005, 2.0, 0.005), (x1 - 0.01, 2.04, top - 0.01), -0.28, (x0, 2.0))
+    light = quad((1.99, 2.8, 0.6), (1.99, 2.8, 2.2), (1.99, 5.2, 2.2), (1.99, 5.2, 0.6))
+    objects = [(f"shell{i}", mesh, "white") for i, mesh in enumerate(shell)]
+    objects += [("left", quad((-2, -2, 0), (-2, 6, 0), (-2, 6, 2.5), (-2, -2, 2.5)), "red")]
+    objects += [(f"wall{i}", mesh, "white") for i, mesh in enumerate(wall)] + [("door", door, "door")]
+    objects += [(f"table{i}", mesh, "door") for i, mesh in enumerate(table)]
+    objects += [("cube", box((-0.6, 0.2, 0.661), (-0.25, 0.55, 1.0), 0.4), "white")]
+    objects += [("ball", icosphere(6, (0.3, 0.35, 0.882), 0.22), "mirror"), ("light", light, "light")]
+    materials = {"white": COLOURS["white"], "red": COLOURS["red"], "door": diffuse(0.45, 0.3, 0.18),
+                 "mirror": mirror(0.95, 0.95, 0.95), "light": emitter(60, 55, 45)}
+    return objects, materials
 
 
 # Angle and phase of each wave of the landscape, three an octave: numpy's default_rng(7), uniform(0, 6.28).
@@ -255,7 +278,7 @@ def sphere_cap():
     return [("sphere", (positions, rest, None), "gray"), ("cap", (positions, cap, None), "lamp")], {"gray": gray, "lamp": lamp}
 
 
-SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic,
+SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door,
           "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
@@ -390,8 +413,10 @@ def document(name, objects, materials):
     meshes = [{"name": n, "primitives": [buffer.primitive(mesh, order.index(material), images)]} for n, mesh, material in objects]
     textures = {"images": [{"uri": uri} for uri in images], "textures": [{"source": i} for i in range(len(images))]}
     nodes = [{"name": n, "mesh": i} for i, (n, _, _) in enumerate(objects)]
-    origin, pitch, fov = CAMERAS.get(name, CAMERA)
-    turn = {"rotation": [math.sin(pitch / 2), 0.0, 0.0, math.cos(pitch / 2)]} if pitch else {}
+    origin, pitch, fov, *right = CAMERAS.get(name, CAMERA)
+    (sp, cp), (sr, cr) = ((math.sin(angle / 2), math.cos(angle / 2)) for angle in (pitch, right[0] if right else 0.0))
+    # up, then to the right about the vertical
+    turn = {"rotation": [cr * sp, -sr * cp, sr * sp, cr * cp] if right else [sp, 0.0, 0.0, cp]} if pitch else {}
     nodes.append({"name": "camera", "camera": 0, "translation": list(to_gltf(origin)), **turn})
     extensions = {}
     if name in LAMPS:

@@ -184,6 +184,30 @@ defects! {
     SplatsWithoutCosine "splats-without-magnification"
         "Connections with the camera do not know how large an area the film sees."
         "light tracers before a scene of another size";
+    DiracConnects "dirac-connects"
+        "Weights think that a vertex can be connected which a mirror or clear glass was passed at."
+        "bidirectional path tracers that replace densities of zero by one";
+    TwoSidedWhole "two-sided-whole"
+        "Weights take a two-sided lamp to emit to each side as often as a one-sided one does."
+        "emission densities that forget the choice of a side";
+    EmissionPdfUniform "emission-pdf-uniform"
+        "Weights take lamps to emit in all directions alike, which they do by the cosine."
+        "light-transport.md 2.2";
+    AdjointForgotten "adjoint-forgotten"
+        "Walks from lights do not correct scattering for the difference of the two normals."
+        "pbrt-v4 #385";
+    Eta2BothWays "eta2-both-ways"
+        "Walks from lights scale by the refractive index as those from the camera do."
+        "light-transport.md 1.2";
+    WeightsByShadingNormal "weights-by-shading-normal"
+        "Weights turn densities per solid angle into ones per area by the shading normal."
+        "pbrt-v3 #73";
+    SplatsOfTheWhole "splats-of-the-whole"
+        "A crop divides its splats by the pixels of the whole image."
+        "pbrt-v4 #347";
+    SplatsHalfPixel "splats-half-pixel"
+        "Splats fall half a pixel off."
+        "pixel centres at whole numbers";
     SplatsOneDeeper "splats-one-deeper"
         "Connections with the camera may have one scattering event more than the limit."
         "the classic off-by-one of bidirectional methods";

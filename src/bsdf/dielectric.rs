@@ -161,6 +161,7 @@ fn radiance_scale(eta: f32, toward: Transport) -> f32 {
     match toward {
         Transport::Light if planted(Defect::Eta2Forgotten) => 1.0,
         Transport::Light => (eta * eta).recip(),
+        Transport::Camera if planted(Defect::Eta2BothWays) => (eta * eta).recip(),
         Transport::Camera => 1.0,
     }
 }

@@ -157,6 +157,7 @@ impl<'a> Shading<'a> {
     fn adjoint(&self, other: Vec3, o: Local) -> f32 {
         match self.toward {
             Transport::Light => 1.0,
+            Transport::Camera if planted(Defect::AdjointForgotten) => 1.0,
             Transport::Camera => (self.local.z / self.cos(self.known)).abs() * (self.cos(other) / o.z).abs(),
         }
     }

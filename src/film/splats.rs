@@ -5,6 +5,7 @@
 //! become part of its samples.
 
 use super::{Filter, Layout};
+use crate::defects::{Defect, planted};
 use crate::sampling::mix64;
 use crate::spectrum::{LANES, Spectrum};
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -106,6 +107,7 @@ impl Covered {
 
 /// See [`Covered`], for a splat at the position `x` and the pixels from `start` up to `end`.
 fn covered(filter: Filter, x: f32, [start, end]: [u32; 2]) -> Covered {
+    let x = if planted(Defect::SplatsHalfPixel) { x - 0.5 } else { x };
     let radius = filter.radius() as f32;
     // In f32 positions far off the film saturate instead of wrapping.
     let low = (x - 0.5 - radius).ceil().max(start as f32);

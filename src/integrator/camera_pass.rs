@@ -65,7 +65,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
     ) -> PassReport {
         let channels = layout.channels();
         let mut report = PassReport::default();
-        let (address, per_walk) = (Address::new(self.options.seed).with(pass), (self.options.pixels as f32).recip());
+        let (address, per_walk) = (Address::new(self.options.seed).with(pass), (walks(layout) as f32).recip());
         let mut tally = Tally::default();
         for (i, values) in out.chunks_exact_mut(channels).enumerate() {
             let pixel = layout.pixel(first + i);
@@ -140,6 +140,11 @@ impl<M: Radiance> Integrator for CameraPass<'_, M> {
             }
         }
     }
+}
+
+/// How many walks start from lights in a pass over an image of `layout`.
+fn walks(layout: &Layout) -> usize {
+    if planted(Defect::SplatsOfTheWhole) { layout.width as usize * layout.height as usize } else { layout.pixels() }
 }
 
 /// Limits each lane to `most` and notes what that takes away.

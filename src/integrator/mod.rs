@@ -66,8 +66,14 @@ impl Options {
     }
 }
 
-/// The integrator of `method` for an image that `camera` takes of `scene`.
-pub fn build<'a>(method: Method, scene: &'a Scene, camera: Camera, options: &Options) -> Box<dyn Integrator + 'a> {
+/// The integrator of `method` for an image that `camera` takes of `scene`, whose passes share `prelude`.
+pub fn build<'a>(
+    method: Method,
+    scene: &'a Scene,
+    camera: Camera,
+    options: &Options,
+    prelude: &Prelude,
+) -> Box<dyn Integrator + 'a> {
     let (depth, transparent) = (options.max_depth, options.transparent);
     match method {
         Method::PathNaive => {
@@ -83,11 +89,11 @@ pub fn build<'a>(method: Method, scene: &'a Scene, camera: Camera, options: &Opt
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
         Method::Light => {
-            let tracer = Bidirectional::new(scene, &camera, &Options { techniques: Techniques::LIGHT, ..*options });
+            let tracer = Bidirectional::new(scene, &camera, &Options { techniques: Techniques::LIGHT, ..*options }, prelude);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
         Method::Bdpt => {
-            let tracer = Bidirectional::new(scene, &camera, options);
+            let tracer = Bidirectional::new(scene, &camera, options, prelude);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
     }
@@ -96,7 +102,9 @@ pub fn build<'a>(method: Method, scene: &'a Scene, camera: Camera, options: &Opt
 /// What is fixed before the first pass over an image of `layout`.
 pub fn prelude(scene: &Scene, camera: &Camera, options: &Options, layout: &Layout) -> Prelude {
     // The naive tracer is blind to some lights; a pilot that sees all fixes the same unit for every method.
-    Prelude::new(scene, layout, options, camera, |camera, options| build(Method::Path, scene, camera, options))
+    Prelude::new(scene, layout, options, camera, |camera, options| {
+        build(Method::Path, scene, camera, options, &Prelude::default())
+    })
 }
 
 /// What `method` cannot see in `scene`, one sentence each.

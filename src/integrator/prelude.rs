@@ -12,14 +12,25 @@ const PILOT_SIDE: u32 = 32;
 /// Film units per pilot mean, as a power of two: 24 bits below the mean leave 39 above it.
 const BITS_BELOW_MEAN: i32 = 24;
 
-/// What all passes share.
+/// What all passes share. By default that of an image whose radiances are about 1.
 #[derive(Debug, Clone, Copy)]
 pub struct Prelude {
     /// Quantisation of the film.
     pub units: Units,
 }
 
+impl Default for Prelude {
+    fn default() -> Self {
+        Prelude { units: Units::for_typical(1.0, 1.0) }
+    }
+}
+
 impl Prelude {
+    /// The radiance of a usual pixel, as far as the pilot knows: its mean, down to a power of two.
+    pub fn typical(&self) -> f32 {
+        (self.units.radiance * f64::from(BITS_BELOW_MEAN).exp2()) as f32
+    }
+
     /// The prelude for an image of `layout` that `integrator` renders, given a camera for the pilot's size.
     pub(super) fn new<'a>(
         scene: &Scene,

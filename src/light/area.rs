@@ -140,7 +140,9 @@ impl AreaLight {
     /// See [`super::Light::emission_density`].
     pub(super) fn emission_density(&self, w: Vec3) -> EmissionDensity {
         let cos = f64::from(w.dot(self.ng));
-        let cos = if self.emission.two_sided { 0.5 * cos.abs() } else { cos.max(0.0) };
+        let half = if planted(Defect::TwoSidedWhole) { 1.0 } else { 0.5 };
+        let cos = if self.emission.two_sided { half * cos.abs() } else { cos.max(0.0) };
+        let cos = if planted(Defect::EmissionPdfUniform) { 0.5 } else { cos };
         EmissionDensity { end: f64::from(self.density.value()), ray: cos / PI }
     }
 

@@ -172,7 +172,7 @@ impl Weights {
     /// The edge that leaves a vertex with `sums` at `p` with `densities` forward and in reverse, through a Dirac component or not.
     #[inline]
     pub fn from_vertex(&self, sums: Sums, [forward, reverse]: [f64; 2], is_dirac: bool, p: Vec3, ng: Vec3) -> Link {
-        let split = Self::factor(!is_dirac);
+        let split = Self::factor(!is_dirac || planted(Defect::DiracConnects));
         let reverse = if planted(Defect::ReversePdfForgotten) { forward } else { reverse };
         Link {
             before: sums,

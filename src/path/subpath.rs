@@ -6,6 +6,7 @@ use super::mis::{Link, Start, Sums, Weights};
 use super::{Departure, Tally, Walk};
 use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
 use crate::camera::Camera;
+use crate::defects::{Defect, planted};
 use crate::geometry::{MediumId, Ray, SurfacePoint};
 use crate::light::{EmissionNumbers, End, Receiver};
 use crate::sampling::{Discrete, Pdf, Sampler, Slot};
@@ -134,7 +135,8 @@ impl<'a> Subpath<'a> {
         if let Departure::Camera = self.walk.departure {
             self.link.forward = camera.seen(point.p).map_or(0.0, |seen| f64::from(seen.magnification));
         }
-        let sums = self.weights.arrive(&self.link, point.p, point.ng, self.walk.ray.direction);
+        let ng = if planted(Defect::WeightsByShadingNormal) { point.frame.n } else { point.ng };
+        let sums = self.weights.arrive(&self.link, point.p, ng, self.walk.ray.direction);
         let surface = self.scene.surface(&mut point);
         Arrival::Surface(Vertex {
             point,

@@ -4,7 +4,7 @@ use super::machine::{Stopwatch, available_memory};
 use super::{Checkpoint, Observer, Progress, Provenance, Stage, checkpoint, provenance, target};
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, Layout, PassFilm};
-use crate::integrator::{self, Integrator, PassReport};
+use crate::integrator::{self, Integrator, PassReport, Prelude};
 use crate::parallel::Cancel;
 use std::path::Path;
 use std::time::Duration;
@@ -84,7 +84,8 @@ impl<'a> Session<'a> {
     pub fn run(&mut self, cancel: &Cancel, observer: &mut dyn Observer, mut checkpoint: Option<Checkpoint>) -> Result<Ended> {
         let (stage, settings) = (self.stage, self.provenance.settings.clone());
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
-        let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options());
+        let prelude = Prelude { units: self.film.units() };
+        let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options(), &prelude);
         let mut scratch = PassFilm::new(&self.layout).with_unit(self.film.units().radiance);
         let (earlier, mut done) = (self.provenance.work.clone(), 0);
         self.provenance.work.sessions += 1;

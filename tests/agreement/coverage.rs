@@ -66,7 +66,7 @@ impl Study<'_> {
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
         let prelude = integrator::prelude(self.scene, &camera, &options, &layout);
         let mut film = Film::new(layout.clone(), REPLICATES, seed, prelude.units);
-        let integrator = integrator::build(Method::Path, self.scene, camera, &options);
+        let integrator = integrator::build(Method::Path, self.scene, camera, &options, &prelude);
         let (mut values, mut looks) = (PassFilm::new(&layout), Vec::new());
         let mut replicates = vec![vec![0.0; layout.pixels() * 3]; REPLICATES as usize];
         for pass in 0..self.spp {

@@ -127,7 +127,7 @@ fn features_are_those_of_what_is_seen() {
     let mut film = Film::new(layout.clone(), options.replicates, options.seed, prelude.units);
     let mut pass = PassFilm::new(&layout);
     let ids = integrator::ids(&scene, &camera, &layout);
-    integrator::build(Method::Path, &scene, camera, &options).run_pass(0, &Cancel::new(), &mut pass).expect("a pass");
+    integrator::build(Method::Path, &scene, camera, &options, &prelude).run_pass(0, &Cancel::new(), &mut pass).expect("a pass");
     film.commit(0, &pass);
     assert!(film.mean(Plane::Alpha).iter().all(|&a| a >= 1.0));
     // The field of view is 60 degrees: its corners are √(1 + 2/3) times as far as its middle, and the panel is at 2.

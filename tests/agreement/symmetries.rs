@@ -5,7 +5,7 @@ use crate::invariance::still_life;
 use crate::picture::{Picture, Shot, agree, render, scene};
 use crate::studio::{add_square, matte, point_light};
 use etendue::film::{Crop, Layout, PassFilm};
-use etendue::integrator::{self, Method, Options};
+use etendue::integrator::{self, Method, Options, Prelude};
 use etendue::parallel::Cancel;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
@@ -66,7 +66,9 @@ fn pass(scene: &Scene, crop: Option<Crop>, sampler: SamplerKind) -> PassFilm {
     let options = Options { seed: 5, sampler, ..Options::new(&layout) };
     let camera = scene.camera(None, 32, 24).expect("a camera");
     let mut film = PassFilm::new(&layout);
-    integrator::build(Method::Path, scene, camera, &options).run_pass(6, &Cancel::new(), &mut film).expect("a pass");
+    integrator::build(Method::Path, scene, camera, &options, &Prelude::default())
+        .run_pass(6, &Cancel::new(), &mut film)
+        .expect("a pass");
     film
 }
 

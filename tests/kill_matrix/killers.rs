@@ -93,5 +93,11 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("agreement", "sides::a_mirror_shows_both_sides"),
     of("agreement", "sides::what_the_camera_does_not_see_still_throws_a_shadow"),
     of("agreement", "sides::features_are_those_of_what_is_seen"),
+    of("agreement", "bidirectional::a_limit_of_depth_means_the_same"),
+    of("agreement", "bidirectional::a_crop_shows_what_the_whole_does"),
+    of("path", "identities::weights_are_a_partition_of_unity_and_the_fast_ones_are_the_defined_ones"),
+    of("path", "identities::what_a_technique_finds_is_the_integrand_over_its_density"),
+    of("lib", "film::splats::tests::a_crop_sees_what_falls_on_it"),
+    of("lib", "film::splats::tests::splats_keep_their_light"),
     of("accel", "segments::a_segment_meets_neither_of_the_surfaces_that_it_joins"),
 ];

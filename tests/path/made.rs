@@ -1,5 +1,6 @@
 //! Paths as bidirectional path tracing makes them: both walks, kept whole, and every technique that joins them.
 
+use crate::worlds::LAMP;
 use etendue::bsdf::Lobes;
 use etendue::camera::Camera;
 use etendue::geometry::MediumId;
@@ -85,6 +86,11 @@ impl<'a> Studio<'a> {
         let film = eye.u2(0, Slot::Aux).map(|u| u * self.side as f32);
         let camera = self.walk(Subpath::from_camera(self.scene, &self.weights, self.camera.ray(film)), &mut eye);
         let light = Subpath::from_light(self.scene, &self.weights, &mut lamp);
+        if let Some((_, Emitter { end: End::Surface { .. }, radiance, .. })) = &light {
+            // Emission's power over its densities: a dozen roundings.
+            let off = (*radiance - LAMP).map(|x: f32| x.abs()).max_lane();
+            assert!(off < 16.0 * f32::EPSILON * LAMP.max_lane(), "{radiance:?} leaves a lamp of {LAMP:?}");
+        }
         let mut made = Vec::new();
         if let Some((path, emitter)) = light {
             let light = self.walk(path, &mut lamp);

@@ -9,6 +9,9 @@ use etendue::texture::{Encoding, Filter, Image, RadianceMap, Texels, Texture, Wr
 use glam::{Affine2, DAffine3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
+/// Radiance of all lamps with an area.
+pub(crate) const LAMP: Spectrum = Spectrum([8.0, 6.0, 4.0]);
+
 const EYE: DVec3 = DVec3::new(0.1, 0.2, 0.9);
 
 /// A scene by name, and the smallest roughness α of its smooth lobes.
@@ -24,16 +27,16 @@ fn build(name: &'static str, alpha: f64, mut description: Description) -> World 
     World { name, scene: Scene::build(description, &options).expect("a valid scene"), alpha }
 }
 
-fn lamp(scene: &mut Description) {
-    let emission = Spectrum([8.0, 6.0, 4.0]);
-    let material = Material { emission, double_sided: false, ..matte(0.0, 0.0) };
+/// A lamp at the ceiling that shines down, or up as well.
+fn lamp(scene: &mut Description, double_sided: bool) {
+    let material = Material { emission: LAMP, double_sided, ..matte(0.0, 0.0) };
     add_square(scene, Vec3::new(0.2, 0.95, 0.1), Vec3::X * 0.3, Vec3::Z * 0.2, material);
 }
 
 fn room() -> Description {
     let mut scene = Description::default();
     add_room(&mut scene, &Material { base_color: Spectrum([0.7, 0.5, 0.8]), ..matte(0.7, 0.0) });
-    lamp(&mut scene);
+    lamp(&mut scene, false);
     scene
 }
 
@@ -102,7 +105,7 @@ fn bent() -> World {
 /// Lights of every kind under a map, nothing around.
 fn open() -> World {
     let mut scene = Description::default();
-    lamp(&mut scene);
+    lamp(&mut scene, true);
     add_square(&mut scene, Vec3::new(0.0, -0.9, 0.0), Vec3::X, Vec3::NEG_Z, matte(0.6, 0.0));
     Ball::new(2, 0.35).add(&mut scene, DVec3::new(-0.4, -0.5, -0.2), lacquer(0.5));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.5, 0.1), metal(0.9, 0.0));

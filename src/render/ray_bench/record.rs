@@ -5,7 +5,7 @@ use crate::accel::Accel;
 use crate::camera::Camera;
 use crate::error::{Error, Kind, Result};
 use crate::film::{Crop, Layout, PassFilm};
-use crate::integrator::{self, RayCounts};
+use crate::integrator::{self, Prelude, RayCounts};
 use crate::parallel::Cancel;
 use crate::render::{Settings, Stage};
 use crate::scene::Scene;
@@ -49,7 +49,8 @@ impl View {
 
     /// Renders a pass in the current rayon pool and counts its rays.
     pub(super) fn pass(&self, scene: &Scene, pass: u64) -> RayCounts {
-        let integrator = integrator::build(self.settings.method, scene, self.camera.clone(), &self.settings.options());
+        let options = self.settings.options();
+        let integrator = integrator::build(self.settings.method, scene, self.camera.clone(), &options, &Prelude::default());
         let report = integrator.run_pass(pass, &Cancel::new(), &mut PassFilm::new(&self.layout));
         report.unwrap_or_default().rays
     }

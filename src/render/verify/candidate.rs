@@ -40,9 +40,9 @@ impl<'a> Candidate<'a> {
         Ok(Candidate {
             name: format!("{}/{}", name(method), settings.backend.name()),
             film: Film::new(layout.clone(), settings.replicates, settings.seed, prelude.units),
-            integrator: integrator::build(method, &stage.scene, camera, &settings.options()),
+            integrator: integrator::build(method, &stage.scene, camera, &settings.options(), &prelude),
             provenance: Provenance::new(stage, settings, plan, choices.look()?),
-            scratch: PassFilm::new(&layout),
+            scratch: PassFilm::new(&layout).with_unit(prelude.units.radiance),
             last_block: 0.0,
             stage,
         })
