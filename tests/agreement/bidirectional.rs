@@ -60,7 +60,8 @@ fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f64> {
         ..Options::new(&layout)
     };
     let camera = scene.camera(Some(&camera.to_string()), side, side).expect("a camera");
-    let integrator = integrator::build(method, scene, camera, &options, &Prelude::default());
+    let prelude = integrator::prelude(scene, &camera, &options, &layout);
+    let integrator = integrator::build(method, scene, camera, &options, &prelude);
     let (mut pass, mut sums) = (PassFilm::new(&layout), vec![0.0; layout.pixels() * 3]);
     for k in 0..spp {
         pass.clear();
