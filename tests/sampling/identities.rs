@@ -181,3 +181,26 @@ fn the_density_of_refraction_is_the_jacobian_of_snells_law() {
         }
     }
 }
+
+/// What weights take for the density of a Dirac refraction, P |w·ns| η², is as rough glass has it in both directions: the ratio of the
+/// densities of both ways through nearly smooth facets is that of the smooth face. Masking adds a share of α² / cos² each way.
+#[test]
+fn dirac_densities_are_the_limit_of_rough_ones() {
+    let alpha = 1e-3;
+    let glass = |alpha| Dielectric { ggx: Ggx::new(alpha), eta: 1.5, reflect: Spectrum::ONE, transmit: Spectrum::ONE };
+    let (smooth, rough) = (glass(0.0), glass(alpha));
+    for known in [1.0f32, 0.9, 0.5, 0.2, -1.0, -0.95, -0.8].map(|cos| direction(cos, 0.7)) {
+        let there = smooth.dirac(known, Transport::Camera, Lobes::DIRAC_TRANSMIT).expect("below the critical angle");
+        let back = smooth.dirac(there.direction, Transport::Light, Lobes::DIRAC_TRANSMIT).expect("the way back");
+        let eta2 = f64::from(there.eta).powi(2);
+        let forward = f64::from(there.density.value() * there.direction.z.abs()) * eta2;
+        let reverse = f64::from(back.density.value() * known.z.abs());
+        // In f64 the refracted direction must be exact: the lobe is a thousand times narrower than it is bright.
+        let other = snell(known.cast(), Local::new(0.0, 0.0, 1.0f64.copysign(f64::from(known.z))), f64::from(there.eta));
+        let other = other.expect("refracted");
+        let pdf = |a: Local<f64>, b: Local<f64>, toward| rough.pdf(a, b, toward, Lobes::SMOOTH);
+        let limit = pdf(other, known.cast(), Transport::Light) / pdf(known.cast(), other, Transport::Camera);
+        let slack = 4.0 * f64::from(alpha).powi(2) / f64::from(known.z.abs().min(there.direction.z.abs())).powi(2) + 1e-5; // f32 inputs
+        assert!((reverse / forward / limit - 1.0).abs() < slack, "{known:?}: {reverse} / {forward} against {limit}");
+    }
+}
