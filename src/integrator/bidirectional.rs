@@ -123,7 +123,7 @@ impl<'a> Bidirectional<'a> {
             }
             let Some(shading) = z.shading() else { return };
             if z.is_connectible() {
-                self.connections(&z, &shading, from_light, path.walk.bounce, sampler, sink, tally);
+                self.connections(&z, &shading, from_light, sampler, sink, tally);
             }
             if path.depart(&z, &shading, sampler, tally).is_none() {
                 return;
@@ -132,13 +132,11 @@ impl<'a> Bidirectional<'a> {
     }
 
     /// Connects `z` with a light and with each vertex of `from_light`.
-    #[allow(clippy::too_many_arguments)]
     fn connections(
         &self,
         z: &Vertex,
         shading: &Shading,
         from_light: &[Vertex],
-        bounce: u32,
         sampler: &mut impl Sampler,
         sink: &mut impl Sink,
         tally: &mut Tally,
@@ -151,7 +149,7 @@ impl<'a> Bidirectional<'a> {
             }
         };
         if self.wants(1, t) {
-            add(1, next_event(self.scene, &self.weights, z, shading, sampler, bounce));
+            add(1, next_event(self.scene, &self.weights, z, shading, sampler));
         }
         for y in from_light {
             let s = y.sums.index as usize + 1;

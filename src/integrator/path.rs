@@ -11,8 +11,8 @@ use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Local, Ray, SurfacePoint};
-use crate::light::{End, Light, LightSample, Receiver};
-use crate::path::{Departure, Tally, Walk};
+use crate::light::{Light, LightSample, Receiver};
+use crate::path::{Departure, Tally, Walk, toward_light};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, balance, power, warp};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -159,7 +159,8 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let Some(sample) = lights.all()[index].sample_toward(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
-        let through = self.scene.transmittance(&self.segment(walk, shading.point, &sample), &mut tally.shadows);
+        let segment = toward_light(self.scene, shading.point, shading.known(), walk.ray.medium, &sample);
+        let through = self.scene.transmittance(&Ray { time: walk.ray.time, ..segment }, &mut tally.shadows);
         walk.beta * scattering.f_cos * sample.radiance * through * weight
     }
 
@@ -181,17 +182,6 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let lobe = if shading.surface.is_single_lobe() { 0.0 } else { sampler.u1(walk.bounce, Slot::Lobe) };
         let [u, v] = sampler.u2(walk.bounce, Slot::Direction);
         S::scatter(shading, [lobe, u, v])
-    }
-
-    /// The segment that must be free for `sample` to arrive.
-    #[inline]
-    fn segment(&self, walk: &Walk, point: &SurfacePoint, sample: &LightSample) -> Ray {
-        let ray = match sample.end {
-            End::Surface { p, error, ng } => point.segment(p, error, ng),
-            End::Point(p) => point.segment(p, 0.0, point.ng),
-            End::Infinity => point.spawn(sample.wi),
-        };
-        Ray { medium: walk.medium_toward(point, sample.wi), time: walk.ray.time, ..ray }
     }
 }
 

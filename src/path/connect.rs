@@ -6,7 +6,7 @@ use super::mis::Weights;
 use crate::bsdf::{Scattering, Shading};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
-use crate::geometry::{Ray, SurfacePoint};
+use crate::geometry::{MediumId, Ray, SurfacePoint};
 use crate::light::{End, LightSample, Receiver};
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
@@ -33,15 +33,15 @@ pub struct Splat {
     pub film: [f32; 2],
 }
 
-/// A sampled light for the vertex `z` of a walk from the camera, with the numbers of `bounce`.
+/// A sampled light for the vertex `z` of a walk from the camera.
 pub fn next_event(
     scene: &Scene,
     weights: &Weights,
     z: &Vertex,
     shading: &Shading,
     sampler: &mut impl Sampler,
-    bounce: u32,
 ) -> Option<Connection> {
+    let bounce = z.sums.index - 1;
     let receiver = Receiver::from(&z.point);
     let (index, pmf) = scene.lights().choose(&receiver, sampler.u1(bounce, Slot::LightPick))?;
     let light = &scene.lights().all()[index];
@@ -63,18 +63,19 @@ pub fn next_event(
     Some(Connection {
         value: z.beta * f_cos * sample.radiance / (pmf as f32 * sample.density.value()),
         weight: weights.next_event(hit, weights.earlier(&z.sums, made, reverse)),
-        segment: segment(scene, z, &sample),
+        segment: toward_light(scene, &z.point, z.known, z.medium, &sample),
     })
 }
 
-/// The segment that must be free for `sample` to arrive at `z`.
-fn segment(scene: &Scene, z: &Vertex, sample: &LightSample) -> Ray {
+/// The segment that must be free for `sample` to arrive at `point`, where a walk came from the direction `known` through `medium`.
+#[inline]
+pub fn toward_light(scene: &Scene, point: &SurfacePoint, known: Vec3, medium: MediumId, sample: &LightSample) -> Ray {
     let ray = match sample.end {
-        End::Surface { p, error, ng } => z.point.segment(p, error, ng),
-        End::Point(p) => z.point.segment(p, 0.0, z.point.ng),
-        End::Infinity => z.point.spawn(sample.wi),
+        End::Surface { p, error, ng } => point.segment(p, error, ng),
+        End::Point(p) => point.segment(p, 0.0, point.ng),
+        End::Infinity => point.spawn(sample.wi),
     };
-    Ray { medium: z.medium_toward(scene, sample.wi), ..ray }
+    Ray { medium: scene.medium_toward(point, known, medium, sample.wi), ..ray }
 }
 
 /// The vertex `y` of a walk from a light and `z` of one from the camera.

@@ -7,7 +7,7 @@ mod mis;
 mod subpath;
 mod walk;
 
-pub use connect::{Connection, Splat, connect, next_event, splat};
+pub use connect::{Connection, Splat, connect, next_event, splat, toward_light};
 pub use full::{Densities, Evaluation, FullPath, Node};
 pub use mis::{Sums, Technique, Techniques, Weights};
 pub use subpath::{Arrival, Emitter, Subpath, Vertex};

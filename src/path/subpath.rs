@@ -81,7 +81,6 @@ pub struct Subpath<'a> {
     /// The walk itself.
     pub walk: Walk<'a>,
     link: Link,
-    toward: Transport,
 }
 
 impl<'a> Subpath<'a> {
@@ -89,13 +88,7 @@ impl<'a> Subpath<'a> {
     #[inline]
     pub fn from_camera(scene: &'a Scene, weights: &Weights, ray: Ray) -> Self {
         // The density is known where the edge ends: see `arrive`.
-        Subpath {
-            scene,
-            weights: *weights,
-            walk: Walk::new(scene, ray),
-            link: weights.from_camera(0.0),
-            toward: Transport::Light,
-        }
+        Subpath { scene, weights: *weights, walk: Walk::new(scene, ray), link: weights.from_camera(0.0) }
     }
 
     /// Along a ray of some light, and where it left that light; `None` where it is dark.
@@ -123,7 +116,7 @@ impl<'a> Subpath<'a> {
         let radiance = emitted.power * ((density.end * density.ray) as f32 / cos);
         let emitter = Emitter { index, end: emitted.end, radiance };
         let walk = Walk::from_light(scene, emitted.ray, power);
-        Some((Subpath { scene, weights: *weights, walk, link, toward: Transport::Camera }, emitter))
+        Some((Subpath { scene, weights: *weights, walk, link }, emitter))
     }
 
     /// Follows the edge to its end.
@@ -145,7 +138,7 @@ impl<'a> Subpath<'a> {
             beta: self.walk.beta,
             medium: self.walk.ray.medium,
             sums,
-            toward: self.toward,
+            toward: self.walk.toward,
         })
     }
 

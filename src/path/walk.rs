@@ -54,7 +54,8 @@ pub enum Departure {
 /// The state of a walk.
 pub struct Walk<'a> {
     scene: &'a Scene,
-    toward: Transport,
+    /// The end that it goes to.
+    pub toward: Transport,
     /// The current edge, in a unit direction.
     pub ray: Ray,
     /// Product of all scattering values and transmittances over their densities.

@@ -124,7 +124,7 @@ impl<'a> Studio<'a> {
             let steps = &camera.steps[..=j];
             let shading = z.vertex.shading().filter(|_| z.vertex.is_connectible());
             if let Some(shading) = shading {
-                if let Some(found) = next_event(self.scene, &self.weights, &z.vertex, &shading, sampler, j as u32) {
+                if let Some(found) = next_event(self.scene, &self.weights, &z.vertex, &shading, sampler) {
                     let (emitter, wi) = self.sampled(&z.vertex, sampler, j as u32);
                     made.extend(self.made(emitter, &[], steps, -wi, found.value * z.undo, found.weight, j + 2));
                 }
