@@ -12,6 +12,7 @@ mod progress;
 mod render;
 mod resume;
 mod startup;
+mod techniques;
 mod verify;
 
 use crate::error::Result;

@@ -1,9 +1,10 @@
 //! `etendue render`: scene in, image out.
 
 use super::args::{OutputArgs, SceneArgs, StrictArgs, ThreadArgs};
+use super::techniques::TechniqueArgs;
 use super::{Console, finish, progress, startup};
 use crate::error::Result;
-use crate::render::{Choices, Plan, Provenance, Selection, Session, picture_name};
+use crate::render::{Choices, Ended, Plan, Provenance, Selection, Session, picture_name};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -14,6 +15,8 @@ pub(super) struct Args {
     share: Share,
     #[command(flatten)]
     output: OutputArgs,
+    #[command(flatten)]
+    techniques: TechniqueArgs,
     #[command(flatten)]
     strict: StrictArgs,
     #[command(flatten)]
@@ -52,11 +55,12 @@ pub(super) fn run(args: Args) -> Result<()> {
     let plan = choices.plan(selection)?;
     args.strict.check(&plan)?;
     // Mistakes that do not need the scene are told before it is loaded.
-    let (look, replicates) = (choices.look()?, choices.settings(None)?.replicates);
+    let (look, early) = (choices.look()?, choices.settings(None)?);
     choices.surroundings()?;
     let outputs = args.output.outputs(&picture_name(&args.scene.scene), selection)?;
     args.output.check(&outputs)?;
-    say_rounding(console, &choices, plan, replicates);
+    let techniques = args.techniques.files(early.method, &outputs)?;
+    say_rounding(console, &choices, plan, early.replicates);
     let threads = startup::start_threads(args.threads.threads)?;
     let (stage, settings) = args.scene.stage(&choices, threads)?;
     let provenance = Provenance::new(&stage, settings, plan, look);
@@ -65,7 +69,10 @@ pub(super) fn run(args: Args) -> Result<()> {
         stage.refuse_ignored()?;
     }
     let mut session = Session::begin(&stage, provenance)?;
-    let ended = progress::run(&mut session, console, outputs.film.as_deref())?;
+    let mut ended = progress::run(&mut session, console, outputs.film.as_deref())?;
+    if let (Some(files), Ended::Complete) = (&techniques, ended) {
+        ended = args.techniques.write(files, &session, console)?;
+    }
     let files = finish::Files { outputs: &outputs, report: args.output.report.as_deref() };
     finish::session(&session, &stage, ended, files, args.strict, console)
 }

@@ -144,6 +144,19 @@ impl Film {
         mean
     }
 
+    /// The mean colour of a replicate's own passes: independent of those of the others. Pixels row by row within the crop, lanes
+    /// interleaved; zeros while it has no passes.
+    ///
+    /// # Panics
+    /// If there is no such replicate.
+    pub fn mean_of(&self, replicate: u32) -> Vec<f64> {
+        let (sums, stride) = (&self.sums[replicate as usize], self.layout.channels());
+        // Colour is the first plane of every layout. A sum of no passes is zero whatever it is divided by.
+        let scale = self.units.of(Plane::Color) / self.passes_of(replicate).max(1) as f64;
+        let pixels = 0..self.layout.pixels();
+        pixels.flat_map(|p| (0..Plane::Color.channels()).map(move |c| sums.value(p * stride + c) * scale)).collect()
+    }
+
     /// Which passes it holds.
     pub fn passes(&self) -> &PassSet {
         &self.passes
@@ -297,6 +310,19 @@ mod tests {
             let bound = 5.0 * units().of(Plane::Albedo) * 0.5 / 8.0 + exact * f64::from(f32::EPSILON);
             assert!((f64::from(found) - exact).abs() < bound, "{found} {exact}");
         }
+    }
+
+    /// Replicates of equal size have means whose mean is the image's: their sums are exact, so that only the image is rounded, to f32.
+    #[test]
+    fn replicates_have_their_share_of_the_mean() {
+        let layout = Layout::new(5, 3, None, &[Plane::Normal]);
+        let film = commit_all(&layout, 0..8);
+        let means: Vec<_> = (0..4).map(|r| film.mean_of(r)).collect();
+        for (i, &mean) in film.mean(Plane::Color).iter().enumerate() {
+            let found = means.iter().map(|m| m[i]).sum::<f64>() / 4.0;
+            assert!((found - f64::from(mean)).abs() <= f64::from(f32::EPSILON) * found, "{found} {mean}");
+        }
+        assert!(commit_all(&layout, 1..4).mean_of(0).iter().all(|m| m.to_bits() == 0));
     }
 
     #[test]

@@ -50,7 +50,7 @@ impl<'a> Bidirectional<'a> {
         let Options { techniques, heuristic, .. } = *options;
         let weights = Weights { techniques, heuristic, light_walks: options.pixels as f64 };
         let max_depth = options.max_depth.map_or(usize::MAX, |d| d as usize);
-        let worthwhile = WORTHWHILE * prelude.typical();
+        let worthwhile = WORTHWHILE * prelude.typical;
         let (camera, transparent) = (camera.clone(), options.transparent);
         Bidirectional { scene, camera, weights, max_depth, worthwhile, transparent }
     }

@@ -1,19 +1,20 @@
 //! A pass: one sample of every pixel, each pixel its own, and what methods splat elsewhere. What the sample is worth is the method's.
 
+use super::samples::{Sample, Samples, Work};
 use super::{Guards, Integrator, InvalidSample, Options, PassReport, RayCounts};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
-use crate::film::{FilterSampler, Layout, PassFilm, Plane, Splats};
+use crate::film::{Layout, PassFilm, Plane, Splats};
 use crate::geometry::Ray;
 use crate::parallel::Cancel;
 use crate::path::Tally;
-use crate::sampling::{Address, Independent, Sampler, SamplerKind, Slot, Sobol};
+use crate::sampling::{Address, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Spectrum};
 use rayon::prelude::*;
 
 /// Pixels that one task renders: enough to hide the cost of a task, few enough to balance.
-const CHUNK: usize = 128;
+pub(super) const CHUNK: usize = 128;
 
 /// A method that estimates the radiance along a camera ray.
 pub(super) trait Radiance: Send + Sync {
@@ -29,29 +30,17 @@ pub(super) trait Radiance: Send + Sync {
     ) -> Spectrum;
 }
 
-/// What sets the numbers of a walk from a light apart from those of the pixel's own.
-const LIGHT_STREAM: u64 = 1 << 63;
-
 /// An integrator that renders each pixel by `method`.
 pub(super) struct CameraPass<'a, M: Radiance> {
     method: M,
     scene: &'a Scene,
-    camera: Camera,
+    samples: Samples,
     options: Options,
-    filter: FilterSampler,
 }
 
 impl<'a, M: Radiance> CameraPass<'a, M> {
     pub(super) fn new(method: M, scene: &'a Scene, camera: Camera, options: &Options) -> Self {
-        CameraPass { method, scene, camera, options: *options, filter: FilterSampler::new(options.filter) }
-    }
-
-    /// The camera ray of one sample of a pixel.
-    #[inline]
-    fn camera_ray(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> Ray {
-        let offset = self.filter.sample(sampler.u2(0, Slot::Aux));
-        let centre = if planted(Defect::PixelCorner) { 0.0 } else { 0.5 };
-        self.camera.ray([pixel[0] as f32 + centre + offset[0], pixel[1] as f32 + centre + offset[1]])
+        CameraPass { method, scene, samples: Samples::new(camera, options), options: *options }
     }
 
     /// Renders consecutive pixels from `first` on.
@@ -68,17 +57,15 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         let (address, per_walk) = (Address::new(self.options.seed).with(pass), (walks(layout) as f32).recip());
         let mut tally = Tally::default();
         for (i, values) in out.chunks_exact_mut(channels).enumerate() {
-            let pixel = layout.pixel(first + i);
-            let index = u64::from(pixel[1]) * u64::from(layout.width) + u64::from(pixel[0]);
-            let mut numbers = sampler(index);
-            let ray = self.camera_ray(pixel, &mut numbers);
+            let Sample { pixel, index, ray, mut numbers } = self.samples.of_pixel(layout, first + i, &sampler);
             let (mut valid, mut key) = (true, address.with(index));
             let mut splat = |film: [f32; 2], light: Spectrum| {
                 let light = self.limited(light * per_walk, &mut valid, &mut report.guards);
                 key = key.with(0);
                 splats.add(self.options.filter, film, light, key.bits(0));
             };
-            let color = self.method.radiance(ray, &mut numbers, || sampler(index | LIGHT_STREAM), &mut splat, &mut tally);
+            let light = || Samples::of_light(index, &sampler);
+            let color = self.method.radiance(ray, &mut numbers, light, &mut splat, &mut tally);
             let color = self.limited(color, &mut valid, &mut report.guards);
             if !valid {
                 report.drop_sample(InvalidSample { pass, x: pixel[0], y: pixel[1] });
@@ -103,42 +90,37 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         }
         self.options.clamp.map_or(color, |most| clamp(color, most, guards))
     }
+}
 
-    fn passes<P: Sampler>(
-        &self,
-        pass: u64,
-        cancel: &Cancel,
-        out: &mut PassFilm,
-        sampler: impl Fn(u64) -> P + Sync,
-    ) -> Option<PassReport> {
+impl<M: Radiance> Integrator for CameraPass<'_, M> {
+    fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
+        self.samples.of_pass(pass, Pass { all: self, pass, cancel, out })
+    }
+}
+
+/// One pass in work.
+struct Pass<'p, 'a, M: Radiance> {
+    all: &'p CameraPass<'a, M>,
+    pass: u64,
+    cancel: &'p Cancel,
+    out: &'p mut PassFilm,
+}
+
+impl<M: Radiance> Work for Pass<'_, '_, M> {
+    type Output = Option<PassReport>;
+
+    fn run<P: Sampler>(self, source: impl Fn(u64) -> P + Sync) -> Option<PassReport> {
+        let Pass { all, pass, cancel, out } = self;
         let layout = out.layout().clone();
         let (chunks, splats) = out.par_chunks_and_splats(CHUNK);
         let report = chunks
-            .map(|chunk| (!cancel.requested()).then(|| self.chunk(pass, &layout, chunk, splats, &sampler)))
+            .map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, splats, &source)))
             .try_reduce(PassReport::default, |mut a, b| {
                 a.absorb(b);
                 Some(a)
             });
         out.fold_splats();
         report
-    }
-}
-
-impl<M: Radiance> Integrator for CameraPass<'_, M> {
-    fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
-        let seed = Address::new(self.options.seed);
-        match self.options.sampler {
-            SamplerKind::Independent => {
-                let of_pass = seed.with(pass);
-                self.passes(pass, cancel, out, |pixel| Independent::new(of_pass.with(pixel)))
-            }
-            SamplerKind::Sobol => {
-                let replicates = u64::from(self.options.replicates);
-                let replicate = if planted(Defect::OneScrambling) { 0 } else { pass % replicates };
-                let (of_replicate, index) = (seed.with(replicate), (pass / replicates) as u32);
-                self.passes(pass, cancel, out, |pixel| Sobol::new(of_replicate.with(pixel), index))
-            }
-        }
     }
 }
 
@@ -158,14 +140,16 @@ fn clamp(color: Spectrum, most: f32, guards: &mut Guards) -> Spectrum {
 }
 
 impl PassReport {
-    fn drop_sample(&mut self, sample: InvalidSample) {
+    /// Notes a sample that was not finite.
+    pub(super) fn drop_sample(&mut self, sample: InvalidSample) {
         self.guards.nonfinite += 1;
         if self.invalid.len() < Self::MAX_INVALID {
             self.invalid.push(sample);
         }
     }
 
-    fn add_tally(&mut self, tally: &Tally) {
+    /// Adds what walks counted.
+    pub(super) fn add_tally(&mut self, tally: &Tally) {
         self.absorb(PassReport {
             rays: RayCounts { camera: tally.cameras, bounce: tally.bounces, shadow: tally.shadows },
             guards: Guards { bad_hits: tally.bad_hits, overlong_paths: tally.overlong, ..Guards::default() },

@@ -8,10 +8,13 @@ mod ids;
 mod method;
 mod path;
 mod prelude;
+mod samples;
+mod technique_images;
 
 pub use ids::ids;
 pub use method::Method;
 pub use prelude::Prelude;
+pub use technique_images::{TechniqueImage, TechniqueImages, technique_images};
 
 use crate::camera::Camera;
 use crate::film::{Filter, Layout, PassFilm};

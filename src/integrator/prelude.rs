@@ -12,23 +12,25 @@ const PILOT_SIDE: u32 = 32;
 /// Film units per pilot mean, as a power of two: 24 bits below the mean leave 39 above it.
 const BITS_BELOW_MEAN: i32 = 24;
 
-/// What all passes share. By default that of an image whose radiances are about 1.
+/// What all passes share. By default nothing is known of the image but that its radiances may be about 1.
 #[derive(Debug, Clone, Copy)]
 pub struct Prelude {
     /// Quantisation of the film.
     pub units: Units,
+    /// The radiance of a usual pixel, as far as the pilot knows: its mean, down to a power of two; 0 if it does not.
+    pub typical: f32,
 }
 
 impl Default for Prelude {
     fn default() -> Self {
-        Prelude { units: Units::for_typical(1.0, 1.0) }
+        Prelude { units: Units::for_typical(1.0, 1.0), typical: 0.0 }
     }
 }
 
 impl Prelude {
-    /// The radiance of a usual pixel, as far as the pilot knows: its mean, down to a power of two.
-    pub fn typical(&self) -> f32 {
-        (self.units.radiance * f64::from(BITS_BELOW_MEAN).exp2()) as f32
+    /// The prelude whose units these are.
+    pub fn with(units: Units) -> Self {
+        Prelude { units, typical: (units.radiance * f64::from(BITS_BELOW_MEAN).exp2()) as f32 }
     }
 
     /// The prelude for an image of `layout` that `integrator` renders, given a camera for the pilot's size.
@@ -51,7 +53,7 @@ impl Prelude {
         let extent = f64::from(scene.radius()) / scene.rebase().scale;
         let length = if extent > 0.0 { extent.log2().floor() as i32 } else { 0 };
         let unit = |exponent: i32| f64::from(exponent - BITS_BELOW_MEAN).exp2();
-        Prelude { units: Units { radiance: unit(exponent), length: unit(length) } }
+        Prelude::with(Units { radiance: unit(exponent), length: unit(length) })
     }
 }
 

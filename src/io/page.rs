@@ -7,7 +7,7 @@
 mod picture;
 mod plot;
 
-pub use picture::{MOST_SIDE, Picture, compare, gallery, ramp};
+pub use picture::{MOST_SIDE, Picture, compare, gallery, ramp, reduced};
 pub use plot::{Plot, Series, key};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};

@@ -88,6 +88,11 @@ pub fn bytes(width: u32, height: u32, rgb: &[f32], exposure: f32, curve: Curve) 
     display_bytes(width, height, &encode(rgb, None, exposure.exp2(), curve).0)
 }
 
+/// The display colours of linear Rec. 709 values, one a pixel, `exposure` in stops.
+pub fn colors(rgb: &[f32], exposure: f32, curve: Curve) -> Vec<[u8; 3]> {
+    encode(rgb, None, exposure.exp2(), curve).0.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
+}
+
 /// A picture of eight-bit display values, row by row, as the bytes of a file.
 ///
 /// # Errors

@@ -25,6 +25,7 @@ mod settings;
 mod stage;
 mod surroundings;
 pub mod target;
+pub mod techniques;
 mod text;
 pub mod verify;
 

@@ -277,7 +277,7 @@ fn replay(InvalidSample { pass, x, y }: InvalidSample) -> String {
 
 /// Turns a JSON document into attributes named by their place in it. What is absent or empty is left out; numbers that
 /// an attribute cannot hold exactly become text.
-fn flatten(name: &str, value: &Value, out: &mut Vec<(String, Attribute)>) {
+pub(super) fn flatten(name: &str, value: &Value, out: &mut Vec<(String, Attribute)>) {
     let attribute = match value {
         Value::Null => return,
         Value::Object(fields) => {

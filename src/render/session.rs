@@ -4,7 +4,7 @@ use super::machine::{Stopwatch, available_memory};
 use super::{Checkpoint, Observer, Progress, Provenance, Stage, checkpoint, provenance, target};
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, Layout, PassFilm};
-use crate::integrator::{self, Integrator, PassReport, Prelude};
+use crate::integrator::{self, Integrator, PassReport, Prelude, TechniqueImages};
 use crate::parallel::Cancel;
 use std::path::Path;
 use std::time::Duration;
@@ -36,7 +36,7 @@ impl<'a> Session<'a> {
     pub fn begin(stage: &'a Stage, provenance: Provenance) -> Result<Session<'a>> {
         let settings = &provenance.settings;
         let layout = settings.layout();
-        affordable(&layout, settings.replicates)?;
+        affordable("the film", Film::bytes_per_pixel(&layout, settings.replicates), layout.pixels())?;
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         let prelude = integrator::prelude(&stage.scene, &camera, &settings.options(), &layout);
         let film = Film::new(layout.clone(), settings.replicates, settings.seed, prelude.units);
@@ -62,6 +62,21 @@ impl<'a> Session<'a> {
         Ok(integrator::ids(&self.stage.scene, &camera, &self.layout))
     }
 
+    /// What each technique of bidirectional path tracing finds on its own in the passes that the film has, for paths of at most `deepest`
+    /// scattering events; `None` if it was cancelled. `watch` is told the share that is done before each pass.
+    ///
+    /// # Errors
+    /// A camera that is not there, too little memory for the images.
+    pub fn techniques(&self, deepest: u32, cancel: &Cancel, mut watch: impl FnMut(f64)) -> Result<Option<TechniqueImages>> {
+        let (settings, passes) = (&self.provenance.settings, self.film.passes());
+        let options = settings.options();
+        affordable("the images of techniques", TechniqueImages::bytes_per_pixel(&options, deepest), self.layout.pixels())?;
+        let camera = self.stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let watched = passes.iter().enumerate().inspect(|(done, _)| watch(*done as f64 / passes.len() as f64));
+        let passes = watched.map(|(_, pass)| pass);
+        Ok(integrator::technique_images(&self.stage.scene, &camera, &options, &self.layout, passes, deepest, cancel))
+    }
+
     /// What the last look at the error said, if there is a target.
     pub fn target_check(&self) -> Option<&target::Check> {
         self.check.as_ref()
@@ -84,7 +99,7 @@ impl<'a> Session<'a> {
     pub fn run(&mut self, cancel: &Cancel, observer: &mut dyn Observer, mut checkpoint: Option<Checkpoint>) -> Result<Ended> {
         let (stage, settings) = (self.stage, self.provenance.settings.clone());
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
-        let prelude = Prelude { units: self.film.units() };
+        let prelude = Prelude::with(self.film.units());
         let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options(), &prelude);
         let mut scratch = PassFilm::new(&self.layout).with_unit(self.film.units().radiance);
         let (earlier, mut done) = (self.provenance.work.clone(), 0);
@@ -172,14 +187,14 @@ fn admits(done: u64, used: Duration, budget: Duration) -> bool {
     done == 0 || used.as_secs_f64() * (1.0 + 1.0 / done as f64) <= budget.as_secs_f64()
 }
 
-/// Refuses a film that would not fit into memory.
-fn affordable(layout: &Layout, replicates: u32) -> Result<()> {
-    let need = Film::bytes_per_pixel(layout, replicates) as u64 * layout.pixels() as u64;
+/// Refuses what would not fit into memory.
+fn affordable(what: &str, bytes_per_pixel: usize, pixels: usize) -> Result<()> {
+    let need = bytes_per_pixel as u64 * pixels as u64;
     match available_memory() {
         Some(available) if need > available => {
             let (need, available) = (need as f64 / 1e9, available as f64 / 1e9);
-            let what = format!("the film takes {need:.1} GB and {available:.1} GB are free: use a smaller size, a crop, fewer");
-            Err(Error::new(Kind::Memory, format!("{what} replicates or fewer layers")))
+            let cure = "use a smaller size, a crop, fewer replicates or fewer layers";
+            Err(Error::new(Kind::Memory, format!("{what} would take {need:.1} GB and {available:.1} GB are free: {cure}")))
         }
         _ => Ok(()),
     }
@@ -202,8 +217,9 @@ mod tests {
 
     #[test]
     fn a_film_beyond_memory_is_refused_before_it_is_made() {
-        let layout = Layout::new(1 << 16, 1 << 16, None, &[]);
-        assert_eq!(affordable(&layout, 256).unwrap_err().kind, Kind::Memory);
-        assert!(affordable(&Layout::new(16, 16, None, &[]), 4).is_ok());
+        let film =
+            |layout: Layout, replicates| affordable("the film", Film::bytes_per_pixel(&layout, replicates), layout.pixels());
+        assert_eq!(film(Layout::new(1 << 16, 1 << 16, None, &[]), 256).unwrap_err().kind, Kind::Memory);
+        assert!(film(Layout::new(16, 16, None, &[]), 4).is_ok());
     }
 }

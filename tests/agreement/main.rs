@@ -38,4 +38,5 @@ mod sides;
 mod slopes;
 mod studio;
 mod symmetries;
+mod techniques;
 mod textures;

@@ -11,5 +11,6 @@ mod environments;
 mod run;
 mod signals;
 mod targets;
+mod techniques;
 mod usage;
 mod verify;

@@ -24,7 +24,7 @@ impl Picture {
     /// # Errors
     /// An internal error unless there are width × height pixels.
     pub fn of_values(name: &str, width: u32, height: u32, rgb: &[f32], exposure: f32, curve: Curve) -> Result<Picture> {
-        let (width, height, rgb) = reduced(width, height, rgb);
+        let (width, height, rgb) = reduced(width, height, rgb, MOST_SIDE);
         Ok(Picture::of_png(name, width, height, &png::bytes(width, height, &rgb, exposure, curve)?))
     }
 
@@ -42,7 +42,7 @@ impl Picture {
     /// An internal error unless there are width × height values.
     pub fn of_shares(name: &str, width: u32, height: u32, shares: &[f32]) -> Result<Picture> {
         let gray: Vec<f32> = shares.iter().flat_map(|&s| [s; 3]).collect();
-        let (width, height, gray) = reduced(width, height, &gray);
+        let (width, height, gray) = reduced(width, height, &gray, MOST_SIDE);
         let colors: Vec<u8> = gray.iter().step_by(3).flat_map(|&s| heat(s)).collect();
         Picture::of_bytes(name, width, height, &colors)
     }
@@ -52,10 +52,13 @@ impl Picture {
     }
 }
 
-/// The picture with blocks of pixels averaged, no side longer than [`MOST_SIDE`]. Columns and rows past the last whole block
-/// are left out.
-fn reduced(width: u32, height: u32, rgb: &[f32]) -> (u32, u32, Vec<f32>) {
-    let factor = width.max(height).div_ceil(MOST_SIDE).max(1);
+/// The picture with blocks of pixels averaged, no side longer than `most`. Columns and rows past the last whole block are left
+/// out.
+///
+/// # Panics
+/// If `most` is 0.
+pub fn reduced(width: u32, height: u32, rgb: &[f32], most: u32) -> (u32, u32, Vec<f32>) {
+    let factor = width.max(height).div_ceil(most).max(1);
     if factor == 1 || rgb.len() != 3 * width as usize * height as usize {
         return (width, height, rgb.to_vec());
     }
@@ -149,11 +152,11 @@ mod tests {
     #[test]
     fn large_pictures_are_reduced_by_averaging() {
         let rgb: Vec<f32> = (0..1024 * 2).flat_map(|i| [(i % 2) as f32, 1.0, (i / 1024) as f32]).collect();
-        let (width, height, small) = reduced(1024, 2, &rgb);
+        let (width, height, small) = reduced(1024, 2, &rgb, 512);
         assert_eq!((width, height), (512, 1));
         assert!(small.chunks(3).all(|p| p == [0.5, 1.0, 0.5]));
-        assert_eq!(reduced(2, 1, &[1.0; 6]), (2, 1, vec![1.0; 6]));
-        assert_eq!(reduced(1025, 1, &[1.0; 3 * 1025]), (341, 1, vec![1.0; 3 * 341]));
+        assert_eq!(reduced(2, 1, &[1.0; 6], 512), (2, 1, vec![1.0; 6]));
+        assert_eq!(reduced(1025, 1, &[1.0; 3 * 1025], 512), (341, 1, vec![1.0; 3 * 341]));
     }
 
     #[test]
