@@ -29,6 +29,7 @@ with_reference() {
 }
 with_reference cornell-box 8192
 with_reference veach-mis 4096
+page modified-cornell modified-cornell -- --methods path,bdpt --backends embree --reference scenes/modified-cornell/reference.exr
 BUDGET=${BUDGET:-7s} page spheres sphere-lamp sphere-cap -- --size 48x48
 
 "$etendue" bench rays scenes/{cornell-box,modified-cornell,landscape}/scene.gltf --size 256x256 --filter box --depth 64 \

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Time to error on the Cornell box (S1) and the landscape (S7), étendue and other renderers interleaved in one run, étendue's ray
-# rates and its start-up time. For an otherwise idle machine; about a quarter of an hour. Results go to bench/out/.
+# Time to error on the Cornell box (S1), the landscape (S7) and three scenes for bidirectional methods (S2, S4, S6), étendue and other
+# renderers interleaved in one run, étendue's ray rates and its start-up time. For an otherwise idle machine; about half an hour. Results go to bench/out/.
 #
 #   PEERS=../shared/peers   the folder with versus.py, its references and setup.sh, which installs the other renderers
 #   PEERS_WORK=…            where that installed them (default ~/.cache/etendue-peers)
@@ -19,7 +19,7 @@ scene=scenes/cornell-box/scene.gltf
 [ -x "$python" ] || { echo "versus.sh: the other renderers are not installed: run $peers/setup.sh" >&2; exit 1; }
 mkdir -p bench/out
 
-[ -f scenes/landscape/scene.gltf ] || scenes/make.py
+[ -f scenes/ajar-door/scene.gltf ] || scenes/make.py
 
 # ours SCENE SPP [OPTION…]: the command that versus.py runs
 ours() {
@@ -32,7 +32,13 @@ ours() {
 "$python" "$peers/versus.py" S7 --peers mi_scalar:16 mi_llvm:32 --reps "${REPS:-5}" \
   --ours "$(ours landscape 32)" --ours "$(ours landscape 32 --replicates 1)" --ours "$(ours landscape 32 --backend obvhs)" \
   --json bench/out/S7.json | tee bench/out/S7.txt
-echo "ours0 has the default 4 replicates, ours1 has 1 (their ratio is what the error bar costs), ours2 traces rays with obvhs."
+# Caustics and light through a gap: ours0 is path, ours1 bdpt.
+for pair in S2:modified-cornell S4:glass-caustic S6:ajar-door; do
+  name=${pair%%:*} scene=${pair#*:}
+  "$python" "$peers/versus.py" "$name" --peers mi_llvm:64 lux_bidir:16 --reps "${REPS:-5}" \
+    --ours "$(ours "$scene" 64)" --ours "$(ours "$scene" 16 -m bdpt)" --json "bench/out/$name.json" | tee "bench/out/$name.txt"
+done
+echo "On S1 and S7 ours0 has the default 4 replicates, ours1 has 1 (their ratio is what the error bar costs), ours2 traces rays with obvhs."
 for name in cornell-box landscape; do
   "$etendue" bench rays "scenes/$name/scene.gltf" --size 256x256 --filter box --threads 1
 done | tee bench/out/rays.txt

@@ -120,6 +120,12 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
     if method == Method::PathNaive && features.dirac {
         spots.push("path-naive does not see mirrors and clear glass: they are black".into());
     }
+    if matches!(method, Method::Path | Method::PathNee) && features.dirac && features.dirac_lights {
+        spots.push(format!(
+            "{} does not see what mirrors and clear glass throw of point, spot and directional lights: bdpt does",
+            if method == Method::Path { "path" } else { "path-nee" }
+        ));
+    }
     if method == Method::Light && features.dirac {
         spots.push("light does not see what mirrors and clear glass show the camera: they are black".into());
     }

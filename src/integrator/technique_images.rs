@@ -2,7 +2,7 @@
 //! from the camera, weighted and unweighted [Veach97 figure 10.4].
 //!
 //! Use them to see what techniques are good at and whether they are right. The weighted images sum to the picture of the same passes
-//! (samples are at the same addresses); without weights all of one path length show the same light, each with its own noise.
+//! (samples are at the same addresses), in the mean where that plays roulette on connections; without weights all of one path length show the same light, each with its own noise.
 //! Every connection is traced: roulette by what it is worth in the picture would spoil what it is worth without weights.
 //! Limits: [`Options::clamp`] is not applied; a value that is not finite is left out by itself and not with its whole sample; what
 //! no technique of a length can find is in none of its images.

@@ -81,7 +81,7 @@ pub struct Choices {
     /// Techniques that bdpt does without, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "TECHNIQUES")]
     pub without: Option<Vec<Technique>>,
-    /// How the techniques of bdpt share a path [default: power]
+    /// How the techniques of bdpt share a path [default: balance]
     #[arg(long, value_enum)]
     pub heuristic: Option<Heuristic>,
     /// What surrounds the scene instead of its own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)

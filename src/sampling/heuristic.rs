@@ -4,10 +4,12 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Heuristic {
-    /// Weights proportional to the densities [Veach97 §9.2.2].
+    /// Weights proportional to the densities [Veach97 §9.2.2]. relMSE × CPU seconds of bidirectional path tracing under the power
+    /// heuristic and this: .0424 and .0395 on the modified Cornell box, .90 and .83 on the ajar door, the same on the Cornell box and
+    /// the glass caustic.
+    #[default]
     Balance,
     /// Weights proportional to their squares [Veach97 §9.2.4].
-    #[default]
     Power,
 }
 

@@ -11,23 +11,24 @@ fn layer<'a>(image: &'a exr::ExrImage, name: &str) -> &'a [f32] {
 #[test]
 fn every_technique_has_its_layers_and_its_place_on_the_sheet() {
     let place = Place::new();
-    let line = "-m bdpt --depth 2 --spp 8 -o box.exr --techniques parts.exr --techniques-depth 2";
+    // Connections, on which the picture plays roulette and the parts do not, would be equal in the mean only.
+    let line = "-m bdpt --without connect --depth 2 --spp 8 -o box.exr --techniques parts.exr --techniques-depth 2";
     let ran = place.run(&format!("render {} {line}", cornell()));
     assert_eq!(ran.code(), 0, "{}", ran.stderr());
     let lines = ran.stdout();
     assert_eq!(lines.lines().last(), Some("image: box.exr"));
     assert!(lines.contains("techniques: parts.exr, parts.png"), "{lines}");
     let [whole, parts] = ["box.exr", "parts.exr"].map(|name| exr::read(&place.path(name)).unwrap());
-    let techniques = [(0, 2), (0, 3), (1, 2), (2, 1), (0, 4), (1, 3), (2, 2), (3, 1)];
+    let techniques = [(0, 2), (0, 3), (1, 2), (2, 1), (0, 4), (1, 3), (3, 1)];
     assert_eq!(parts.layers.len(), 2 * 3 * techniques.len());
     for lane in ["R", "G", "B"] {
         let all = techniques.map(|(s, t)| layer(&parts, &format!("s{s}t{t}.weighted.{lane}")));
         for (i, &want) in layer(&whole, lane).iter().enumerate() {
             let found: f32 = all.iter().map(|values| values[i]).sum();
-            // 8 images of 2⁻²⁴ of the mean radiance for each of dozens of roundings: see agreement/techniques
+            // 7 images of 2⁻²⁴ of the mean radiance for each of dozens of roundings: see agreement/techniques
             assert!((found - want).abs() < 1e-4 * (want + 1.0), "{lane} {i}: {found}, not {want}");
         }
-        assert!(layer(&parts, &format!("s2t2.unweighted.{lane}")).iter().any(|&v| v > 0.0));
+        assert!(layer(&parts, &format!("s3t1.unweighted.{lane}")).iter().any(|&v| v > 0.0));
     }
     let sheet = image::open(place.path("parts.png")).unwrap().into_rgb8();
     // two halves of four columns, three rows of the picture's 32 pixels and a caption
