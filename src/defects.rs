@@ -181,7 +181,7 @@ defects! {
     DirectPdfIsEmissions "direct-pdf-is-emissions"
         "Light found by chance is weighted against emission's density where a receiver's is meant."
         "light-transport.md 2.3 (a)";
-    SplatsWithoutCosine "splats-without-magnification"
+    SplatsWithoutMagnification "splats-without-magnification"
         "Connections with the camera do not know how large an area the film sees."
         "light tracers before a scene of another size";
     DiracConnects "dirac-connects"

@@ -195,9 +195,9 @@ impl<'a> Bidirectional<'a> {
         }
         let w = path.walk.ray.direction;
         let (radiance, pdf) = environment.along(w);
-        let density = self.scene.lights().all()[index].emission_density(self.scene.ball(), -w);
+        let ray = self.scene.lights().all()[index].ray_density(self.scene.ball(), -w);
         let [direct, end] = self.probabilities(&path.walk, index).map(|pmf| pmf * f64::from(pdf.value()));
-        sink.add(0, t, path.walk.beta * radiance, self.weights.hit(sums, direct, end, density.ray));
+        sink.add(0, t, path.walk.beta * radiance, self.weights.hit(sums, direct, end, ray));
     }
 
     /// Probabilities of light `index`: to be chosen where the edge of `walk` begins, and to emit.

@@ -43,6 +43,12 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         CameraPass { method, scene, samples: Samples::new(camera, options), options: *options }
     }
 
+    /// How many walks start from lights in a pass.
+    fn walks(&self, layout: &Layout) -> usize {
+        let whole = layout.width as usize * layout.height as usize;
+        if planted(Defect::SplatsOfTheWhole) { whole } else { self.options.pixels }
+    }
+
     /// Renders consecutive pixels from `first` on.
     fn chunk<P: Sampler>(
         &self,
@@ -54,7 +60,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
     ) -> PassReport {
         let channels = layout.channels();
         let mut report = PassReport::default();
-        let (address, per_walk) = (Address::new(self.options.seed).with(pass), (walks(layout) as f32).recip());
+        let (address, per_walk) = (Address::new(self.options.seed).with(pass), (self.walks(layout) as f32).recip());
         let mut tally = Tally::default();
         for (i, values) in out.chunks_exact_mut(channels).enumerate() {
             let Sample { pixel, index, ray, mut numbers } = self.samples.of_pixel(layout, first + i, &sampler);
@@ -113,20 +119,18 @@ impl<M: Radiance> Work for Pass<'_, '_, M> {
         let Pass { all, pass, cancel, out } = self;
         let layout = out.layout().clone();
         let (chunks, splats) = out.par_chunks_and_splats(CHUNK);
-        let report = chunks
-            .map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, splats, &source)))
-            .try_reduce(PassReport::default, |mut a, b| {
-                a.absorb(b);
-                Some(a)
-            });
+        let report = gather(chunks.map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, splats, &source))));
         out.fold_splats();
         report
     }
 }
 
-/// How many walks start from lights in a pass over an image of `layout`.
-fn walks(layout: &Layout) -> usize {
-    if planted(Defect::SplatsOfTheWhole) { layout.width as usize * layout.height as usize } else { layout.pixels() }
+/// What all parts of a pass did; `None` if one was cancelled.
+pub(super) fn gather(parts: impl ParallelIterator<Item = Option<PassReport>>) -> Option<PassReport> {
+    parts.try_reduce(PassReport::default, |mut a, b| {
+        a.absorb(b);
+        Some(a)
+    })
 }
 
 /// Limits each lane to `most` and notes what that takes away.

@@ -6,7 +6,7 @@ use crate::defects::{Defect, planted};
 use crate::film::{Layout, Plane};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::path::{Tally, Walk};
-use crate::sampling::{Sampler, Slot};
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::Transport;
@@ -69,8 +69,7 @@ fn first_diffuse(
             return here;
         }
         let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return here };
-        let [u, v] = sampler.u2(walk.bounce, Slot::Direction);
-        let Some(scatter) = shading.sample([sampler.u1(walk.bounce, Slot::Lobe), u, v]) else { return here };
+        let Some(scatter) = shading.sample(walk.scattering_numbers(&surface, sampler)) else { return here };
         walk.depart(&point, &scatter);
         match walk.arrive(sampler, tally) {
             Some(next) => point = next,

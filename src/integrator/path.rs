@@ -175,14 +175,6 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
             }
         }
     }
-
-    /// The next direction. Models with one lobe do not look at the number that chooses among several.
-    #[inline]
-    fn scatter(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler) -> Option<ShadingSample> {
-        let lobe = if shading.surface.is_single_lobe() { 0.0 } else { sampler.u1(walk.bounce, Slot::Lobe) };
-        let [u, v] = sampler.u2(walk.bounce, Slot::Direction);
-        S::scatter(shading, [lobe, u, v])
-    }
 }
 
 impl<S: Strategy> Radiance for PathTracer<'_, S> {
@@ -208,7 +200,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
             if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
                 total += self.direct(&shading, &walk, sampler, tally);
             }
-            let Some(scatter) = self.scatter(&shading, &walk, sampler) else { return total };
+            let Some(scatter) = S::scatter(&shading, walk.scattering_numbers(&surface, sampler)) else { return total };
             walk.depart(&point, &scatter);
             if !walk.survives(sampler, tally) {
                 return total;

@@ -8,7 +8,7 @@
 //! no technique of a length can find is in none of its images.
 
 use super::bidirectional::{Bidirectional, Sink};
-use super::camera_pass::CHUNK;
+use super::camera_pass::{CHUNK, gather};
 use super::samples::{Sample, Samples, Work};
 use super::{InvalidSample, Options, PassReport, Prelude, prelude};
 use crate::camera::Camera;
@@ -156,13 +156,8 @@ impl Work for Pass<'_, '_> {
     fn run<P: Sampler>(self, source: impl Fn(u64) -> P + Sync) -> Option<PassReport> {
         let pixels = self.all.layout.pixels();
         let chunk = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(pixels);
-        (0..pixels.div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|at| (!self.cancel.requested()).then(|| self.chunk(chunk(at), &source)))
-            .try_reduce(PassReport::default, |mut a, b| {
-                a.absorb(b);
-                Some(a)
-            })
+        let chunks = (0..pixels.div_ceil(CHUNK)).into_par_iter();
+        gather(chunks.map(|at| (!self.cancel.requested()).then(|| self.chunk(chunk(at), &source))))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Emitting triangles: constant radiance, or a texture, over each.
 
-use super::{EmissionDensity, EmissionNumbers, Emitted, End, LightSample};
+use super::{EmissionNumbers, Emitted, End, LightSample};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Local, Triangle, spawn_ray};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
@@ -137,13 +137,17 @@ impl AreaLight {
         (self.density.value() > 0.0).then_some(Emitted { end: End::Surface { p, error, ng: self.ng }, ray, power })
     }
 
-    /// See [`super::Light::emission_density`].
-    pub(super) fn emission_density(&self, w: Vec3) -> EmissionDensity {
+    /// Density per area of where [`AreaLight::emit`] begins.
+    pub(super) fn area_pdf(&self) -> f64 {
+        f64::from(self.density.value())
+    }
+
+    /// Density per solid angle of the direction of [`AreaLight::emit`].
+    pub(super) fn emission_pdf(&self, w: Vec3) -> f64 {
         let cos = f64::from(w.dot(self.ng));
         let half = if planted(Defect::TwoSidedWhole) { 1.0 } else { 0.5 };
         let cos = if self.emission.two_sided { half * cos.abs() } else { cos.max(0.0) };
-        let cos = if planted(Defect::EmissionPdfUniform) { 0.5 } else { cos };
-        EmissionDensity { end: f64::from(self.density.value()), ray: cos / PI }
+        (if planted(Defect::EmissionPdfUniform) { 0.5 } else { cos }) / PI
     }
 
     /// π times area times mean radiance, for each emitting side.

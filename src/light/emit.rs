@@ -54,12 +54,22 @@ pub struct EmissionDensity {
 impl Light {
     /// The densities with which [`Light::emit`] makes a ray in the unit direction `w`, from wherever on the light.
     pub fn emission_density(&self, ball: &Ball, w: Vec3) -> EmissionDensity {
+        let end = match self {
+            Light::Point(_) | Light::Spot(_) | Light::Directional(_) => 1.0,
+            Light::Area(light) => light.area_pdf(),
+            Light::Environment(light) => f64::from(light.along(-w).1.value()),
+        };
+        EmissionDensity { end, ray: self.ray_density(ball, w) }
+    }
+
+    /// [`EmissionDensity::ray`] alone, for which an environment is not looked up.
+    #[inline]
+    pub fn ray_density(&self, ball: &Ball, w: Vec3) -> f64 {
         match self {
-            Light::Point(_) => EmissionDensity { end: 1.0, ray: f64::from(warp::uniform_sphere_pdf().value()) },
-            Light::Spot(light) => EmissionDensity { end: 1.0, ray: light.emission_pdf(w) },
-            Light::Directional(_) => EmissionDensity { end: 1.0, ray: ball.disk_pdf() },
-            Light::Area(light) => light.emission_density(w),
-            Light::Environment(light) => EmissionDensity { end: f64::from(light.along(-w).1.value()), ray: ball.disk_pdf() },
+            Light::Point(_) => f64::from(warp::uniform_sphere_pdf().value()),
+            Light::Spot(light) => light.emission_pdf(w),
+            Light::Area(light) => light.emission_pdf(w),
+            Light::Directional(_) | Light::Environment(_) => ball.disk_pdf(),
         }
     }
 

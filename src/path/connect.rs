@@ -48,13 +48,13 @@ pub fn next_event(
     let sample = light.sample_toward(&receiver, sampler.u2(bounce, Slot::LightPoint))?;
     let Scattering { f_cos, pdf } = shading.scattering(sample.wi)?;
     let pmf = f64::from(pmf.value());
-    let emission = light.emission_density(scene.ball(), -sample.wi);
+    let emission = light.ray_density(scene.ball(), -sample.wi);
     let ratio = f64::from(scene.lights().emitter_pmf(index).value()) / pmf;
     let d2 = match sample.end {
         End::Surface { p, .. } | End::Point(p) => f64::from(p.distance_squared(z.point.p)),
         End::Infinity => 1.0,
     };
-    let made = ratio * emission.ray * f64::from(sample.wi.dot(z.point.ng).abs()) / d2;
+    let made = ratio * emission * f64::from(sample.wi.dot(z.point.ng).abs()) / d2;
     let hit = match sample.density {
         Density::Smooth(toward) => f64::from(pdf.value()) / (pmf * f64::from(toward.value())),
         Density::Delta(_) => 0.0,
@@ -107,7 +107,7 @@ pub fn splat(scene: &Scene, weights: &Weights, camera: &Camera, y: &Vertex) -> O
     }
     let shading = y.shading()?;
     let at_y = shading.scattering(seen.toward)?;
-    let magnification = if planted(Defect::SplatsWithoutCosine) { 1.0 } else { seen.magnification };
+    let magnification = if planted(Defect::SplatsWithoutMagnification) { 1.0 } else { seen.magnification };
     let density = f64::from(seen.magnification) * f64::from(seen.toward.dot(y.point.ng).abs());
     let reverse = f64::from(shading.reverse_pdf(seen.toward).value());
     let segment = Ray { medium: y.medium_toward(scene, seen.toward), ..y.point.segment(seen.eye, 0.0, y.point.ng) };

@@ -151,13 +151,13 @@ impl Weights {
         f64::from(u8::from(on))
     }
 
-    /// The edge from the camera, whose film a perpendicular area where it ends covers by `magnification` pixels.
+    /// The edge from the camera. Its density is the magnification where it ends, in pixels of film per perpendicular area.
     #[inline]
-    pub fn from_camera(&self, magnification: f32) -> Link {
+    pub fn from_camera(&self) -> Link {
         let walks = if planted(Defect::SplatsCountedOnce) { 1.0 } else { self.light_walks };
         let split = Self::factor(self.techniques.splat) * self.power(walks);
         let before = Sums::default();
-        Link { before, forward: f64::from(magnification), reverse: 0.0, split, split_before: 0.0, start: Start::Far }
+        Link { before, forward: 0.0, reverse: 0.0, split, split_before: 0.0, start: Start::Far }
     }
 
     /// The edge from a light with emission densities `end` and `ray`, the light's probability in `end`; `direct` is that by which a

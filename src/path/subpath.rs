@@ -88,7 +88,7 @@ impl<'a> Subpath<'a> {
     #[inline]
     pub fn from_camera(scene: &'a Scene, weights: &Weights, ray: Ray) -> Self {
         // The density is known where the edge ends: see `arrive`.
-        Subpath { scene, weights: *weights, walk: Walk::new(scene, ray), link: weights.from_camera(0.0) }
+        Subpath { scene, weights: *weights, walk: Walk::new(scene, ray), link: weights.from_camera() }
     }
 
     /// Along a ray of some light, and where it left that light; `None` where it is dark.
@@ -145,10 +145,7 @@ impl<'a> Subpath<'a> {
     /// Leaves `vertex`, where it has arrived, through the component that is returned; `None` where it ends.
     #[inline]
     pub fn depart(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<Lobes> {
-        let bounce = self.walk.bounce;
-        let [u, v] = sampler.u2(bounce, Slot::Direction);
-        let lobe = if vertex.surface.is_single_lobe() { 0.0 } else { sampler.u1(bounce, Slot::Lobe) };
-        let scatter = shading.sample([lobe, u, v])?;
+        let scatter = shading.sample(self.walk.scattering_numbers(&vertex.surface, sampler))?;
         let densities = shading.densities(&scatter);
         let SurfacePoint { p, ng, .. } = vertex.point;
         self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), p, ng);

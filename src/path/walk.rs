@@ -4,7 +4,7 @@
 //! of the edge between two vertices and never vertices themselves.
 
 use crate::accel::RayClass;
-use crate::bsdf::ShadingSample;
+use crate::bsdf::{ShadingSample, Surface};
 use crate::defects::{Defect, planted};
 use crate::geometry::{MediumId, Ray, SurfacePoint};
 use crate::light::Receiver;
@@ -160,6 +160,14 @@ impl<'a> Walk<'a> {
     #[inline]
     pub fn medium_toward(&self, point: &SurfacePoint, w: Vec3) -> MediumId {
         self.scene.medium_toward(point, -self.ray.direction, self.ray.medium, w)
+    }
+
+    /// The numbers for scattering by `surface`. Models with one lobe do not look at the one that chooses among several.
+    #[inline]
+    pub fn scattering_numbers(&self, surface: &Surface, sampler: &mut impl Sampler) -> [f32; 3] {
+        let lobe = if surface.is_single_lobe() { 0.0 } else { sampler.u1(self.bounce, Slot::Lobe) };
+        let [u, v] = sampler.u2(self.bounce, Slot::Direction);
+        [lobe, u, v]
     }
 
     /// Leaves `point` as `scatter` says.
