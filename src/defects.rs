@@ -78,6 +78,31 @@ defects! {
     Eta2Forgotten "eta2-forgotten"
         "Radiance is not scaled by the square of the refractive index."
         "light-transport.md 2.1";
+    // chains
+    HastingsForgotten "hastings-forgotten"
+        "Acceptance compares targets alone, whatever the densities of the proposals."
+        "Metropolis's rule taken for Hastings's";
+    MutationTypeForgotten "mutation-type-forgotten"
+        "That a kernel is taken with different probabilities at the two states is left out of the acceptance."
+        "light-transport.md 2.4";
+    ChainsShareStream "chains-share-stream"
+        "All chains of a pass take the same random steps."
+        "light-transport.md 2.5 (g)";
+    NewCoordinatesZero "new-coordinates-zero"
+        "A coordinate that a longer path needs begins at zero."
+        "light-transport.md 2.5 (e)";
+    TechniquesUncounted "techniques-uncounted"
+        "A multiplexed path is not multiplied by the number of techniques that it was chosen among."
+        "light-transport.md 2.6 (a)";
+    DeletionNotReevaluated "deletion-not-reevaluated"
+        "The probability of deleting the new vertices is taken to be that of deleting the old ones."
+        "light-transport.md 2.4";
+    CausticRangeOneSided "caustic-range-one-sided"
+        "The caustic perturbation does not ask whether the new path's range of angles holds the way back."
+        "light-transport.md 2.4";
+    JacobianDropped "jacobian-dropped"
+        "Perturbations do not weigh how they stretch area."
+        "light-transport.md 2.4";
     FresnelFromOutside "fresnel-from-outside"
         "A smooth glass face reflects from inside as it does from outside: no total reflection."
         "the wrong side's index";

@@ -18,6 +18,7 @@ pub mod spectrum;
 pub mod stats;
 // floor 3
 pub mod geometry;
+pub mod mcmc;
 // floor 4
 pub mod accel;
 pub mod texture;

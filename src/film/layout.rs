@@ -15,6 +15,13 @@ pub struct Crop {
     pub y1: u32,
 }
 
+impl Crop {
+    /// How many pixels it has.
+    pub fn pixels(&self) -> usize {
+        (self.x1 - self.x0) as usize * (self.y1 - self.y0) as usize
+    }
+}
+
 /// A quantity averaged over the samples of each pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -88,7 +95,7 @@ impl Layout {
 
     /// How many pixels are rendered.
     pub fn pixels(&self) -> usize {
-        (self.crop.x1 - self.crop.x0) as usize * (self.crop.y1 - self.crop.y0) as usize
+        self.crop.pixels()
     }
 
     /// Column and row in the full image of the rendered pixel `index` (row by row inside the crop).

@@ -17,6 +17,7 @@ use crate::path::{connect, next_event, splat};
 use crate::sampling::{Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
+use std::ops::RangeInclusive;
 
 /// Where the light of techniques goes, each told apart by its numbers of vertices `s` from the light and `t` from the camera.
 pub(super) trait Sink {
@@ -34,11 +35,13 @@ const WORTHWHILE: f32 = 0.3;
 const ROULETTE: u32 = 1 << 30;
 
 /// The estimator.
+#[derive(Clone)]
 pub(super) struct Bidirectional<'a> {
     scene: &'a Scene,
     camera: Camera,
     weights: Weights,
-    max_depth: usize,
+    /// Scattering events of the shortest and longest paths that it makes.
+    events: RangeInclusive<usize>,
     /// What a connection must be worth to be traced for certain: others are by the share that they are worth of it.
     worthwhile: f32,
     /// Whether the environment is left out where the camera sees it directly.
@@ -48,18 +51,23 @@ pub(super) struct Bidirectional<'a> {
 impl<'a> Bidirectional<'a> {
     pub(super) fn new(scene: &'a Scene, camera: &Camera, options: &Options, prelude: &Prelude) -> Self {
         let Options { techniques, heuristic, .. } = *options;
-        let weights = Weights { techniques, heuristic, light_walks: options.pixels as f64 };
-        let max_depth = options.max_depth.map_or(usize::MAX, |d| d as usize);
+        let weights = Weights { techniques, heuristic, light_walks: options.pixels() as f64 };
+        let events = 0..=options.max_depth.map_or(usize::MAX, |d| d as usize);
         let worthwhile = WORTHWHILE * prelude.typical;
         let (camera, transparent) = (camera.clone(), options.transparent);
-        Bidirectional { scene, camera, weights, max_depth, worthwhile, transparent }
+        Bidirectional { scene, camera, weights, events, worthwhile, transparent }
+    }
+
+    /// The same for paths of at least `fewest` scattering events.
+    pub(super) fn from_events(self, fewest: usize) -> Self {
+        Bidirectional { events: fewest..=*self.events.end(), ..self }
     }
 
     /// Whether a path of `s` vertices from the light and `t` from the camera is short enough and its technique takes part.
     #[inline]
-    fn wants(&self, s: usize, t: usize) -> bool {
+    pub(super) fn wants(&self, s: usize, t: usize) -> bool {
         let events = (s + t).saturating_sub(2) - usize::from(planted(Defect::SplatsOneDeeper) && t == 1);
-        self.weights.techniques.has(s, t) && events <= self.max_depth
+        self.weights.techniques.has(s, t) && self.events.contains(&events)
     }
 
     /// All that a sample along the camera ray `ray` finds.
@@ -77,14 +85,77 @@ impl<'a> Bidirectional<'a> {
         self.camera_walk(ray, &from_light, sampler, sink, tally);
     }
 
+    /// What the technique of `s` and `t` vertices finds alone, without roulette. It takes the same numbers as [`Bidirectional::sample`].
+    pub(super) fn technique(
+        &self,
+        [s, t]: [usize; 2],
+        ray: Ray,
+        camera: &mut impl Sampler,
+        light: &mut impl Sampler,
+        sink: &mut impl Sink,
+        tally: &mut Tally,
+    ) {
+        let y = if s < 2 {
+            None
+        } else {
+            let Some((path, _)) = Subpath::from_light(self.scene, &self.weights, light) else { return };
+            let Some(Arrival::Surface(y)) = self.walked(path, s - 1, light, tally).map(|(_, arrival)| arrival) else { return };
+            Some(y).filter(Vertex::is_connectible)
+        };
+        if t == 1 {
+            return self.splats(y.as_slice(), sink, tally);
+        }
+        if s >= 2 && y.is_none() {
+            return;
+        }
+        let path = Subpath::from_camera(self.scene, &self.weights, ray);
+        match self.walked(path, t - 1, camera, tally) {
+            Some((path, Arrival::Infinity(sums))) if s == 0 => self.background(&path, &sums, sink),
+            Some((path, Arrival::Surface(z))) if s == 0 => self.emitted(&path, &z, sink),
+            Some((_, Arrival::Surface(z))) if z.is_connectible() => {
+                let Some(shading) = z.shading() else { return };
+                let found = match &y {
+                    Some(y) => connect(self.scene, &self.weights, y, &z, &shading),
+                    None => next_event(self.scene, &self.weights, &z, &shading, camera),
+                };
+                self.traced([s, t], found, sink, tally);
+            }
+            _ => {}
+        }
+    }
+
+    /// `path` at the end of its edge number `edge`, or outside the scene there; `None` if it does not come so far.
+    fn walked<'s>(
+        &self,
+        mut path: Subpath<'s>,
+        edge: usize,
+        sampler: &mut impl Sampler,
+        tally: &mut Tally,
+    ) -> Option<(Subpath<'s>, Arrival<'s>)> {
+        for _ in 1..edge {
+            let Arrival::Surface(vertex) = path.arrive(&self.camera, sampler, tally) else { return None };
+            path.depart(&vertex, &vertex.shading()?, sampler)?;
+        }
+        let arrival = path.arrive(&self.camera, sampler, tally);
+        Some((path, arrival))
+    }
+
+    /// Hands over what was `found`, as far as nothing is in the way.
+    fn traced(&self, [s, t]: [usize; 2], found: Option<Connection>, sink: &mut impl Sink, tally: &mut Tally) {
+        if let Some(Connection { value, weight, segment }) = found {
+            let through = self.scene.transmittance(&segment, &mut tally.shadows);
+            sink.add(s, t, value * through, weight);
+        }
+    }
+
     /// The vertices of a walk from a light that can be connected, each with its number.
     fn light_walk(&self, sampler: &mut impl Sampler, tally: &mut Tally) -> Vec<Vertex<'a>> {
         let mut vertices = Vec::new();
         let Some((mut path, _)) = Subpath::from_light(self.scene, &self.weights, sampler) else { return vertices };
         while let Arrival::Surface(vertex) = path.arrive(&self.camera, sampler, tally) {
-            let longest = vertex.sums.index as usize >= self.max_depth;
+            let longest = vertex.sums.index as usize >= *self.events.end();
             let goes_on =
-                !longest && vertex.shading().is_some_and(|shading| path.depart(&vertex, &shading, sampler, tally).is_some());
+                !longest && vertex.shading().is_some_and(|shading| path.go_on(&vertex, &shading, sampler, tally).is_some());
             if vertex.is_connectible() {
                 vertices.push(vertex);
             }
@@ -118,14 +189,14 @@ impl<'a> Bidirectional<'a> {
                 Arrival::Infinity(sums) => return self.background(&path, &sums, sink),
             };
             self.emitted(&path, &z, sink);
-            if !(hit || next_event || connect) || z.sums.index as usize > self.max_depth {
+            if !(hit || next_event || connect) || z.sums.index as usize > *self.events.end() {
                 return;
             }
             let Some(shading) = z.shading() else { return };
             if z.is_connectible() {
                 self.connections(&z, &shading, from_light, sampler, sink, tally);
             }
-            if path.depart(&z, &shading, sampler, tally).is_none() {
+            if path.go_on(&z, &shading, sampler, tally).is_none() {
                 return;
             }
         }
@@ -142,20 +213,14 @@ impl<'a> Bidirectional<'a> {
         tally: &mut Tally,
     ) {
         let t = z.sums.index as usize + 1;
-        let mut add = |s: usize, found: Option<Connection>| {
-            if let Some(Connection { value, weight, segment }) = found {
-                let through = self.scene.transmittance(&segment, &mut tally.shadows);
-                sink.add(s, t, value * through, weight);
-            }
-        };
         if self.wants(1, t) {
-            add(1, next_event(self.scene, &self.weights, z, shading, sampler));
+            self.traced([1, t], next_event(self.scene, &self.weights, z, shading, sampler), sink, tally);
         }
         for y in from_light {
             let s = y.sums.index as usize + 1;
             if self.wants(s, t) {
                 let found = connect(self.scene, &self.weights, y, z, shading);
-                add(s, found.and_then(|found| self.played(found, sampler, s, t)));
+                self.traced([s, t], found.and_then(|found| self.played(found, sampler, s, t)), sink, tally);
             }
         }
     }

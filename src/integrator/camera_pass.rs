@@ -46,7 +46,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
     /// How many walks start from lights in a pass.
     fn walks(&self, layout: &Layout) -> usize {
         let whole = layout.width as usize * layout.height as usize;
-        if planted(Defect::SplatsOfTheWhole) { whole } else { self.options.pixels }
+        if planted(Defect::SplatsOfTheWhole) { whole } else { self.options.pixels() }
     }
 
     /// Renders consecutive pixels from `first` on.
@@ -157,7 +157,7 @@ impl PassReport {
         self.absorb(PassReport {
             rays: RayCounts { camera: tally.cameras, bounce: tally.bounces, shadow: tally.shadows },
             guards: Guards { bad_hits: tally.bad_hits, overlong_paths: tally.overlong, ..Guards::default() },
-            invalid: Vec::new(),
+            ..PassReport::default()
         });
     }
 }

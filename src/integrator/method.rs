@@ -17,4 +17,17 @@ pub enum Method {
     Light,
     /// Bidirectional path tracing: walks from both ends and every connection between them, combined by multiple importance sampling.
     Bdpt,
+    /// Metropolis light transport in primary sample space: chains of the numbers of bidirectional path tracing.
+    Pssmlt,
+    /// Multiplexed Metropolis light transport: chains of single paths whose technique is a number of theirs.
+    Mmlt,
+    /// Metropolis light transport in path space: chains of paths under mutations and perturbations.
+    Mlt,
+}
+
+impl Method {
+    /// Whether its passes are groups of Markov chains.
+    pub fn has_chains(self) -> bool {
+        matches!(self, Method::Pssmlt | Method::Mmlt | Method::Mlt)
+    }
 }

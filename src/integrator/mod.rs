@@ -6,6 +6,7 @@ mod camera_pass;
 mod features;
 mod ids;
 mod method;
+mod metropolis;
 mod path;
 mod prelude;
 mod samples;
@@ -13,11 +14,12 @@ mod technique_images;
 
 pub use ids::ids;
 pub use method::Method;
+pub use metropolis::{ChainReport, MetropolisOptions, Mutations, Tiles};
 pub use prelude::Prelude;
 pub use technique_images::{TechniqueImage, TechniqueImages, technique_images};
 
 use crate::camera::Camera;
-use crate::film::{Filter, Layout, PassFilm};
+use crate::film::{Crop, Filter, Layout, PassFilm};
 use crate::parallel::Cancel;
 use crate::path::Techniques;
 use crate::sampling::{Heuristic, SamplerKind};
@@ -47,8 +49,10 @@ pub struct Options {
     pub techniques: Techniques,
     /// How they share a path.
     pub heuristic: Heuristic,
-    /// Pixels that a pass renders: as many walks start from lights.
-    pub pixels: usize,
+    /// What is rendered of the image.
+    pub crop: Crop,
+    /// What chains of Metropolis methods are like.
+    pub metropolis: MetropolisOptions,
 }
 
 impl Options {
@@ -64,8 +68,14 @@ impl Options {
             transparent: false,
             techniques: Techniques::ALL,
             heuristic: Heuristic::default(),
-            pixels: layout.pixels(),
+            crop: layout.crop,
+            metropolis: MetropolisOptions::default(),
         }
+    }
+
+    /// Pixels that a pass renders: as many walks start from lights.
+    pub fn pixels(&self) -> usize {
+        self.crop.pixels()
     }
 }
 
@@ -99,6 +109,9 @@ pub fn build<'a>(
             let tracer = Bidirectional::new(scene, &camera, options, prelude);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
+        Method::Pssmlt => metropolis::pssmlt(scene, camera, options),
+        Method::Mmlt => metropolis::mmlt(scene, camera, options),
+        Method::Mlt => metropolis::mlt(scene, camera, options),
     }
 }
 
@@ -130,6 +143,12 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
         spots.push("light does not see what mirrors and clear glass show the camera: they are black".into());
     }
     spots
+}
+
+/// Why `method` does not render `scene` at all, in a sentence.
+pub fn refusal(method: Method, scene: &Scene) -> Option<&'static str> {
+    let blends = method == Method::Mlt && scene.features().blends;
+    blends.then_some("mlt does not know surfaces that blend by alpha: render the scene with mmlt, which does")
 }
 
 /// How many rays of each kind were traced.
@@ -185,6 +204,9 @@ pub struct PassReport {
     pub guards: Guards,
     /// The first samples that were not finite, at most [`PassReport::MAX_INVALID`].
     pub invalid: Vec<InvalidSample>,
+    /// What chains say of themselves, where there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chains: Option<ChainReport>,
 }
 
 impl PassReport {
@@ -205,6 +227,9 @@ impl PassReport {
         g.clamped_energy += o.clamped_energy;
         self.invalid.extend(other.invalid);
         self.invalid.truncate(Self::MAX_INVALID);
+        if let Some(chains) = other.chains {
+            self.chains.get_or_insert_default().absorb(chains);
+        }
     }
 }
 

@@ -218,7 +218,7 @@ impl Sink for Recording<'_> {
     #[inline]
     fn splat(&mut self, s: usize, film: [f32; 2], value: Spectrum, weight: f64) {
         // Splats are per walk from a light, and a pass has as many as pixels.
-        let per_walk = (self.options.pixels as f32).recip();
+        let per_walk = (self.options.pixels() as f32).recip();
         self.record([s, 1], self.options.filter, film, [value * weight as f32 * per_walk, value * per_walk]);
     }
 }

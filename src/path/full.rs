@@ -4,7 +4,7 @@
 //! Visibility and transmittance of edges are left out, as they are of all densities. Dirac components are named by the path: their
 //! directions are taken as they are, and values and probabilities are those of the component (see [`FullPath::evaluate`]).
 
-use super::mis::{Techniques, Weights};
+use super::mis::Weights;
 use super::{Emitter, Vertex};
 use crate::bsdf::{Bsdf, Lobes, Surface};
 use crate::camera::Camera;
@@ -29,7 +29,7 @@ pub struct Node {
 /// A path x₀ x₁ … x_k from a light to the camera with k ≥ 2 edges.
 pub struct FullPath<'a> {
     scene: &'a Scene,
-    camera: &'a Camera,
+    camera: Camera,
     emitter: Emitter,
     /// x₁ to x_{k−1}.
     nodes: Vec<Node>,
@@ -56,12 +56,37 @@ pub struct Densities {
     pub log: Vec<Option<f64>>,
 }
 
+/// The density with which walks would make each vertex of a path, given those before it: of x₀ … x_{k−1}, per area.
+#[derive(Debug, Clone, Default)]
+pub struct Steps {
+    /// In a walk from the light; of x₀ as emission chooses it.
+    pub light: Vec<f64>,
+    /// In a walk from the camera.
+    pub camera: Vec<f64>,
+    /// Of x₀, as x₁ would choose it.
+    pub direct: f64,
+    /// As `light` and `camera`, if the component of each Dirac vertex were given, and the density of every other direction were 1.
+    pub copied: [Vec<f64>; 2],
+    /// Whether the edge to xₛ can be made by connecting its ends, for s = 0 (where a walk finds the light) … k.
+    pub connects: Vec<bool>,
+}
+
 impl Densities {
     /// The weight of technique `s`, p^β over the sum of all; 0 if it does not make the path.
     pub fn weight(&self, weights: &Weights, s: usize) -> f64 {
         let Some(own) = self.log[s] else { return 0.0 };
         let sum: f64 = self.log.iter().flatten().map(|log| weights.power((log - own).exp())).sum();
         sum.recip()
+    }
+}
+
+impl Steps {
+    /// Logarithm of the density with which x_a … x_{b−1} are made, those before `s` by a walk from the light and the others by one from
+    /// the camera.
+    pub fn log_split(&self, a: usize, b: usize, s: usize) -> f64 {
+        let light: f64 = (a..s).map(|i| if (i, s) == (0, 1) { self.direct.ln() } else { self.light[i].ln() }).sum();
+        let camera: f64 = (s..b).map(|i| self.camera[i].ln()).sum();
+        light + camera
     }
 }
 
@@ -72,16 +97,19 @@ impl Node {
         Node { point: vertex.point, surface: *vertex.surface, lobe }
     }
 
-    fn is_dirac(&self) -> bool {
+    /// Whether its component is a Dirac lobe.
+    pub fn is_dirac(&self) -> bool {
         self.lobe.intersects(Lobes::DIRAC)
     }
 }
 
-/// F of a vertex and the densities per solid angle of its directions: of wo in a walk from the light, of wi in one from the camera.
+/// F of a vertex and the densities per solid angle of its directions: of wo in a walk from the light, of wi in one from the camera; and
+/// what is left of them if the component is given and a smooth density 1.
 struct Factors {
     f: Spectrum<f64>,
     to_camera: f64,
     to_light: f64,
+    copied: [f64; 2],
 }
 
 fn local(frame: &Frame, w: DVec3) -> Local<f64> {
@@ -105,7 +133,7 @@ impl<'a> FullPath<'a> {
     /// If there is no vertex between the ends, or not a direction for each edge.
     pub fn new(
         scene: &'a Scene,
-        camera: &'a Camera,
+        camera: &Camera,
         emitter: Emitter,
         nodes: Vec<Node>,
         directions: Vec<DVec3>,
@@ -120,7 +148,7 @@ impl<'a> FullPath<'a> {
         let between = points.windows(2).map(|pair| pair[0].distance_squared(pair[1]));
         let last = points[points.len() - 1].distance_squared(eye);
         let lengths2 = std::iter::once(first).chain(between).chain(std::iter::once(last)).collect();
-        Some(FullPath { scene, camera, emitter, nodes, directions, lengths2 })
+        Some(FullPath { scene, camera: camera.clone(), emitter, nodes, directions, lengths2 })
     }
 
     /// Unit directions of the edges between the points of a path, in f64; `first` is that of light from infinity.
@@ -135,9 +163,21 @@ impl<'a> FullPath<'a> {
         Some(std::iter::once(begin).chain(between).collect())
     }
 
+    /// The light that it begins at.
+    pub fn emitter(&self) -> &Emitter {
+        &self.emitter
+    }
+    /// x₁ to x_{k−1}.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+    /// The length of edge `i`; 1 for one from infinity.
+    pub fn length(&self, i: usize) -> f64 {
+        self.lengths2[i].sqrt()
+    }
     /// The camera that it ends at.
-    pub fn camera(&self) -> &'a Camera {
-        self.camera
+    pub fn camera(&self) -> &Camera {
+        &self.camera
     }
 
     /// Unit vectors along its edges, as light flows.
@@ -156,6 +196,12 @@ impl<'a> FullPath<'a> {
     /// of a direction is the component's probability times |w·ns|, and times η² toward the camera. What a chain of such vertices does to
     /// the measure is the same in f and in all densities, and left out.
     pub fn evaluate(&self, weights: &Weights) -> Evaluation {
+        let (f, steps) = self.steps();
+        Evaluation { f, densities: self.densities(weights, &steps) }
+    }
+
+    /// f(x̄), and how walks would make its vertices.
+    pub fn steps(&self) -> (Spectrum<f64>, Steps) {
         let k = self.k();
         let factors: Vec<Factors> = (1..k).map(|i| self.factors(i)).collect();
         let seen = self.camera.seen(self.nodes[k - 2].point.p).map_or(0.0, |seen| f64::from(seen.magnification));
@@ -164,7 +210,7 @@ impl<'a> FullPath<'a> {
         for (i, factors) in (1..k).zip(&factors) {
             f = f * factors.f * self.geometry(i - 1);
         }
-        Evaluation { f, densities: self.densities(weights, &factors, seen) }
+        (f, self.steps_of(&factors, seen))
     }
 
     /// G of edge `i` < k − 1, from xᵢ to xᵢ₊₁.
@@ -201,50 +247,66 @@ impl<'a> FullPath<'a> {
                 f: node.surface.eval(wi, wo, Lobes::SMOOTH) * bend,
                 to_camera: node.surface.pdf(wi, wo, Transport::Camera, Lobes::SMOOTH),
                 to_light: node.surface.pdf(wo, wi, Transport::Light, Lobes::SMOOTH),
+                copied: [1.0; 2],
             };
         }
         let dirac = |known, toward| node.surface.dirac(single(known), toward, node.lobe);
         let (Some(camera), Some(light)) = (dirac(wi, Transport::Camera), dirac(wo, Transport::Light)) else {
-            return Factors { f: Spectrum::ZERO, to_camera: 0.0, to_light: 0.0 };
+            return Factors { f: Spectrum::ZERO, to_camera: 0.0, to_light: 0.0, copied: [0.0; 2] };
         };
+        let copied = [wo.z.abs() * f64::from(camera.eta).powi(2), wi.z.abs()];
         Factors {
             f: light.value.cast::<f64>() * bend,
-            to_camera: f64::from(camera.density.value()) * wo.z.abs() * f64::from(camera.eta).powi(2),
-            to_light: f64::from(light.density.value()) * wi.z.abs(),
+            to_camera: f64::from(camera.density.value()) * copied[0],
+            to_light: f64::from(light.density.value()) * copied[1],
+            copied,
         }
     }
 
-    /// See [`Densities`].
-    fn densities(&self, weights: &Weights, factors: &[Factors], seen: f64) -> Densities {
+    /// See [`Steps`].
+    fn steps_of(&self, factors: &[Factors], seen: f64) -> Steps {
         let k = self.k();
         let lights = self.scene.lights();
         let light = &lights.all()[self.emitter.index];
         let emission = light.emission_density(self.scene.ball(), self.directions[0].as_vec3());
         let receiver = Receiver::from(&self.nodes[0].point);
         let direct = f64::from(lights.pmf(&receiver, self.emitter.index).value()) * emission.end;
-        // pL of x₀ … x_{k−1}, and pC of the same.
-        let mut from_light = vec![f64::from(lights.emitter_pmf(self.emitter.index).value()) * emission.end];
-        from_light.push(emission.ray * self.cosines(1)[0] / self.lengths2[0]);
-        from_light.extend((2..k).map(|i| factors[i - 2].to_camera * self.cosines(i)[0] / self.lengths2[i - 1]));
-        let mut from_camera = vec![factors[0].to_light * self.cosine_at_light() / self.lengths2[0]];
-        from_camera.extend((1..k - 1).map(|i| factors[i].to_light * self.cosines(i)[1] / self.lengths2[i]));
-        from_camera.push(seen * self.cosines(k - 1)[1]);
+        let end = f64::from(lights.emitter_pmf(self.emitter.index).value()) * emission.end;
+        let area_at_1 = self.cosines(1)[0] / self.lengths2[0];
+        let from_light = |first: [f64; 2], of: &dyn Fn(&Factors) -> f64| {
+            let rest = (2..k).map(|i| of(&factors[i - 2]) * self.cosines(i)[0] / self.lengths2[i - 1]);
+            first.into_iter().chain(rest).collect::<Vec<f64>>()
+        };
+        let from_camera = |of: &dyn Fn(&Factors) -> f64| {
+            let first = of(&factors[0]) * self.cosine_at_light() / self.lengths2[0];
+            let rest = (1..k - 1).map(|i| of(&factors[i]) * self.cosines(i)[1] / self.lengths2[i]);
+            let last = seen * self.cosines(k - 1)[1];
+            std::iter::once(first).chain(rest).chain(std::iter::once(last)).collect::<Vec<f64>>()
+        };
+        Steps {
+            light: from_light([end, emission.ray * area_at_1], &|f| f.to_camera),
+            camera: from_camera(&|f| f.to_light),
+            direct,
+            copied: [from_light([end, area_at_1], &|f| f.copied[0]), from_camera(&|f| f.copied[1])],
+            connects: (0..=k).map(|s| self.connects(s, light)).collect(),
+        }
+    }
+
+    /// See [`Densities`].
+    fn densities(&self, weights: &Weights, steps: &Steps) -> Densities {
+        let k = self.k();
         let log = |s: usize| {
             let walks = if s == k { weights.light_walks.ln() } else { 0.0 };
-            let first = if s == 1 { direct } else { from_light[0] };
-            let light: f64 = (0..s).map(|i| if i == 0 { first.ln() } else { from_light[i].ln() }).sum();
-            let camera: f64 = (s..k).map(|i| from_camera[i].ln()).sum();
-            walks + light + camera
+            walks + steps.log_split(0, k, s)
         };
-        let can = |s: usize| self.can(s, light, &weights.techniques);
+        let can = |s: usize| steps.connects[s] && weights.techniques.has(s, k + 1 - s);
         Densities { log: (0..=k).map(|s| can(s).then(|| log(s)).filter(|log| log.is_finite())).collect() }
     }
 
-    /// Whether technique `s` makes this path: the two vertices that it connects scatter smoothly.
-    fn can(&self, s: usize, light: &Light, techniques: &Techniques) -> bool {
+    /// Whether the edge to x_s connects two vertices that scatter smoothly, or a walk finds the light.
+    fn connects(&self, s: usize, light: &Light) -> bool {
         let smooth = |i: usize| i == 0 || i == self.k() || !self.nodes[i - 1].is_dirac();
-        let connects = if s == 0 { !light.is_dirac() } else { smooth(s - 1) && smooth(s) };
-        connects && techniques.has(s, self.k() + 1 - s)
+        if s == 0 { !light.is_dirac() } else { smooth(s - 1) && smooth(s) }
     }
 
     /// Whether what the path keeps agrees with where its vertices are: its directions with straight lines, within the errors of
@@ -253,7 +315,7 @@ impl<'a> FullPath<'a> {
     /// # Errors
     /// What does not agree, in a sentence.
     pub fn verify(&self) -> Result<(), String> {
-        let straight = FullPath::straight(&self.emitter, &self.nodes, self.camera, self.directions[0]);
+        let straight = FullPath::straight(&self.emitter, &self.nodes, &self.camera, self.directions[0]);
         let straight = straight.ok_or("the camera does not see the last vertex")?;
         for (i, (kept, line)) in self.directions.iter().zip(&straight).enumerate() {
             let (off, slack) = ((*kept - *line).length(), self.direction_slack(i));

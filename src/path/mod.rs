@@ -2,15 +2,17 @@
 //! the ways to make a path, and the notation of all of path space.
 
 mod connect;
+mod emitter;
 mod full;
 mod mis;
 mod subpath;
 mod walk;
 
 pub use connect::{Connection, Splat, connect, next_event, splat, toward_light};
-pub use full::{Densities, Evaluation, FullPath, Node};
+pub use emitter::Emitter;
+pub use full::{Densities, Evaluation, FullPath, Node, Steps};
 pub use mis::{Sums, Technique, Techniques, Weights};
-pub use subpath::{Arrival, Emitter, Subpath, Vertex};
+pub use subpath::{Arrival, Subpath, Vertex};
 pub use walk::{Departure, Tally, Walk};
 
 #[doc = include_str!("notation.md")]

@@ -2,6 +2,7 @@
 //!
 //! Use it as `arrive`, connect the vertex, `depart`, and again.
 
+use super::Emitter;
 use super::mis::{Link, Start, Sums, Weights};
 use super::{Departure, Tally, Walk};
 use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
@@ -63,17 +64,6 @@ pub enum Arrival<'a> {
     Infinity(Sums),
 }
 
-/// The end of a path on a light.
-#[derive(Debug, Clone, Copy)]
-pub struct Emitter {
-    /// Index of the light.
-    pub index: usize,
-    /// Where on it.
-    pub end: End,
-    /// What leaves it along the path: radiance, the intensity of a point, the irradiance of parallel light.
-    pub radiance: Spectrum,
-}
-
 /// A walk and what weights need of its current edge.
 pub struct Subpath<'a> {
     scene: &'a Scene,
@@ -112,9 +102,7 @@ impl<'a> Subpath<'a> {
         // What receivers choose by is known at the receiver: until choices depend on it any will do.
         let direct = end(scene.lights().pmf(&receiver, index));
         let link = weights.from_light(end(pmf), density.ray, direct, light.is_dirac(), start);
-        let cos = if let End::Surface { ng, .. } = emitted.end { emitted.ray.direction.dot(ng).abs() } else { 1.0 };
-        let radiance = emitted.power * ((density.end * density.ray) as f32 / cos);
-        let emitter = Emitter { index, end: emitted.end, radiance };
+        let emitter = Emitter::of_emission(index, &emitted, &density);
         let walk = Walk::from_light(scene, emitted.ray, power);
         Some((Subpath { scene, weights: *weights, walk, link }, emitter))
     }
@@ -142,14 +130,21 @@ impl<'a> Subpath<'a> {
         })
     }
 
-    /// Leaves `vertex`, where it has arrived, through the component that is returned; `None` where it ends.
+    /// Leaves `vertex`, where it has arrived, through the component that is returned; `None` where nothing scatters.
     #[inline]
-    pub fn depart(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<Lobes> {
+    pub fn depart(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler) -> Option<Lobes> {
         let scatter = shading.sample(self.walk.scattering_numbers(&vertex.surface, sampler))?;
         let densities = shading.densities(&scatter);
         let SurfacePoint { p, ng, .. } = vertex.point;
         self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), p, ng);
         self.walk.depart(&vertex.point, &scatter);
-        self.walk.survives(sampler, tally).then_some(scatter.lobe)
+        Some(scatter.lobe)
+    }
+
+    /// [`Subpath::depart`] and Russian roulette; `None` where the walk ends.
+    #[inline]
+    pub fn go_on(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<Lobes> {
+        let lobe = self.depart(vertex, shading, sampler)?;
+        self.walk.survives(sampler, tally).then_some(lobe)
     }
 }

@@ -40,6 +40,17 @@ pub struct Tally {
     pub overlong: u64,
 }
 
+impl Tally {
+    /// Adds what other walks did.
+    pub fn absorb(&mut self, other: &Tally) {
+        self.cameras += other.cameras;
+        self.bounces += other.bounces;
+        self.shadows += other.shadows;
+        self.bad_hits += other.bad_hits;
+        self.overlong += other.overlong;
+    }
+}
+
 /// Where the last edge of a walk began.
 #[derive(Debug, Clone, Copy)]
 pub enum Departure {

@@ -6,7 +6,7 @@ use super::{Aov, Budget, Environment, Plan, Selection, Settings, Size, Stop, Sur
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
-use crate::integrator::Method;
+use crate::integrator::{Method, MetropolisOptions, Mutations};
 use crate::io::png::Curve;
 use crate::path::Technique;
 use crate::sampling::{Heuristic, SamplerKind};
@@ -84,6 +84,21 @@ pub struct Choices {
     /// How the techniques of bdpt share a path [default: balance]
     #[arg(long, value_enum)]
     pub heuristic: Option<Heuristic>,
+    /// Chains in a pass of a Metropolis method [default: one for 500 pixels, 1024 at most]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub chains: Option<u32>,
+    /// Probability of a step to anywhere in primary sample space, for pssmlt and mmlt [default: 0.3]
+    #[arg(long, value_name = "PROBABILITY", allow_negative_numbers = true)]
+    pub large_step: Option<f64>,
+    /// Scattering events up to which mmlt has chains for each path length; longer paths share theirs [default: 8]
+    #[arg(long, value_name = "EVENTS", value_parser = clap::value_parser!(u32).range(2..=64))]
+    pub lengths: Option<u32>,
+    /// How often mlt tries each mutation, e.g. bidirectional=1,lens=2; others never [default: all alike]
+    #[arg(long, value_name = "NAME=WEIGHT,...")]
+    pub mutations: Option<Mutations>,
+    /// Let chains visit dark parts of the image as often as bright ones
+    #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
+    pub two_stage: Option<bool>,
     /// What surrounds the scene instead of its own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)
     #[arg(long, alias = "environment", value_name = "RADIANCE|FILE", allow_negative_numbers = true)]
     #[serde(alias = "environment")]
@@ -169,6 +184,11 @@ impl Choices {
             transparent: self.transparent.or(fallback.transparent),
             without: self.without.or(fallback.without),
             heuristic: self.heuristic.or(fallback.heuristic),
+            chains: self.chains.or(fallback.chains),
+            large_step: self.large_step.or(fallback.large_step),
+            lengths: self.lengths.or(fallback.lengths),
+            mutations: self.mutations.or(fallback.mutations),
+            two_stage: self.two_stage.or(fallback.two_stage),
             env: self.env.or(fallback.env),
             env_rotation: self.env_rotation.or(fallback.env_rotation.filter(|_| !surrounds_here)),
             env_scale: self.env_scale.or(fallback.env_scale.filter(|_| !surrounds_here)),
@@ -207,6 +227,26 @@ impl Choices {
             transparent: self.transparent.unwrap_or(false),
             without,
             heuristic: self.heuristic.unwrap_or_default(),
+            metropolis: self.metropolis()?,
+        })
+    }
+
+    /// What is said about chains.
+    fn metropolis(&self) -> Result<MetropolisOptions> {
+        let usual = MetropolisOptions::default();
+        let large_step = self.large_step.unwrap_or(usual.large_step);
+        if !(large_step > 0.0 && large_step <= 1.0) {
+            return Err(Error::usage("large-step must be above 0 and at most 1: small steps alone do not reach every path"));
+        }
+        if self.clamp.is_some() && self.method.is_some_and(Method::has_chains) {
+            return Err(Error::usage("clamp does nothing sensible to chains, whose samples are all alike: leave it out"));
+        }
+        Ok(MetropolisOptions {
+            chains: self.chains.map(|chains| in_range("chains", chains, 1 << 20)).transpose()?,
+            large_step,
+            lengths: self.lengths.unwrap_or(usual.lengths).clamp(2, 64),
+            mutations: self.mutations.unwrap_or_default(),
+            two_stage: self.two_stage.unwrap_or(usual.two_stage),
         })
     }
 

@@ -37,6 +37,9 @@ impl<'a> Session<'a> {
         let settings = &provenance.settings;
         let layout = settings.layout();
         affordable("the film", Film::bytes_per_pixel(&layout, settings.replicates), layout.pixels())?;
+        if let Some(refusal) = integrator::refusal(settings.method, &stage.scene) {
+            return Err(Error::new(Kind::Usage, refusal));
+        }
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         let prelude = integrator::prelude(&stage.scene, &camera, &settings.options(), &layout);
         let film = Film::new(layout.clone(), settings.replicates, settings.seed, prelude.units);

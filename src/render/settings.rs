@@ -4,7 +4,7 @@
 use super::Aov;
 use crate::accel::{Backend, Build};
 use crate::film::{Crop, Filter, Layout, Plane};
-use crate::integrator::{Method, Options};
+use crate::integrator::{Method, MetropolisOptions, Options};
 use crate::path::{Technique, Techniques};
 use crate::sampling::{Heuristic, SamplerKind};
 use crate::scene::BuildOptions;
@@ -47,6 +47,9 @@ pub struct Settings {
     pub without: Vec<Technique>,
     /// How its techniques share a path.
     pub heuristic: Heuristic,
+    /// What chains of Metropolis methods are like.
+    #[serde(default)]
+    pub metropolis: MetropolisOptions,
 }
 
 impl Settings {
@@ -74,7 +77,8 @@ impl Settings {
             transparent: self.transparent,
             techniques: Techniques::without(&self.without),
             heuristic: self.heuristic,
-            pixels: self.layout().pixels(),
+            crop: self.layout().crop,
+            metropolis: self.metropolis,
         }
     }
 

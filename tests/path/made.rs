@@ -72,7 +72,7 @@ impl<'a> Studio<'a> {
                 left_by_media *= self.scene.absorption(vertex.medium, vertex.point.t);
             }
             let undo = left_by_media.map(|x: f32| path.walk.survival / x);
-            let left = vertex.shading().and_then(|shading| path.depart(&vertex, &shading, sampler, &mut tally));
+            let left = vertex.shading().and_then(|shading| path.go_on(&vertex, &shading, sampler, &mut tally));
             steps.push(Step { vertex, lobe: left.unwrap_or(Lobes::SMOOTH), undo });
             if left.is_none() || steps.len() == LONGEST {
                 return Walked { steps, sky: None };

@@ -1,0 +1,106 @@
+//! The caustic perturbation: the direction in which light leaves the last smooth vertex before mirrors and glass is turned a little, the
+//! light followed through the same components to the smooth vertex that the camera sees, and that joined with it [Veach97 §11.4.3.2].
+
+use super::super::Common;
+use super::extend::{Met, Part, Walker};
+use super::eye::{log_uniform, turned};
+use super::state::{Draft, PathState};
+use crate::defects::{Defect, planted};
+use crate::light::End;
+use crate::mcmc::{Kernel, Numbers};
+use crate::transport::Transport;
+
+/// Shortest step on the film in pixels, and the longest as a share of its longer side, roughly.
+const PIXELS: f64 = 0.1;
+const SHARE_OF_SIDE: f64 = 0.1;
+/// No direction turns by more, in radians.
+const MOST: f64 = 1.0;
+
+/// The perturbation.
+pub(super) struct Caustic<'c, 'a> {
+    pub(super) common: &'c Common<'a>,
+    pub(super) weight: f64,
+}
+
+impl<'a> Caustic<'_, 'a> {
+    /// The vertex whose direction is turned; `None` where the camera sees no smooth vertex behind mirrors or glass.
+    fn begin(x: &PathState) -> Option<usize> {
+        let seen = x.k() - 1;
+        let begin = (0..seen).rev().find(|&i| x.is_smooth(i))?;
+        let turns = begin > 0 || !matches!(x.path().emitter().end, End::Infinity);
+        (x.is_smooth(seen) && begin + 1 < seen && turns).then_some(begin)
+    }
+
+    /// The angles by which it turns: those that move the seen vertex by so many pixels, were all mirrors flat.
+    fn angles(&self, x: &PathState, begin: usize) -> [f64; 2] {
+        let seen = x.k() - 1;
+        let way: f64 = (begin..seen).map(|i| x.path().length(i)).sum();
+        let point = x.node(seen).point.p;
+        let pixels = self.common.camera.seen(point).map_or(1.0, |seen| f64::from(seen.magnification).sqrt());
+        let most = (SHARE_OF_SIDE * f64::from(self.common.region.side())).max(2.0 * PIXELS);
+        let angles = [PIXELS, most].map(|r| (r / (pixels * way)).min(MOST));
+        [angles[0].min(0.5 * angles[1]), angles[1]]
+    }
+
+    /// Logarithm of the density per solid angle of a turn by `angle`, which is within the range.
+    fn log_turn([least, most]: [f64; 2], angle: f64) -> f64 {
+        -(angle * (most / least).ln() * std::f64::consts::TAU * angle.sin()).ln()
+    }
+
+    fn perturb(&self, x: &PathState<'a>, begin: usize, angle: f64, walker: &mut Walker) -> Option<Draft> {
+        let (path, seen) = (x.path(), x.k() - 1);
+        let mut w = turned(path.directions()[begin].as_vec3(), angle, walker.numbers.uniform());
+        let (mut emitter, mut part) = (*path.emitter(), Part::default());
+        let mut met = if begin > 0 {
+            part = Part::from_light(x, begin + 1);
+            walker.along(part.nodes.last()?.point.spawn(w))?
+        } else {
+            let (shining, ray) = walker.shine(&emitter, path.directions()[0], w)?;
+            emitter = shining;
+            walker.along(ray)?
+        };
+        for i in begin + 1..=seen {
+            let Met::Surface(mut node) = met else { return None };
+            part.directions.push(w.as_dvec3());
+            if i == seen {
+                part.nodes.push(node);
+                break;
+            }
+            let (next, beyond) = walker.through_lobe(&mut node, -w, Transport::Camera, x.node(i).lobe)?;
+            part.nodes.push(node);
+            (w, met) = (next, beyond);
+        }
+        let mut draft = Part::join(emitter, part, path.directions()[seen], Part::default());
+        draft.smoothed(seen)?;
+        draft.connect(self.common, seen, walker.tally)?;
+        Some(draft)
+    }
+
+    /// Logarithm of the density of the vertices after `begin`, that of the turn apart.
+    fn log_made(x: &PathState, begin: usize) -> f64 {
+        if planted(Defect::JacobianDropped) {
+            return 0.0;
+        }
+        x.steps.copied[0][begin + 1..].iter().map(|density| density.ln()).sum()
+    }
+}
+
+impl<'a> Kernel<PathState<'a>> for Caustic<'_, 'a> {
+    fn suitability(&self, x: &PathState<'a>) -> f64 {
+        if Self::begin(x).is_some() { self.weight } else { 0.0 }
+    }
+
+    fn propose(&self, x: &PathState<'a>, y: &mut PathState<'a>, numbers: &mut Numbers) -> Option<f64> {
+        let begin = Self::begin(x)?;
+        let angle = log_uniform(self.angles(x, begin), numbers.uniform());
+        let draft = self.perturb(x, begin, angle, &mut Walker { common: self.common, numbers, tally: &mut y.tally })?;
+        y.set(self.common, draft)?;
+        let [there, again] = [self.angles(x, begin), self.angles(y, begin)];
+        // The same turn back must be within the range that the new path asks for.
+        if !(again[0]..=again[1]).contains(&angle) && !planted(Defect::CausticRangeOneSided) {
+            return None;
+        }
+        let turns = Self::log_turn(again, angle) - Self::log_turn(there, angle);
+        Some(turns + Self::log_made(x, begin) - Self::log_made(y, begin))
+    }
+}

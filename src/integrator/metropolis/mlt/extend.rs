@@ -1,0 +1,203 @@
+//! Walks that lengthen part of a path, and what is joined of them.
+
+use super::super::Common;
+use super::state::{Draft, PathState};
+use crate::bsdf::{Bsdf, Lobes, Shading};
+use crate::geometry::{Ray, spawn_ray};
+use crate::light::{EmissionNumbers, End, Receiver};
+use crate::mcmc::Numbers;
+use crate::path::{Emitter, Node, Tally, Walk};
+use crate::sampling::{Independent, unit_f32};
+use crate::spectrum::Spectrum;
+use crate::transport::Transport;
+use glam::{DVec3, Vec3};
+
+/// A number for what takes f32.
+pub(super) fn single(numbers: &mut Numbers) -> f32 {
+    unit_f32((numbers.bits() >> 32) as u32)
+}
+
+fn pair(numbers: &mut Numbers) -> [f32; 2] {
+    [single(numbers), single(numbers)]
+}
+
+/// What is needed to go on.
+pub(super) struct Walker<'w, 'a> {
+    pub(super) common: &'w Common<'a>,
+    pub(super) numbers: &'w mut Numbers,
+    pub(super) tally: &'w mut Tally,
+}
+
+/// Vertices and edges of a path from one of its ends on.
+#[derive(Default)]
+pub(super) struct Part {
+    /// From the end inward, the end not among them.
+    pub(super) nodes: Vec<Node>,
+    /// One to each node, as light flows.
+    pub(super) directions: Vec<DVec3>,
+}
+
+/// Where an edge leads.
+pub(super) enum Met {
+    Surface(Node),
+    Outside,
+}
+
+impl Part {
+    /// x_{k−1} … x_b.
+    pub(super) fn from_camera(x: &PathState, b: usize) -> Self {
+        let (path, k) = (x.path(), x.k());
+        let nodes = path.nodes()[b - 1..].iter().rev().cloned().collect();
+        Part { nodes, directions: path.directions()[b..k].iter().rev().copied().collect() }
+    }
+
+    /// x₁ … x_{a−1}.
+    pub(super) fn from_light(x: &PathState, a: usize) -> Self {
+        let path = x.path();
+        Part { nodes: path.nodes()[..a - 1].to_vec(), directions: path.directions()[..a - 1].to_vec() }
+    }
+
+    /// The path of `light`, one edge in the direction `across`, and `camera`.
+    pub(super) fn join(emitter: Emitter, light: Part, across: DVec3, camera: Part) -> Draft {
+        let (mut nodes, mut directions) = (light.nodes, light.directions);
+        nodes.extend(camera.nodes.into_iter().rev());
+        directions.push(across);
+        directions.extend(camera.directions.into_iter().rev());
+        Draft { emitter, nodes, directions }
+    }
+}
+
+impl Walker<'_, '_> {
+    /// Where `ray` of the camera or of anything else leads.
+    fn follow(&mut self, mut walk: Walk) -> Option<Met> {
+        let mut sampler = Independent::new(self.numbers.address());
+        let Some(mut point) = walk.arrive(&mut sampler, self.tally) else { return Some(Met::Outside) };
+        let surface = self.common.scene.surface(&mut point).into_owned();
+        point.consistent.then_some(Met::Surface(Node { point, surface, lobe: Lobes::SMOOTH }))
+    }
+
+    /// Along a ray that is not the camera's.
+    pub(super) fn along(&mut self, ray: Ray) -> Option<Met> {
+        self.follow(Walk::from_light(self.common.scene, ray, Spectrum::ONE))
+    }
+
+    /// Through a film position.
+    pub(super) fn through(&mut self, film: [f32; 2]) -> Option<(DVec3, Met)> {
+        let ray = self.common.camera.ray(film);
+        Some((-ray.direction.as_dvec3(), self.follow(Walk::new(self.common.scene, ray))?))
+    }
+
+    /// Anywhere on the film.
+    pub(super) fn film(&mut self) -> [f32; 2] {
+        let u = pair(self.numbers);
+        self.common.region.at(u)
+    }
+
+    /// Leaves `node` by its own choice, which it keeps; `known` leads to where the walk came from.
+    pub(super) fn scatter(&mut self, node: &mut Node, known: Vec3, toward: Transport) -> Option<(Vec3, Met)> {
+        let shading = Shading::new(&node.point, &node.surface, known, toward)?;
+        let [u, v] = pair(self.numbers);
+        let scatter = shading.sample([single(self.numbers), u, v])?;
+        node.lobe = if scatter.density.is_delta() { scatter.lobe } else { Lobes::SMOOTH };
+        Some((scatter.direction, self.along(node.point.spawn(scatter.direction))?))
+    }
+
+    /// Leaves `node` through the Dirac component `lobe`; `None` if it has none.
+    pub(super) fn through_lobe(&mut self, node: &mut Node, known: Vec3, toward: Transport, lobe: Lobes) -> Option<(Vec3, Met)> {
+        let scatter = node.surface.dirac(node.point.frame.to_local(known), toward, lobe)?;
+        let direction = node.point.frame.to_world(scatter.direction);
+        if direction.dot(node.point.ng) * scatter.direction.z <= 0.0 {
+            return None;
+        }
+        node.lobe = lobe;
+        Some((direction, self.along(node.point.spawn(direction))?))
+    }
+
+    /// One vertex more toward the light; where that leads outside the scene only the edge is added, and `false` returned.
+    pub(super) fn lengthen(&mut self, part: &mut Part) -> Option<bool> {
+        let (w, met) = match part.nodes.last_mut() {
+            None => {
+                let film = self.film();
+                self.through(film)?
+            }
+            Some(node) => {
+                let known = part.directions.last()?.as_vec3();
+                let (w, met) = self.scatter(node, known, Transport::Light)?;
+                (-w.as_dvec3(), met)
+            }
+        };
+        part.directions.push(w);
+        Some(part.add(met))
+    }
+
+    /// One vertex more toward the camera.
+    pub(super) fn lengthen_light(&mut self, part: &mut Part) -> Option<()> {
+        let known = -part.directions.last()?.as_vec3();
+        let (w, met) = self.scatter(part.nodes.last_mut()?, known, Transport::Camera)?;
+        part.directions.push(w.as_dvec3());
+        part.add(met).then_some(())
+    }
+
+    /// A light as it emits, and the first vertex that it falls on.
+    pub(super) fn emit(&mut self) -> Option<(Emitter, Part)> {
+        let scene = self.common.scene;
+        let (index, _) = scene.lights().choose_emitter(single(self.numbers))?;
+        let light = &scene.lights().all()[index];
+        let numbers = EmissionNumbers { side: single(self.numbers), position: pair(self.numbers), direction: pair(self.numbers) };
+        let emitted = light.emit(scene.ball(), &numbers)?;
+        let density = light.emission_density(scene.ball(), emitted.ray.direction);
+        let emitter = Emitter::of_emission(index, &emitted, &density);
+        let mut part = Part { nodes: Vec::new(), directions: vec![emitted.ray.direction.as_dvec3()] };
+        let met = self.along(emitted.ray)?;
+        part.add(met).then_some((emitter, part))
+    }
+
+    /// A light as `node` chooses it, and the direction in which it shines.
+    pub(super) fn sample_light(&mut self, node: &Node) -> Option<(Emitter, DVec3)> {
+        let lights = self.common.scene.lights();
+        let receiver = Receiver::from(&node.point);
+        let (index, _) = lights.choose(&receiver, single(self.numbers))?;
+        let sample = lights.all()[index].sample_toward(&receiver, pair(self.numbers))?;
+        Some((Emitter::of_sample(index, &sample, node.point.p), -sample.wi.as_dvec3()))
+    }
+
+    /// `emitter`, which shone along `before`, as it shines along `w`, and its ray; `None` where it is dark, or on its other side.
+    pub(super) fn shine(&self, emitter: &Emitter, before: DVec3, w: Vec3) -> Option<(Emitter, Ray)> {
+        match emitter.end {
+            End::Surface { p, error, ng } => {
+                let stays = before.dot(ng.as_dvec3()) * f64::from(w.dot(ng)) > 0.0;
+                stays.then(|| (*emitter, spawn_ray(p, error, ng, w)))
+            }
+            End::Point(p) => {
+                let light = &self.common.scene.lights().all()[emitter.index];
+                let sample = light.sample_toward(&Receiver { p: p + w, ng: -w }, [0.5; 2])?;
+                Some((Emitter { radiance: sample.radiance * w.length_squared(), ..*emitter }, Ray::new(p, w)))
+            }
+            End::Infinity => None,
+        }
+    }
+
+    /// The light that the last edge of `part` found, which is taken from it together with that edge's direction.
+    pub(super) fn found_light(&self, part: &mut Part, is_surface: bool) -> Option<(Emitter, DVec3)> {
+        let w = part.directions.pop()?;
+        let emitter = if is_surface {
+            Emitter::at(self.common.scene, &part.nodes.pop()?.point, w.as_vec3())
+        } else {
+            Emitter::outside(self.common.scene, -w.as_vec3())
+        };
+        Some((emitter?, w))
+    }
+}
+
+impl Part {
+    /// Adds what an edge met; whether that is a surface.
+    pub(super) fn add(&mut self, met: Met) -> bool {
+        match met {
+            Met::Surface(node) => {
+                self.nodes.push(node);
+                true
+            }
+            Met::Outside => false,
+        }
+    }
+}

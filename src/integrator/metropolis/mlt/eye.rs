@@ -1,0 +1,131 @@
+//! Perturbations from the camera: the film position moves a little, and what the camera sees there takes the place of what it saw. Dirac
+//! vertices keep their component. At the first edge between smooth vertices the rest of the path is joined [Veach97 §11.4.3]. Where a
+//! smooth vertex is followed by mirrors or glass, the lens perturbation has nothing to join; the multi-chain perturbation moves the
+//! direction there as well, and goes on [Veach97 §11.4.3.3].
+
+use super::super::Common;
+use super::extend::{Met, Part, Walker};
+use super::state::{Draft, PathState};
+use crate::defects::{Defect, planted};
+use crate::geometry::Frame;
+use crate::mcmc::{Kernel, Numbers};
+use crate::transport::Transport;
+use glam::{DVec3, Vec3};
+
+/// Shortest step on the film in pixels, and the longest as a share of its longer side.
+const PIXELS: f64 = 0.1;
+const SHARE_OF_SIDE: f64 = 0.1;
+/// Shortest and longest turn of a direction, in radians.
+const TURNS: [f64; 2] = [1e-4, 0.1];
+
+/// Both perturbations: which of them it is decides what paths it takes.
+pub(super) struct Eye<'c, 'a> {
+    common: &'c Common<'a>,
+    weight: f64,
+    /// Whether directions of smooth vertices are turned.
+    turns: bool,
+}
+
+/// A number between both, its logarithm uniform.
+pub(super) fn log_uniform([least, most]: [f64; 2], u: f64) -> f64 {
+    most * ((least / most).ln() * u).exp()
+}
+
+/// `w` turned by `angle`, in the direction that `u` chooses.
+pub(super) fn turned(w: Vec3, angle: f64, u: f64) -> Vec3 {
+    let (frame, phi) = (Frame::around(w), std::f64::consts::TAU * u);
+    let [s, t, n] = [frame.s, frame.t, frame.n].map(Vec3::as_dvec3);
+    let w: DVec3 = (s * phi.cos() + t * phi.sin()) * angle.sin() + n * angle.cos();
+    w.normalize().as_vec3()
+}
+
+impl<'c, 'a> Eye<'c, 'a> {
+    pub(super) fn lens(common: &'c Common<'a>, weight: f64) -> Self {
+        Eye { common, weight, turns: false }
+    }
+
+    pub(super) fn multi_chain(common: &'c Common<'a>, weight: f64) -> Self {
+        Eye { common, weight, turns: true }
+    }
+
+    /// The number of the last vertex that is moved, and how many directions of smooth vertices are turned on the way.
+    fn reach(x: &PathState) -> (usize, usize) {
+        let mut turned = 0;
+        for i in (1..x.k()).rev() {
+            if x.is_smooth(i) {
+                if x.is_smooth(i - 1) {
+                    return (i, turned);
+                }
+                turned += 1;
+            }
+        }
+        (0, turned)
+    }
+
+    /// A film position near `from`; `None` off the film.
+    fn moved(&self, from: [f32; 2], numbers: &mut Numbers) -> Option<[f32; 2]> {
+        let most = (SHARE_OF_SIDE * f64::from(self.common.region.side())).max(2.0 * PIXELS);
+        let r = log_uniform([PIXELS, most], numbers.uniform());
+        let (sin, cos) = (std::f64::consts::TAU * numbers.uniform()).sin_cos();
+        let film = [from[0] + (r * cos) as f32, from[1] + (r * sin) as f32];
+        self.common.region.contains(film).then_some(film)
+    }
+
+    /// The path with its vertices from the camera to number `last` moved.
+    fn perturb(&self, x: &PathState<'a>, last: usize, walker: &mut Walker) -> Option<Draft> {
+        let film = self.moved(x.film, walker.numbers)?;
+        let mut part = Part::default();
+        let (w, mut met) = walker.through(film)?;
+        part.directions.push(w);
+        for i in (last.max(1)..x.k()).rev() {
+            let Met::Surface(mut node) = met else { return None };
+            let known = part.directions.last()?.as_vec3();
+            if i == last {
+                part.nodes.push(node);
+                let mut draft = Part::join(*x.path().emitter(), Part::from_light(x, i), x.path().directions()[i - 1], part);
+                draft.smoothed(i)?;
+                draft.connect(self.common, i - 1, walker.tally)?;
+                return Some(draft);
+            }
+            let (w, next) = if x.is_smooth(i) {
+                let w = turned(
+                    -x.path().directions()[i - 1].as_vec3(),
+                    log_uniform(TURNS, walker.numbers.uniform()),
+                    walker.numbers.uniform(),
+                );
+                (w, walker.along(node.point.spawn(w))?)
+            } else {
+                walker.through_lobe(&mut node, known, Transport::Light, x.node(i).lobe)?
+            };
+            part.nodes.push(node);
+            part.directions.push(-w.as_dvec3());
+            met = next;
+        }
+        let is_surface = part.add(met);
+        let (emitter, w) = walker.found_light(&mut part, is_surface)?;
+        Some(Part::join(emitter, Part::default(), w, part))
+    }
+
+    /// Logarithm of the density of the vertices `last` … k − 1, but for what is the same both ways.
+    fn log_made(x: &PathState, last: usize) -> f64 {
+        if planted(Defect::JacobianDropped) {
+            return 0.0;
+        }
+        x.steps.copied[1][last..].iter().map(|density| density.ln()).sum()
+    }
+}
+
+impl<'a> Kernel<PathState<'a>> for Eye<'_, 'a> {
+    fn suitability(&self, x: &PathState<'a>) -> f64 {
+        let (last, turned) = Self::reach(x);
+        let joins = last > 0 || x.steps.connects[0];
+        if joins && (turned > 0) == self.turns { self.weight } else { 0.0 }
+    }
+
+    fn propose(&self, x: &PathState<'a>, y: &mut PathState<'a>, numbers: &mut Numbers) -> Option<f64> {
+        let (last, _) = Self::reach(x);
+        let draft = self.perturb(x, last, &mut Walker { common: self.common, numbers, tally: &mut y.tally })?;
+        y.set(self.common, draft)?;
+        Some(Self::log_made(x, last) - Self::log_made(y, last))
+    }
+}

@@ -1,0 +1,81 @@
+//! The lens-subpath mutation: what the camera sees, up to the first edge between smooth vertices, is replaced by a new walk from anywhere
+//! on the film [Veach97 §11.4.4].
+
+use super::super::Common;
+use super::extend::{Part, Walker};
+use super::state::{Draft, PathState};
+use crate::bsdf::{Bsdf, Lobes};
+use crate::mcmc::{Kernel, Numbers};
+use crate::path::Node;
+use crate::transport::Transport;
+use glam::Vec3;
+
+/// Components through which the walk goes on.
+const PASSAGES: [Lobes; 2] = [Lobes::DIRAC_REFLECT, Lobes::DIRAC_TRANSMIT];
+
+/// With which probabilities it does at `node`, seen from the direction `known`. Elsewhere it ends, and is connected.
+fn passages(node: &Node, known: Vec3) -> [f64; 2] {
+    let known = node.point.frame.to_local(known);
+    PASSAGES.map(|lobe| node.surface.dirac(known, Transport::Light, lobe).map_or(0.0, |d| f64::from(d.density.value())))
+}
+
+/// The mutation.
+pub(super) struct LensSubpath<'c, 'a> {
+    pub(super) common: &'c Common<'a>,
+    pub(super) weight: f64,
+}
+
+impl<'a> LensSubpath<'_, 'a> {
+    /// The first smooth vertex that the camera sees, if what is before it is smooth.
+    fn last(x: &PathState) -> Option<usize> {
+        let last = (1..x.k()).rev().find(|&i| x.is_smooth(i))?;
+        x.is_smooth(last - 1).then_some(last)
+    }
+
+    /// The path with a new walk in the place of its vertices from number `last` on.
+    fn mutate(&self, x: &PathState<'a>, last: usize, walker: &mut Walker) -> Option<Draft> {
+        let longest = self.common.edges().end().saturating_sub(last);
+        let mut part = Part::default();
+        walker.lengthen(&mut part)?.then_some(())?;
+        while part.nodes.len() <= longest {
+            let (known, node) = (part.directions.last()?.as_vec3(), part.nodes.last_mut()?);
+            let chances = passages(node, known);
+            let Some(lobe) =
+                PASSAGES.get(walker.numbers.choose([chances[0], chances[1], 1.0 - chances[0] - chances[1]].into_iter())?)
+            else {
+                break;
+            };
+            let (w, met) = walker.through_lobe(node, known, Transport::Light, *lobe)?;
+            part.directions.push(-w.as_dvec3());
+            part.add(met).then_some(())?;
+        }
+        let k = last + part.nodes.len();
+        if !self.common.edges().contains(&k) {
+            return None;
+        }
+        let across = x.path().directions()[last - 1];
+        let mut draft = Part::join(*x.path().emitter(), Part::from_light(x, last), across, part);
+        draft.smoothed(last)?;
+        draft.connect(self.common, last - 1, walker.tally)?;
+        Some(draft)
+    }
+
+    /// Logarithm of the density of the vertices from number `last` on, film and end of the walk included.
+    fn log_made(x: &PathState, last: usize) -> f64 {
+        let goes_on: f64 = passages(x.node(last), x.path().directions()[last].as_vec3()).iter().sum();
+        (1.0 - goes_on).ln() + x.steps.camera[last..].iter().map(|density| density.ln()).sum::<f64>()
+    }
+}
+
+impl<'a> Kernel<PathState<'a>> for LensSubpath<'_, 'a> {
+    fn suitability(&self, x: &PathState<'a>) -> f64 {
+        if Self::last(x).is_some() { self.weight } else { 0.0 }
+    }
+
+    fn propose(&self, x: &PathState<'a>, y: &mut PathState<'a>, numbers: &mut Numbers) -> Option<f64> {
+        let last = Self::last(x)?;
+        let draft = self.mutate(x, last, &mut Walker { common: self.common, numbers, tally: &mut y.tally })?;
+        y.set(self.common, draft)?;
+        Some(Self::log_made(x, last) - Self::log_made(y, last))
+    }
+}

@@ -1,0 +1,194 @@
+//! A path as the state of a chain.
+
+use super::super::contribution::Contribution;
+use super::super::{Common, Lit};
+use crate::bsdf::{Bsdf, Lobes};
+use crate::geometry::{MediumId, SurfacePoint};
+use crate::light::{End, Light};
+use crate::mcmc::State;
+use crate::path::{Emitter, FullPath, Node, Steps, Tally};
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+use glam::DVec3;
+
+/// What a path is made of, before it is known what it is worth.
+#[derive(Clone)]
+pub(super) struct Draft {
+    pub(super) emitter: Emitter,
+    /// x₁ … x_{k−1}.
+    pub(super) nodes: Vec<Node>,
+    /// Of the k edges, as light flows.
+    pub(super) directions: Vec<DVec3>,
+}
+
+/// A path and what is known of it; nothing before the first is set.
+#[derive(Default)]
+pub(in super::super) struct PathState<'a> {
+    path: Option<FullPath<'a>>,
+    pub(super) steps: Steps,
+    /// Scaled to a largest lane of 1: f may be beyond f32.
+    found: Contribution,
+    log_target: f64,
+    /// Where it is seen.
+    pub(super) film: [f32; 2],
+    pub(super) tally: Tally,
+}
+
+impl State for PathState<'_> {
+    fn log_target(&self) -> f64 {
+        self.log_target
+    }
+}
+
+impl Lit for PathState<'_> {
+    fn contribution(&self) -> &Contribution {
+        &self.found
+    }
+
+    fn tally(&mut self) -> &mut Tally {
+        &mut self.tally
+    }
+}
+
+impl<'a> PathState<'a> {
+    /// The path of a state that has one: all but fresh ones.
+    pub(super) fn path(&self) -> &FullPath<'a> {
+        self.path.as_ref().expect("a chain's state has a path")
+    }
+
+    /// x_i, 0 < i < k.
+    pub(super) fn node(&self, i: usize) -> &Node {
+        &self.path().nodes()[i - 1]
+    }
+
+    /// Number of edges.
+    pub(super) fn k(&self) -> usize {
+        self.path().k()
+    }
+
+    /// Whether x_i is an end or scatters smoothly.
+    pub(super) fn is_smooth(&self, i: usize) -> bool {
+        i == 0 || i == self.k() || !self.node(i).is_dirac()
+    }
+
+    /// Becomes `draft`, whose edges are free; `None` if that carries no light to the image.
+    pub(super) fn set(&mut self, common: &Common<'a>, draft: Draft) -> Option<()> {
+        if !draft.is_consistent() {
+            return None;
+        }
+        let last = draft.nodes.last()?;
+        let film = common.camera.seen(last.point.p)?.film;
+        if !common.region.contains(film) {
+            return None;
+        }
+        let through = absorbed(common.scene, &draft);
+        let path = FullPath::new(common.scene, &common.camera, draft.emitter, draft.nodes, draft.directions)?;
+        let (f, steps) = path.steps();
+        let f = f * through.cast::<f64>();
+        let most = f.max_lane();
+        if !(most > 0.0 && most.is_finite()) {
+            return None;
+        }
+        self.found.clear();
+        self.found.add(&common.importance, film, Spectrum(f.0.map(|x| (x / most) as f32)));
+        self.log_target = most.ln() + self.found.log_scalar();
+        (self.path, self.steps, self.film) = (Some(path), steps, film);
+        Some(())
+    }
+}
+
+/// What media leave of the light along all edges: which one an edge is in follows from the camera on, vertex by vertex.
+fn absorbed(scene: &Scene, draft: &Draft) -> Spectrum {
+    let mut through = Spectrum::ONE;
+    if !scene.features().media {
+        return through;
+    }
+    let mut medium = MediumId::VACUUM;
+    for (i, node) in draft.nodes.iter().enumerate().rev() {
+        let [known, w] = [draft.directions[i + 1], -draft.directions[i]].map(|w| w.as_vec3());
+        medium = scene.medium_toward(&node.point, known, medium, w);
+        if medium != MediumId::VACUUM {
+            let length = match (i, draft.emitter.end) {
+                (0, End::Infinity) => f32::INFINITY,
+                (0, End::Surface { p, .. } | End::Point(p)) => p.distance(node.point.p),
+                _ => draft.nodes[i - 1].point.p.distance(node.point.p),
+            };
+            through *= scene.absorption(medium, length);
+        }
+    }
+    through
+}
+
+impl Draft {
+    /// The emitter as it shines on `point`, and the direction of the light; `None` where it does not. A lamp's other side is another path.
+    pub(super) fn shine(scene: &Scene, from: &Emitter, before: DVec3, point: &SurfacePoint) -> Option<(Emitter, DVec3)> {
+        let to = point.p.as_dvec3();
+        match from.end {
+            End::Surface { p, ng, .. } => {
+                let w = (to - p.as_dvec3()).try_normalize()?;
+                (w.dot(ng.as_dvec3()) * before.dot(ng.as_dvec3()) > 0.0).then_some((*from, w))
+            }
+            End::Point(p) => {
+                let light: &Light = &scene.lights().all()[from.index];
+                let sample = light.sample_toward(&point.into(), [0.5; 2])?;
+                let radiance = sample.radiance * point.p.distance_squared(p);
+                Some((Emitter { radiance, ..*from }, (to - p.as_dvec3()).try_normalize()?))
+            }
+            End::Infinity => Some((*from, before)),
+        }
+    }
+
+    /// x_i as something that connections may end at; `None` if it scatters in no other way than a mirror.
+    pub(super) fn smoothed(&mut self, i: usize) -> Option<()> {
+        let node = &mut self.nodes[i - 1];
+        node.lobe = Lobes::SMOOTH;
+        node.surface.lobes().intersects(Lobes::SMOOTH).then_some(())
+    }
+
+    /// Connects x_i and x_{i+1}, both smooth, with a straight edge that is free, wherever it leads.
+    pub(super) fn connect(&mut self, common: &Common, i: usize, tally: &mut Tally) -> Option<()> {
+        let (scene, k) = (common.scene, self.directions.len());
+        let shadows = &mut tally.shadows;
+        if i + 1 == k {
+            let y = &self.nodes[i - 1].point;
+            let seen = common.camera.seen(y.p)?;
+            if scene.culled(y, -seen.toward) || !common.region.contains(seen.film) {
+                return None;
+            }
+            self.directions[i] = seen.toward.as_dvec3();
+            self.scatters(i)?;
+            let segment = y.segment(seen.eye, 0.0, y.ng);
+            return (!scene.transmittance_to_camera(&segment, shadows).is_black()).then_some(());
+        }
+        if i == 0 {
+            let (emitter, w) = Draft::shine(scene, &self.emitter, self.directions[0], &self.nodes[0].point)?;
+            (self.emitter, self.directions[0]) = (emitter, w);
+            self.scatters(1)?;
+            let z = &self.nodes[0].point;
+            let segment = match emitter.end {
+                End::Surface { p, error, ng } => z.segment(p, error, ng),
+                End::Point(p) => z.segment(p, 0.0, z.ng),
+                End::Infinity => z.spawn(-w.as_vec3()),
+            };
+            return (!scene.transmittance(&segment, shadows).is_black()).then_some(());
+        }
+        let [y, z] = [i, i + 1].map(|i| self.nodes[i - 1].point);
+        self.directions[i] = (z.p.as_dvec3() - y.p.as_dvec3()).try_normalize()?;
+        self.scatters(i)?;
+        self.scatters(i + 1)?;
+        let segment = z.segment(y.p, y.error, y.ng);
+        (!scene.transmittance(&segment, shadows).is_black()).then_some(())
+    }
+
+    /// Whether x_i may scatter at all between its directions: on one side of both normals each. Asked before rays are traced.
+    fn scatters(&self, i: usize) -> Option<()> {
+        let node = &self.nodes[i - 1];
+        let agree = |w: DVec3| node.point.ng.as_dvec3().dot(w) * node.point.frame.n.as_dvec3().dot(w) > 0.0;
+        (agree(-self.directions[i - 1]) && agree(self.directions[i])).then_some(())
+    }
+
+    /// See [`Draft::scatters`], for every vertex.
+    fn is_consistent(&self) -> bool {
+        (1..=self.nodes.len()).all(|i| self.scatters(i).is_some())
+    }
+}

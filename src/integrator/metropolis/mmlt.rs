@@ -1,0 +1,143 @@
+//! Multiplexed Metropolis light transport: a state is one path of one technique, chosen by a coordinate among all that make paths of
+//! its length [Hachisuka14]. It costs a walk from each end and a single connection.
+//!
+//! Lengths are classes with chains and a normalisation of their own, the steps allotted to them beforehand: a chain that is stuck to the
+//! length of its seed leaves the light of that length to chance, with an error that no number of steps removes.
+
+use super::contribution::Contribution;
+use super::primary::{NAMES, PathSampler, PrimaryState, mixture};
+use super::seeds::{ByTechnique, Candidate};
+use super::{Chains, Common, FEWEST_EVENTS};
+use crate::defects::{Defect, planted};
+use crate::mcmc::primary::{Source, Stream};
+use crate::mcmc::{Mixture, Numbers};
+use crate::path::Tally;
+use crate::sampling::{Address, Sampler, Slot};
+use crate::spectrum::Spectrum;
+
+/// The share of the paths of the last class that go on at each event, as their lengths are drawn.
+const GOES_ON: f64 = 0.75;
+
+/// The chains.
+pub(super) struct Multiplexed<'a> {
+    common: Common<'a>,
+    lengths: Vec<OneLength<'a>>,
+}
+
+/// Paths of a length, or of all lengths from one on.
+struct OneLength<'a> {
+    common: Common<'a>,
+    events: usize,
+    and_longer: bool,
+}
+
+impl<'a> Multiplexed<'a> {
+    pub(super) fn new(common: Common<'a>) -> Self {
+        let longest = common.options.max_depth.map_or(usize::MAX, |most| most as usize);
+        let last = (common.options.metropolis.lengths as usize).max(FEWEST_EVENTS).min(longest.max(FEWEST_EVENTS));
+        let class = |events: usize, and_longer: bool| OneLength { common: common.clone(), events, and_longer };
+        let mut lengths: Vec<OneLength> = (FEWEST_EVENTS..=last).map(|events| class(events, false)).collect();
+        if last < longest {
+            lengths.push(class(last + 1, true));
+        }
+        Multiplexed { common, lengths }
+    }
+}
+
+impl OneLength<'_> {
+    /// The number of techniques of paths of `events` events, and the `nth` of them: vertices from the light.
+    fn technique(&self, events: usize, chosen: f64) -> Option<(usize, usize)> {
+        let takes_part = |s: &usize| self.common.tracer.wants(*s, events + 2 - s);
+        let count = (0..=events + 1).filter(takes_part).count();
+        let nth = ((chosen * count as f64) as usize).min(count.max(1) - 1);
+        (0..=events + 1).filter(takes_part).nth(nth).map(|s| (s, count))
+    }
+
+    /// A number in the part of [0, 1) by which a choice among `count` takes the `nth`.
+    fn within(nth: usize, count: usize, at: f64) -> u32 {
+        const CIRCLE: f64 = 4_294_967_296.0;
+        // f32 numbers have 24 digits: half of one is kept from the ends of an interval.
+        const MARGIN: f64 = 1.0 / 8_388_608.0;
+        let at = at.clamp(MARGIN, 1.0 - MARGIN);
+        ((nth as f64 + at) / count as f64 * CIRCLE) as u32
+    }
+
+    /// How many events the number `u` stands for, and the probability of that.
+    fn length(&self, u: f64) -> (usize, f64) {
+        if !self.and_longer {
+            return (self.events, 1.0);
+        }
+        let more = ((1.0 - u).ln() / GOES_ON.ln()) as i32;
+        (self.events + more as usize, GOES_ON.powi(more) * (1.0 - GOES_ON))
+    }
+
+    /// A number that [`OneLength::length`] makes `events` of.
+    fn number_of(&self, events: usize, at: f64) -> u32 {
+        const CIRCLE: f64 = 4_294_967_296.0;
+        let more = (events - self.events) as i32;
+        let [start, end] = [more, more + 1].map(|n| 1.0 - GOES_ON.powi(n));
+        ((start + (end - start) * at.clamp(0.01, 0.99)) * CIRCLE) as u32
+    }
+}
+
+impl PathSampler for OneLength<'_> {
+    fn sample(&self, [mut camera, mut light, mut join]: [Source; 3], found: &mut Contribution, tally: &mut Tally) {
+        let Common { tracer, camera: lens, region, importance, .. } = &self.common;
+        let (events, pmf) = self.length(f64::from(join.u1(0, Slot::Distance)));
+        let Some((s, count)) = self.technique(events, f64::from(join.u1(0, Slot::Lobe))) else { return };
+        let count = if planted(Defect::TechniquesUncounted) { 1 } else { count };
+        let film = region.at(camera.u2(0, Slot::Aux));
+        let scale = (count as f64 / pmf) as f32;
+        let mut add = |_, _, film: [f32; 2], color: Spectrum| {
+            if region.contains(film) {
+                found.add(importance, film, color * scale);
+            }
+        };
+        let mut sink = ByTechnique { film, area: region.area(), found: &mut add };
+        tracer.technique([s, events + 2 - s], lens.ray(film), &mut camera, &mut light, &mut sink, tally);
+    }
+}
+
+impl Chains for Multiplexed<'_> {
+    type State = PrimaryState;
+
+    fn common(&self) -> &Common<'_> {
+        &self.common
+    }
+
+    fn classes(&self) -> usize {
+        self.lengths.len()
+    }
+
+    fn class_of(&self, events: usize) -> usize {
+        (events - FEWEST_EVENTS).min(self.lengths.len() - 1)
+    }
+
+    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut Tally) {
+        Candidate::of_techniques(&self.common, address, found, tally);
+    }
+
+    fn start(&self, seed: &Candidate, address: Address, x: &mut PrimaryState) -> bool {
+        let class = &self.lengths[self.class_of(seed.events())];
+        let (s, events) = (usize::from(seed.s), seed.events());
+        let takes_part = |s: &usize| self.common.tracer.wants(*s, events + 2 - s);
+        let nth = (0..s).filter(takes_part).count();
+        let count = (0..=events + 1).filter(takes_part).count();
+        let mut numbers = Numbers::new(address);
+        let [technique, length] = [numbers.uniform(), numbers.uniform()];
+        x.point.clear();
+        x.point.set(Stream::Connection, 0, Slot::Lobe, OneLength::within(nth, count, technique));
+        x.point.set(Stream::Connection, 0, Slot::Distance, class.number_of(events, length));
+        x.found.clear();
+        class.sample(x.point.draw(address), &mut x.found, &mut x.tally);
+        x.found.scalar() > 0.0
+    }
+
+    fn kernels(&self, class: usize) -> Mixture<'_, PrimaryState> {
+        mixture(&self.lengths[class], self.common.options.metropolis.large_step)
+    }
+
+    fn names(&self) -> Vec<&'static str> {
+        NAMES.to_vec()
+    }
+}

@@ -1,0 +1,79 @@
+//! Metropolis light transport in primary sample space: chains of the numbers that bidirectional path tracing takes [Kelemen02]. A state is
+//! all paths that one sample makes, and its target is their weighted contribution. Without connections and splats (`--without`) it is
+//! the path tracer's numbers that are walked.
+
+use super::contribution::Contribution;
+use super::primary::{NAMES, PathSampler, PrimaryState, mixture};
+use super::seeds::{ByTechnique, Candidate};
+use super::{Chains, Common};
+use crate::mcmc::Mixture;
+use crate::mcmc::primary::Source;
+use crate::path::Tally;
+use crate::sampling::{Address, Sampler, Slot};
+use crate::spectrum::Spectrum;
+
+/// The chains.
+pub(super) struct PrimarySpace<'a> {
+    pub(super) common: Common<'a>,
+}
+
+impl PrimarySpace<'_> {
+    /// The state of the sample at `address`.
+    fn draw(&self, address: Address, state: &mut PrimaryState) {
+        state.found.clear();
+        state.point.clear();
+        self.sample(state.point.draw(address), &mut state.found, &mut state.tally);
+    }
+}
+
+impl PathSampler for PrimarySpace<'_> {
+    fn sample(&self, [mut camera, light, _]: [Source; 3], found: &mut Contribution, tally: &mut Tally) {
+        let Common { tracer, camera: lens, region, importance, .. } = &self.common;
+        let film = region.at(camera.u2(0, Slot::Aux));
+        let mut add = |_, _, film: [f32; 2], color: Spectrum| {
+            if region.contains(film) {
+                found.add(importance, film, color);
+            }
+        };
+        let mut sink = ByTechnique { film, area: region.area(), found: &mut add };
+        tracer.sample(lens.ray(film), &mut camera, || light, &mut sink, tally);
+    }
+}
+
+impl Chains for PrimarySpace<'_> {
+    type State = PrimaryState;
+
+    fn common(&self) -> &Common<'_> {
+        &self.common
+    }
+
+    fn classes(&self) -> usize {
+        1
+    }
+
+    fn class_of(&self, _: usize) -> usize {
+        0
+    }
+
+    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut Tally) {
+        let mut state = PrimaryState::default();
+        self.draw(address, &mut state);
+        tally.absorb(&state.tally);
+        if state.found.scalar() != 0.0 {
+            found.push(Candidate { sample: 0, s: 0, t: 0, scalar: state.found.scalar() });
+        }
+    }
+
+    fn start(&self, _: &Candidate, address: Address, x: &mut PrimaryState) -> bool {
+        self.draw(address, x);
+        x.found.scalar() > 0.0
+    }
+
+    fn kernels(&self, _: usize) -> Mixture<'_, PrimaryState> {
+        mixture(self, self.common.options.metropolis.large_step)
+    }
+
+    fn names(&self) -> Vec<&'static str> {
+        NAMES.to_vec()
+    }
+}

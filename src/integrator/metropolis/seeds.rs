@@ -1,0 +1,160 @@
+//! Where chains begin: samples of bidirectional path tracing, and the choice among them.
+
+use super::contribution::Importance;
+use super::{Chains, Common};
+use crate::integrator::bidirectional::Sink;
+use crate::mcmc::stratified;
+use crate::parallel::Cancel;
+use crate::path::Tally;
+use crate::sampling::{Address, Independent, Sampler, Slot};
+use crate::spectrum::Spectrum;
+use rayon::prelude::*;
+
+/// Samples that one task traces.
+const CHUNK: usize = 64;
+/// Sets the numbers of seeds apart from those of chains.
+const SEED_STREAM: u64 = 1 << 61;
+
+/// The numbers of seed sample `sample` of a pass.
+pub(super) fn address(pass: Address, sample: u32) -> Address {
+    pass.with(SEED_STREAM | u64::from(sample))
+}
+
+/// What a sample contributes by the technique of `s` vertices from the light and `t` from the camera, or in whole with both 0.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    pub(super) sample: u32,
+    pub(super) s: u16,
+    pub(super) t: u16,
+    pub(super) scalar: f64,
+}
+
+impl Candidate {
+    /// What each technique of bidirectional path tracing finds with the numbers at `address`.
+    pub(super) fn of_techniques(common: &Common, address: Address, found: &mut Vec<Candidate>, tally: &mut Tally) {
+        let mut add = |s: usize, t: usize, film: [f32; 2], color: Spectrum| {
+            if common.region.contains(film) && !color.is_black() {
+                found.push(Candidate { sample: 0, s: s as u16, t: t as u16, scalar: common.importance.scalar(film, color) });
+            }
+        };
+        bidirectional(common, address, &mut add, tally);
+    }
+
+    /// Scattering events of its paths.
+    pub(super) fn events(&self) -> usize {
+        usize::from(self.s + self.t).saturating_sub(2)
+    }
+}
+
+/// The samples of a pass.
+pub(super) struct Seeds {
+    samples: usize,
+    candidates: Vec<Candidate>,
+    /// What was traced.
+    pub(super) tally: Tally,
+    /// Candidates that were dropped.
+    pub(super) nonfinite: u64,
+}
+
+impl Seeds {
+    /// Traces `samples` samples; `None` if it was cancelled.
+    pub(super) fn trace(chains: &impl Chains, pass: Address, samples: usize, cancel: &Cancel) -> Option<Self> {
+        let chunk = |chunk: usize| {
+            let (mut found, mut tally) = (Vec::new(), Tally::default());
+            for sample in chunk * CHUNK..samples.min((chunk + 1) * CHUNK) {
+                let from = found.len();
+                chains.candidates(address(pass, sample as u32), &mut found, &mut tally);
+                found[from..].iter_mut().for_each(|candidate| candidate.sample = sample as u32);
+            }
+            (!cancel.requested()).then_some((found, tally))
+        };
+        let chunks: Vec<_> = (0..samples.div_ceil(CHUNK)).into_par_iter().map(chunk).collect::<Option<_>>()?;
+        let mut seeds = Seeds { samples, candidates: Vec::new(), tally: Tally::default(), nonfinite: 0 };
+        for (found, tally) in chunks {
+            seeds.nonfinite += found.iter().filter(|c| !c.scalar.is_finite()).count() as u64;
+            seeds.candidates.extend(found.into_iter().filter(|c| c.scalar.is_finite()));
+            seeds.tally.absorb(&tally);
+        }
+        Some(seeds)
+    }
+
+    /// Mean contribution of a sample.
+    pub(super) fn mean(&self) -> f64 {
+        self.candidates.iter().map(|c| c.scalar).sum::<f64>() / self.samples as f64
+    }
+
+    /// The same for each class.
+    pub(super) fn means(&self, classes: usize, class_of: impl Fn(&Candidate) -> usize) -> Vec<f64> {
+        let mut means = vec![0.0; classes];
+        self.candidates.iter().for_each(|c| means[class_of(c)] += c.scalar / self.samples as f64);
+        means
+    }
+
+    /// `count` of the candidates of a class, and the mean contribution of that class; `None` if there is no light in it.
+    pub(super) fn choose(
+        &self,
+        class: usize,
+        class_of: impl Fn(&Candidate) -> usize,
+        count: usize,
+        offset: f64,
+    ) -> Option<(Vec<Candidate>, f64)> {
+        let of_class: Vec<&Candidate> = self.candidates.iter().filter(|c| class_of(c) == class).collect();
+        let weights: Vec<f64> = of_class.iter().map(|c| c.scalar).collect();
+        let chosen = stratified(&weights, count, offset)?;
+        Some((chosen.into_iter().map(|i| *of_class[i]).collect(), weights.iter().sum::<f64>() / self.samples as f64))
+    }
+}
+
+/// What bidirectional path tracing finds with the numbers at `address`, technique by technique.
+fn bidirectional(common: &Common, address: Address, found: &mut impl FnMut(usize, usize, [f32; 2], Spectrum), tally: &mut Tally) {
+    let [mut camera, light] = [0, 1].map(|stream| Independent::new(address.with(stream)));
+    let film = common.region.at(camera.u2(0, Slot::Aux));
+    let mut sink = ByTechnique { film, area: common.region.area(), found };
+    common.tracer.sample(common.camera.ray(film), &mut camera, || light, &mut sink, tally);
+}
+
+/// Hands over the light of each technique for the whole film.
+pub(super) struct ByTechnique<'f, F> {
+    /// Where the walk from the camera began.
+    pub(super) film: [f32; 2],
+    /// Of the film, in pixels: such a walk is one for all of it.
+    pub(super) area: f32,
+    pub(super) found: &'f mut F,
+}
+
+impl<F: FnMut(usize, usize, [f32; 2], Spectrum)> Sink for ByTechnique<'_, F> {
+    fn add(&mut self, s: usize, t: usize, value: Spectrum, weight: f64) {
+        (self.found)(s, t, self.film, value * (weight as f32 * self.area));
+    }
+
+    fn splat(&mut self, s: usize, film: [f32; 2], value: Spectrum, weight: f64) {
+        (self.found)(s, 1, film, value * weight as f32);
+    }
+}
+
+/// Columns and rows of the pilot's picture.
+const PICTURE: usize = 16;
+/// Samples for it.
+const PICTURE_SAMPLES: u64 = 32 * (PICTURE * PICTURE) as u64;
+
+/// How bright the parts of the image are, roughly.
+pub(super) fn pilot_picture(common: &Common) -> Importance {
+    let address = Address::new(!common.options.seed).with(SEED_STREAM);
+    let trace = |i: u64| {
+        let mut light = Vec::new();
+        let mut found = |_, _, film, color: Spectrum| {
+            if common.region.contains(film) {
+                light.push((common.region.cell(film, [PICTURE; 2]), color));
+            }
+        };
+        bidirectional(common, address.with(i), &mut found, &mut Tally::default());
+        light
+    };
+    let all: Vec<Vec<(usize, Spectrum)>> = (0..PICTURE_SAMPLES).into_par_iter().map(trace).collect();
+    let mut cells = vec![0.0; PICTURE * PICTURE];
+    let flat = Importance::uniform(common.region);
+    for (cell, color) in all.into_iter().flatten().filter(|(_, color)| color.is_finite()) {
+        cells[cell] += flat.scalar([0.0; 2], color);
+    }
+    Importance::new(common.region, cells, PICTURE)
+}
