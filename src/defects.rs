@@ -94,6 +94,9 @@ defects! {
     TechniquesUncounted "techniques-uncounted"
         "A multiplexed path is not multiplied by the number of techniques that it was chosen among."
         "light-transport.md 2.6 (a)";
+    SplatsUnlimited "splats-unlimited"
+        "Splats keep the light above the limit that chains have as well."
+        "a split of the light that is made in one place and not in the other";
     DeletionNotReevaluated "deletion-not-reevaluated"
         "The probability of deleting the new vertices is taken to be that of deleting the old ones."
         "light-transport.md 2.4";

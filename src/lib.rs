@@ -6,6 +6,16 @@
 // Tests compare floats exactly where arithmetic is exact.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
+// Scenes that integration tests have, for unit tests as well: they speak of the crate by its name.
+#[cfg(test)]
+extern crate self as etendue;
+#[cfg(test)]
+#[path = "../tests/agreement/studio.rs"]
+mod studio;
+#[cfg(test)]
+#[path = "../tests/path/worlds.rs"]
+mod worlds;
+
 // floor 1
 pub mod defects;
 pub mod error;

@@ -109,9 +109,9 @@ pub fn build<'a>(
             let tracer = Bidirectional::new(scene, &camera, options, prelude);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
-        Method::Pssmlt => metropolis::pssmlt(scene, camera, options),
-        Method::Mmlt => metropolis::mmlt(scene, camera, options),
-        Method::Mlt => metropolis::mlt(scene, camera, options),
+        Method::Pssmlt => metropolis::pssmlt(scene, camera, options, prelude),
+        Method::Mmlt => metropolis::mmlt(scene, camera, options, prelude),
+        Method::Mlt => metropolis::mlt(scene, camera, options, prelude),
     }
 }
 

@@ -7,7 +7,7 @@
 //! Limits: [`Options::clamp`] is not applied; a value that is not finite is left out by itself and not with its whole sample; what
 //! no technique of a length can find is in none of its images.
 
-use super::bidirectional::{Bidirectional, Sink};
+use super::bidirectional::{Bidirectional, Found, Sink};
 use super::camera_pass::{CHUNK, gather};
 use super::samples::{Sample, Samples, Work};
 use super::{InvalidSample, Options, PassReport, Prelude, prelude};
@@ -211,12 +211,12 @@ impl Recording<'_> {
 
 impl Sink for Recording<'_> {
     #[inline]
-    fn add(&mut self, s: usize, t: usize, value: Spectrum, weight: f64) {
+    fn add(&mut self, Found { s, t, value, weight, .. }: Found) {
         self.record([s, t], Filter::Box, self.centre, [value * weight as f32, value]);
     }
 
     #[inline]
-    fn splat(&mut self, s: usize, film: [f32; 2], value: Spectrum, weight: f64) {
+    fn splat(&mut self, film: [f32; 2], Found { s, value, weight, .. }: Found) {
         // Splats are per walk from a light, and a pass has as many as pixels.
         let per_walk = (self.options.pixels() as f32).recip();
         self.record([s, 1], self.options.filter, film, [value * weight as f32 * per_walk, value * per_walk]);

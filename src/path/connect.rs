@@ -20,6 +20,8 @@ pub struct Connection {
     pub value: Spectrum,
     /// The technique's share.
     pub weight: f64,
+    /// Probability with which roulette let both walks come here: the value is over it.
+    pub survival: f32,
     /// What must be free.
     pub segment: Ray,
 }
@@ -63,6 +65,7 @@ pub fn next_event(
     Some(Connection {
         value: z.beta * f_cos * sample.radiance / (pmf as f32 * sample.density.value()),
         weight: weights.next_event(hit, weights.earlier(&z.sums, made, reverse)),
+        survival: z.survival,
         segment: toward_light(scene, &z.point, z.known, z.medium, &sample),
     })
 }
@@ -96,7 +99,7 @@ pub fn connect(scene: &Scene, weights: &Weights, y: &Vertex, z: &Vertex, z_shadi
     let camera = weights.earlier(&z.sums, per_area(at_y.pdf.value(), &z.point), reverse(z_shading, wi));
     let value = y.beta * at_y.f_cos * at_z.f_cos * z.beta / d2;
     let segment = Ray { medium: z.medium_toward(scene, wi), ..z.point.segment(y.point.p, y.point.error, y.point.ng) };
-    Some(Connection { value, weight: weights.connection(light, camera), segment })
+    Some(Connection { value, weight: weights.connection(light, camera), survival: y.survival * z.survival, segment })
 }
 
 /// The vertex `y` of a walk from a light and the camera; `None` where it is not seen.
@@ -111,7 +114,7 @@ pub fn splat(scene: &Scene, weights: &Weights, camera: &Camera, y: &Vertex) -> O
     let density = f64::from(seen.magnification) * f64::from(seen.toward.dot(y.point.ng).abs());
     let reverse = f64::from(shading.reverse_pdf(seen.toward).value());
     let segment = Ray { medium: y.medium_toward(scene, seen.toward), ..y.point.segment(seen.eye, 0.0, y.point.ng) };
-    let connection =
-        Connection { value: y.beta * at_y.f_cos * magnification, weight: weights.splat(&y.sums, density, reverse), segment };
+    let value = y.beta * at_y.f_cos * magnification;
+    let connection = Connection { value, weight: weights.splat(&y.sums, density, reverse), survival: y.survival, segment };
     Some(Splat { connection, film: seen.film })
 }

@@ -292,8 +292,8 @@ impl<'a> FullPath<'a> {
         }
     }
 
-    /// See [`Densities`].
-    fn densities(&self, weights: &Weights, steps: &Steps) -> Densities {
+    /// Those of the techniques, from those of the vertices.
+    pub fn densities(&self, weights: &Weights, steps: &Steps) -> Densities {
         let k = self.k();
         let log = |s: usize| {
             let walks = if s == k { weights.light_walks.ln() } else { 0.0 };

@@ -27,6 +27,8 @@ pub struct Vertex<'a> {
     pub known: Vec3,
     /// The walk's throughput up to here.
     pub beta: Spectrum,
+    /// Probability of having survived roulette so far: the throughput is over it.
+    pub survival: f32,
     /// The medium that the walk came through.
     pub medium: MediumId,
     /// What it knows of earlier techniques.
@@ -124,6 +126,7 @@ impl<'a> Subpath<'a> {
             surface,
             known: -self.walk.ray.direction,
             beta: self.walk.beta,
+            survival: self.walk.survival,
             medium: self.walk.ray.medium,
             sums,
             toward: self.walk.toward,

@@ -96,6 +96,10 @@ pub struct Choices {
     /// How often mlt tries each mutation, e.g. bidirectional=1,lens=2; others never [default: all alike]
     #[arg(long, value_name = "NAME=WEIGHT,...")]
     pub mutations: Option<Mutations>,
+    /// What a sample may be worth, in units of what is usual where it falls, before chains have the rest; 0 leaves all to chains
+    /// [default: 10]
+    #[arg(long, value_name = "TIMES", allow_negative_numbers = true)]
+    pub limit: Option<f64>,
     /// Let chains visit dark parts of the image as often as bright ones
     #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
     pub two_stage: Option<bool>,
@@ -188,6 +192,7 @@ impl Choices {
             large_step: self.large_step.or(fallback.large_step),
             lengths: self.lengths.or(fallback.lengths),
             mutations: self.mutations.or(fallback.mutations),
+            limit: self.limit.or(fallback.limit),
             two_stage: self.two_stage.or(fallback.two_stage),
             env: self.env.or(fallback.env),
             env_rotation: self.env_rotation.or(fallback.env_rotation.filter(|_| !surrounds_here)),
@@ -238,6 +243,10 @@ impl Choices {
         if !(large_step > 0.0 && large_step <= 1.0) {
             return Err(Error::usage("large-step must be above 0 and at most 1: small steps alone do not reach every path"));
         }
+        let limit = self.limit.unwrap_or(usual.limit);
+        if !(limit >= 0.0 && limit.is_finite()) {
+            return Err(Error::usage("limit must not be negative"));
+        }
         if self.clamp.is_some() && self.method.is_some_and(Method::has_chains) {
             return Err(Error::usage("clamp does nothing sensible to chains, whose samples are all alike: leave it out"));
         }
@@ -246,6 +255,7 @@ impl Choices {
             large_step,
             lengths: self.lengths.unwrap_or(usual.lengths).clamp(2, 64),
             mutations: self.mutations.unwrap_or_default(),
+            limit,
             two_stage: self.two_stage.unwrap_or(usual.two_stage),
         })
     }

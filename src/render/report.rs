@@ -5,7 +5,7 @@ use super::provenance::Program;
 use super::target::{self, Check};
 use super::{Outputs, Plan, Provenance, Settings, Stage, Surroundings, machine};
 use crate::film::{Film, ImageError};
-use crate::integrator::{Guards, InvalidSample};
+use crate::integrator::{ChainReport, Guards, InvalidSample};
 use crate::io::exr::{self, Attribute, Layer};
 use crate::spectrum::LANES;
 use serde::Serialize;
@@ -28,6 +28,7 @@ pub struct Report {
     error: Option<ImageError>,
     target: Option<TargetReport>,
     guards: Guards,
+    chains: Option<ChainReport>,
     clamp: Option<Clamp>,
     invalid: Vec<Invalid>,
     pixel_hash: String,
@@ -132,6 +133,7 @@ impl Report {
             build: stage.map(|s| Phase { seconds: s.build_seconds }),
             render: Render::of(provenance, film),
             guards: work.passes.guards,
+            chains: work.passes.chains.clone(),
             clamp: settings.clamp.map(|limit| clamp(limit, provenance, film, error.as_ref())),
             error,
             target: None,

@@ -93,7 +93,7 @@ impl PathSampler for OneLength<'_> {
                 found.add(importance, film, color * scale);
             }
         };
-        let mut sink = ByTechnique { film, area: region.area(), found: &mut add };
+        let mut sink = ByTechnique { common: &self.common, film, found: &mut add };
         tracer.technique([s, events + 2 - s], lens.ray(film), &mut camera, &mut light, &mut sink, tally);
     }
 }

@@ -11,6 +11,7 @@
 //! gaps, as caustics of caustics. Elsewhere bidirectional path tracing has less noise in the same time.
 
 mod contribution;
+mod limit;
 mod mlt;
 mod mmlt;
 mod options;
@@ -18,6 +19,8 @@ mod primary;
 mod pssmlt;
 mod report;
 mod seeds;
+#[cfg(test)]
+mod stationarity;
 
 pub use options::{MetropolisOptions, Mutations};
 pub use report::{ChainReport, Tiles};
@@ -35,6 +38,7 @@ use crate::path::Tally;
 use crate::sampling::Address;
 use crate::scene::Scene;
 use contribution::{Contribution, Importance, Region};
+use limit::{Limit, Limited};
 use mlt::PathSpace;
 use mmlt::Multiplexed;
 use pssmlt::PrimarySpace;
@@ -59,21 +63,21 @@ const LEAST_SHARE: f64 = 0.01;
 const PILOT: usize = 4096;
 
 /// Chains in primary sample space.
-pub(super) fn pssmlt<'a>(scene: &'a Scene, camera: Camera, options: &Options) -> Box<dyn Integrator + 'a> {
+pub(super) fn pssmlt<'a>(scene: &'a Scene, camera: Camera, options: &Options, prelude: &Prelude) -> Box<dyn Integrator + 'a> {
     let chains = PrimarySpace { common: Common::new(scene, camera.clone(), options) };
-    Box::new(Metropolis::new(scene, camera, chains))
+    Box::new(Metropolis::new(scene, camera, chains, prelude))
 }
 
 /// Multiplexed chains.
-pub(super) fn mmlt<'a>(scene: &'a Scene, camera: Camera, options: &Options) -> Box<dyn Integrator + 'a> {
+pub(super) fn mmlt<'a>(scene: &'a Scene, camera: Camera, options: &Options, prelude: &Prelude) -> Box<dyn Integrator + 'a> {
     let chains = Multiplexed::new(Common::new(scene, camera.clone(), options));
-    Box::new(Metropolis::new(scene, camera, chains))
+    Box::new(Metropolis::new(scene, camera, chains, prelude))
 }
 
 /// Chains of paths.
-pub(super) fn mlt<'a>(scene: &'a Scene, camera: Camera, options: &Options) -> Box<dyn Integrator + 'a> {
+pub(super) fn mlt<'a>(scene: &'a Scene, camera: Camera, options: &Options, prelude: &Prelude) -> Box<dyn Integrator + 'a> {
     let chains = PathSpace { common: Common::new(scene, camera.clone(), options) };
-    Box::new(Metropolis::new(scene, camera, chains))
+    Box::new(Metropolis::new(scene, camera, chains, prelude))
 }
 
 /// States that are worth something to an image.
@@ -114,6 +118,8 @@ struct Common<'a> {
     /// Bidirectional path tracing of the paths that are left to chains.
     tracer: Bidirectional<'a>,
     region: Region,
+    /// What samples have of the light before chains do.
+    limit: Limit,
     importance: Importance,
 }
 
@@ -121,10 +127,16 @@ impl<'a> Common<'a> {
     fn new(scene: &'a Scene, camera: Camera, options: &Options) -> Self {
         let region = Region::new(options.crop, options.filter);
         let tracer = Bidirectional::new(scene, &camera, options, &Prelude::default()).from_events(FEWEST_EVENTS);
-        let importance = Importance::uniform(region);
-        let mut common = Common { scene, camera, options: *options, tracer, region, importance };
-        if options.metropolis.two_stage {
-            common.importance = seeds::pilot_picture(&common);
+        let (limit, importance) = (Limit::none(region), Importance::uniform(region));
+        let mut common = Common { scene, camera, options: *options, tracer, region, limit, importance };
+        let MetropolisOptions { limit, two_stage, .. } = options.metropolis;
+        if limit > 0.0 {
+            let usual = seeds::pilot_picture(&common);
+            common.limit = Limit::new(region, &usual, seeds::PICTURE, limit);
+        }
+        if two_stage {
+            let left = seeds::pilot_picture(&common);
+            common.importance = Importance::new(region, left, seeds::PICTURE);
         }
         common
     }
@@ -138,7 +150,8 @@ impl<'a> Common<'a> {
 /// An integrator whose passes are groups of chains.
 struct Metropolis<'a, C> {
     chains: C,
-    direct: Box<dyn Integrator + 'a>,
+    /// What is not left to chains.
+    samples: Box<dyn Integrator + 'a>,
     options: Options,
     /// Of the steps that each class gets, the same in every pass.
     shares: Vec<f64>,
@@ -168,16 +181,22 @@ struct Task {
 }
 
 impl<'a, C: Chains> Metropolis<'a, C> {
-    fn new(scene: &'a Scene, camera: Camera, chains: C) -> Self {
-        let options = chains.common().options;
-        let depth = options.max_depth.map_or(1, |most| most.min(1));
-        let tracer = PathTracer::<Combined>::new(scene, Some(depth), options.transparent);
-        let direct = Box::new(CameraPass::new(tracer, scene, camera, &options));
+    fn new(scene: &'a Scene, camera: Camera, chains: C, prelude: &Prelude) -> Self {
+        let (options, limit) = (chains.common().options, chains.common().limit.clone());
+        let samples: Box<dyn Integrator + 'a> = if limit.is_none() {
+            let depth = options.max_depth.map_or(FEWEST_EVENTS as u32 - 1, |most| most.min(FEWEST_EVENTS as u32 - 1));
+            let tracer = PathTracer::<Combined>::new(scene, Some(depth), options.transparent);
+            Box::new(CameraPass::new(tracer, scene, camera, &options))
+        } else {
+            let tracer = Bidirectional::new(scene, &camera, &options, prelude);
+            let limited = Limited { tracer, camera: camera.clone(), limit, walks: options.pixels() as f32 };
+            Box::new(CameraPass::new(limited, scene, camera, &options))
+        };
         // A seed that no pass has, so that passes are independent of it.
         let pilot = Seeds::trace(&chains, Address::new(!options.seed).with(CHAIN_STREAM), PILOT, &Cancel::new());
         let class_of = |seed: &Candidate| chains.class_of(seed.events());
         let shares = shares(&pilot.map_or_else(Vec::new, |pilot| pilot.means(chains.classes(), class_of)));
-        Metropolis { chains, direct, options, shares }
+        Metropolis { chains, samples, options, shares }
     }
 
     /// How many chains of how many steps each class gets of the `steps` of a pass: all chains of a class are of one length, since equally
@@ -266,7 +285,7 @@ fn shares(means: &[f64]) -> Vec<f64> {
 
 impl<C: Chains> Integrator for Metropolis<'_, C> {
     fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
-        let mut report = self.direct.run_pass(pass, cancel, out)?;
+        let mut report = self.samples.run_pass(pass, cancel, out)?;
         let address = Address::new(self.options.seed).with(CHAIN_STREAM | pass);
         let allotments = self.allot(out.layout().pixels());
         let samples = SEEDS_PER_CHAIN * allotments.iter().map(|a| a.chains).sum::<usize>();

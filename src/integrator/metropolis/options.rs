@@ -92,12 +92,22 @@ pub struct MetropolisOptions {
     pub lengths: u32,
     /// Mutations of path space.
     pub mutations: Mutations,
+    /// How many times what is usual where it falls a sample of bidirectional path tracing may be worth before chains have the rest; 0 for
+    /// no samples and everything to chains.
+    pub limit: f64,
     /// Whether chains visit all parts of the image alike, dark or bright.
     pub two_stage: bool,
 }
 
 impl Default for MetropolisOptions {
     fn default() -> Self {
-        MetropolisOptions { chains: None, large_step: 0.3, lengths: 8, mutations: Mutations::default(), two_stage: false }
+        MetropolisOptions {
+            chains: None,
+            large_step: 0.3,
+            lengths: 8,
+            mutations: Mutations::default(),
+            limit: 10.0,
+            two_stage: false,
+        }
     }
 }

@@ -35,7 +35,7 @@ impl PathSampler for PrimarySpace<'_> {
                 found.add(importance, film, color);
             }
         };
-        let mut sink = ByTechnique { film, area: region.area(), found: &mut add };
+        let mut sink = ByTechnique { common: &self.common, film, found: &mut add };
         tracer.sample(lens.ray(film), &mut camera, || light, &mut sink, tally);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::contribution::Importance;
 use super::{Chains, Common};
-use crate::integrator::bidirectional::Sink;
+use crate::integrator::bidirectional::{Found, Sink};
 use crate::mcmc::stratified;
 use crate::parallel::Cancel;
 use crate::path::Tally;
@@ -105,56 +105,64 @@ impl Seeds {
     }
 }
 
-/// What bidirectional path tracing finds with the numbers at `address`, technique by technique.
+/// What bidirectional path tracing finds for chains with the numbers at `address`, technique by technique.
 fn bidirectional(common: &Common, address: Address, found: &mut impl FnMut(usize, usize, [f32; 2], Spectrum), tally: &mut Tally) {
     let [mut camera, light] = [0, 1].map(|stream| Independent::new(address.with(stream)));
     let film = common.region.at(camera.u2(0, Slot::Aux));
-    let mut sink = ByTechnique { film, area: common.region.area(), found };
+    let mut sink = ByTechnique { common, film, found };
     common.tracer.sample(common.camera.ray(film), &mut camera, || light, &mut sink, tally);
 }
 
-/// Hands over the light of each technique for the whole film.
+/// Hands over the part of each technique's light that is left to chains, for the whole film.
 pub(super) struct ByTechnique<'f, F> {
+    pub(super) common: &'f Common<'f>,
     /// Where the walk from the camera began.
     pub(super) film: [f32; 2],
-    /// Of the film, in pixels: such a walk is one for all of it.
-    pub(super) area: f32,
     pub(super) found: &'f mut F,
 }
 
 impl<F: FnMut(usize, usize, [f32; 2], Spectrum)> Sink for ByTechnique<'_, F> {
-    fn add(&mut self, s: usize, t: usize, value: Spectrum, weight: f64) {
-        (self.found)(s, t, self.film, value * (weight as f32 * self.area));
+    fn add(&mut self, found: Found) {
+        let share = self.common.limit.share_of_chains(self.film, &found, 1.0);
+        // A walk from the camera is one for the film's whole area.
+        let scale = found.weight as f32 * self.common.region.area() * share;
+        (self.found)(found.s, found.t, self.film, found.value * scale);
     }
 
-    fn splat(&mut self, s: usize, film: [f32; 2], value: Spectrum, weight: f64) {
-        (self.found)(s, 1, film, value * weight as f32);
+    fn splat(&mut self, film: [f32; 2], found: Found) {
+        let share = self.common.limit.share_of_chains(film, &found, self.common.options.pixels() as f32);
+        (self.found)(found.s, 1, film, found.value * (found.weight as f32 * share));
     }
 }
 
 /// Columns and rows of the pilot's picture.
-const PICTURE: usize = 16;
+pub(super) const PICTURE: usize = 16;
 /// Samples for it.
-const PICTURE_SAMPLES: u64 = 32 * (PICTURE * PICTURE) as u64;
+const PICTURE_SAMPLES: u64 = 64 * (PICTURE * PICTURE) as u64;
+/// No sample counts for more than this many times the mean of all: one in a dim cell would hide what is usual there.
+const MOST_OF_MEAN: f64 = 8.0;
 
-/// How bright the parts of the image are, roughly.
-pub(super) fn pilot_picture(common: &Common) -> Importance {
+/// Radiance that parts of the image usually have, roughly, of the light that chains have a part in.
+pub(super) fn pilot_picture(common: &Common) -> Vec<f64> {
     let address = Address::new(!common.options.seed).with(SEED_STREAM);
+    let flat = Importance::uniform(common.region);
     let trace = |i: u64| {
         let mut light = Vec::new();
         let mut found = |_, _, film, color: Spectrum| {
-            if common.region.contains(film) {
-                light.push((common.region.cell(film, [PICTURE; 2]), color));
+            if common.region.contains(film) && color.is_finite() {
+                light.push((common.region.cell(film, [PICTURE; 2]), flat.scalar(film, color)));
             }
         };
         bidirectional(common, address.with(i), &mut found, &mut Tally::default());
         light
     };
-    let all: Vec<Vec<(usize, Spectrum)>> = (0..PICTURE_SAMPLES).into_par_iter().map(trace).collect();
+    let all: Vec<Vec<(usize, f64)>> = (0..PICTURE_SAMPLES).into_par_iter().map(trace).collect();
+    let all: Vec<(usize, f64)> = all.into_iter().flatten().collect();
+    // The light of a sample that falls into a cell is spread over the cell's pixels.
+    let per_cell = (PICTURE * PICTURE) as f64 / (PICTURE_SAMPLES as f64 * f64::from(common.region.area()));
+    let mean = all.iter().map(|(_, light)| light).sum::<f64>() * per_cell / (PICTURE * PICTURE) as f64;
+    let most = MOST_OF_MEAN * mean * f64::from(common.region.area());
     let mut cells = vec![0.0; PICTURE * PICTURE];
-    let flat = Importance::uniform(common.region);
-    for (cell, color) in all.into_iter().flatten().filter(|(_, color)| color.is_finite()) {
-        cells[cell] += flat.scalar([0.0; 2], color);
-    }
-    Importance::new(common.region, cells, PICTURE)
+    all.into_iter().for_each(|(cell, light)| cells[cell] += light.min(most) * per_cell);
+    cells
 }

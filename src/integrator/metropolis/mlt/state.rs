@@ -1,6 +1,7 @@
 //! A path as the state of a chain.
 
 use super::super::contribution::Contribution;
+use super::super::limit::Limit;
 use super::super::{Common, Lit};
 use crate::bsdf::{Bsdf, Lobes};
 use crate::geometry::{MediumId, SurfacePoint};
@@ -62,7 +63,7 @@ impl<'a> PathState<'a> {
     }
 
     /// Number of edges.
-    pub(super) fn k(&self) -> usize {
+    pub(in super::super) fn k(&self) -> usize {
         self.path().k()
     }
 
@@ -85,6 +86,7 @@ impl<'a> PathState<'a> {
         let path = FullPath::new(common.scene, &common.camera, draft.emitter, draft.nodes, draft.directions)?;
         let (f, steps) = path.steps();
         let f = f * through.cast::<f64>();
+        let f = f * share_of_chains(common, film, &path, &steps, &f);
         let most = f.max_lane();
         if !(most > 0.0 && most.is_finite()) {
             return None;
@@ -95,6 +97,23 @@ impl<'a> PathState<'a> {
         (self.path, self.steps, self.film) = (Some(path), steps, film);
         Some(())
     }
+}
+
+/// What chains have of a path: of each technique's part what is above the limit. See [`super::super::limit`].
+fn share_of_chains(common: &Common, film: [f32; 2], path: &FullPath, steps: &Steps, f: &Spectrum<f64>) -> f64 {
+    if common.limit.is_none() {
+        return 1.0;
+    }
+    let weights = common.tracer.weights();
+    let (limit, densities) = (common.limit.at(film), path.densities(weights, steps));
+    let log_mean = (f.0.iter().sum::<f64>() / f.0.len() as f64).ln();
+    let of = |s: usize| {
+        let weight = densities.weight(weights, s);
+        // Its sample is worth weight f / p.
+        let log = densities.log[s].filter(|_| weight > 0.0)?;
+        Some(weight * Limit::above(limit, weight * (log_mean - log).exp()))
+    };
+    (0..=path.k()).filter_map(of).sum()
 }
 
 /// What media leave of the light along all edges: which one an edge is in follows from the camera on, vertex by vertex.
