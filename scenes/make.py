@@ -153,6 +153,7 @@ CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "veach-mis": ((0.0, -11.0, 4.0), math.atan2(-2.3, 11.0), 42.0),
            "ajar-door": ((-1.3, -1.8, 1.35), math.atan2(-0.4, math.hypot(1.65, 3.8)), 60.0, math.atan2(1.65, 3.8)),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
+CAMERAS["door-2cm"] = CAMERAS["ajar-door"]
 # Point lights: position and radiant intensity.
 LAMPS = {"sphere-lamp": ((0.0, 0.0, 0.0), math.pi)}
 
@@ -192,8 +193,8 @@ def glass_caustic():
     return ROOM + [("ball", ball, "glass"), ("light", light, "light")], materials
 
 
-def ajar_door():
-    """A room lit through a gap of a few centimetres by a lamp in the next one, after the scene of [Veach97 §11.5]."""
+def ajar_door(angle=0.28, radiance=(60, 55, 45)):
+    """A room lit by a lamp in the next one through the gap of a door turned by `angle`, after the scene of [Veach97 §11.5]."""
     x0, x1, top = 0.2, 1.1, 2.0
     shell = [quad((-2, -2, 0), (2, -2, 0), (2, 6, 0), (-2, 6, 0)), quad((-2, -2, 2.5), (-2, 6, 2.5), (2, 6, 2.5), (2, -2, 2.5)),
              quad((-2, -2, 0), (-2, -2, 2.5), (2, -2, 2.5), (2, -2, 0)), quad((-2, 6, 0), (2, 6, 0), (2, 6, 2.5), (-2, 6, 2.5)),
@@ -201,7 +202,7 @@ def ajar_door():
     wall = [box((-2, 2, 0), (x0, 2.1, 2.5)), box((x1, 2, 0), (2, 2.1, 2.5)), box((x0, 2, top), (x1, 2.1, 2.5))]
     legs = [((-0.85, -0.05), (-0.75, 0.05)), ((0.55, 0.65), (0.65, 0.75)), ((0.55, -0.05), (0.65, 0.05)), ((-0.85, 0.65), (-0.75, 0.75))]
     table = [box((-0.9, -0.1, 0.6), (0.7, 0.8, 0.66))] + [box((*a, 0), (*b, 0.6)) for a, b in legs]
-    door = box((x0 + 0.005, 2.0, 0.005), (x1 - 0.01, 2.04, top - 0.01), -0.28, (x0, 2.0))
+    door = box((x0 + 0.005, 2.0, 0.005), (x1 - 0.01, 2.04, top - 0.01), -angle, (x0, 2.0))
     light = quad((1.99, 2.8, 0.6), (1.99, 2.8, 2.2), (1.99, 5.2, 2.2), (1.99, 5.2, 0.6))
     objects = [(f"shell{i}", mesh, "white") for i, mesh in enumerate(shell)]
     objects += [("left", quad((-2, -2, 0), (-2, 6, 0), (-2, 6, 2.5), (-2, -2, 2.5)), "red")]
@@ -210,8 +211,13 @@ def ajar_door():
     objects += [("cube", box((-0.6, 0.2, 0.661), (-0.25, 0.55, 1.0), 0.4), "white")]
     objects += [("ball", icosphere(6, (0.3, 0.35, 0.882), 0.22), "mirror"), ("light", light, "light")]
     materials = {"white": COLOURS["white"], "red": COLOURS["red"], "door": diffuse(0.45, 0.3, 0.18),
-                 "mirror": mirror(0.95, 0.95, 0.95), "light": emitter(60, 55, 45)}
+                 "mirror": mirror(0.95, 0.95, 0.95), "light": emitter(*radiance)}
     return objects, materials
+
+
+def door_2cm():
+    """The same door turned until its back edge is 2 cm from the corner of the wall."""
+    return ajar_door(0.0648, (3600, 3300, 2700))
 
 
 # Angle and phase of each wave of the landscape, three an octave: numpy's default_rng(7), uniform(0, 6.28).
@@ -278,7 +284,7 @@ def sphere_cap():
     return [("sphere", (positions, rest, None), "gray"), ("cap", (positions, cap, None), "lamp")], {"gray": gray, "lamp": lamp}
 
 
-SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door,
+SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door, "door-2cm": door_2cm,
           "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
