@@ -101,6 +101,35 @@ def terrain(waves, cells, half):
     return points, [(a, b, c) for a, b, c, _ in corners] + [(a, c, d) for a, _, c, d in corners], None
 
 
+def ripples(waves, cells, lo, hi, level):
+    """A grid over a rectangle whose height is a sum of sines (length, angle, phase, amplitude), with the normals of that sum."""
+    waves = [(2 * math.pi / length * math.cos(a), 2 * math.pi / length * math.sin(a), phase, height) for length, a, phase, height in waves]
+    axes = [[l + (h - l) * i / cells for i in range(cells + 1)] for l, h in zip(lo, hi)]
+    points, normals = [], []
+    for y in axes[1]:
+        for x in axes[0]:
+            angles = [(kx, ky, height, kx * x + ky * y + phase) for kx, ky, phase, height in waves]
+            points.append((x, y, level + sum(height * math.sin(t) for _, _, height, t in angles)))
+            slopes = [(height * kx * math.cos(t), height * ky * math.cos(t)) for kx, ky, height, t in angles]
+            normals.append(normalized((-sum(s for s, _ in slopes), -sum(s for _, s in slopes), 1.0)))
+    n = cells + 1
+    corners = [(j * n + i, j * n + i + 1, j * n + i + n + 1, j * n + i + n) for j in range(cells) for i in range(cells)]
+    return points, [t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))], normals
+
+
+def checkered(origin, u, v, columns, rows, colors):
+    """Square tiles, a mesh for each of two colours: (mesh, colour) of both."""
+    def at(i, j):
+        return tuple(o + i * a + j * b for o, a, b in zip(origin, u, v))
+
+    def mesh(odd):
+        cells = [(i, j) for j in range(rows) for i in range(columns) if (i + j) % 2 == odd]
+        points = [at(*p) for i, j in cells for p in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+        return points, [(4 * k + a, 4 * k + b, 4 * k + c) for k in range(len(cells)) for a, b, c in ((0, 1, 2), (0, 2, 3))], None
+
+    return [(mesh(odd), color) for odd, color in enumerate(colors)]
+
+
 # --- materials -----------------------------------------------------------------------------------------------------
 
 
@@ -153,6 +182,7 @@ CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "veach-mis": ((0.0, -11.0, 4.0), math.atan2(-2.3, 11.0), 42.0),
            "ajar-door": ((-1.3, -1.8, 1.35), math.atan2(-0.4, math.hypot(1.65, 3.8)), 60.0, math.atan2(1.65, 3.8)),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
+CAMERAS["caustic-pool"] = ((0.0, -2.5, 1.9), math.radians(-46.0), 48.0)
 CAMERAS["door-2cm"] = CAMERAS["ajar-door"]
 # Point lights: position and radiant intensity.
 LAMPS = {"sphere-lamp": ((0.0, 0.0, 0.0), math.pi)}
@@ -220,6 +250,36 @@ def door_2cm():
     return ajar_door(0.0648, (3600, 3300, 2700))
 
 
+# Length, angle and phase of each wave of the pool.
+RIPPLES = [(0.8, 0.35, 0.4), (0.63, 1.9, 2.1), (0.5, 2.75, 5.0), (0.4, 1.1, 1.3), (0.34, 0.1, 3.7), (0.28, 2.2, 0.9)]
+
+
+def caustic_pool():
+    """A tiled basin under moving water and a small lamp: caustics on the floor, seen through the water that casts them."""
+    half, depth, tile, level = 1.5, 1.0, 0.25, -0.12
+    n, high = round(2 * half / tile), round(depth / tile)
+    low = -depth
+    x, y, z = (tile, 0, 0), (0, tile, 0), (0, 0, tile)
+    tiles = checkered((-half, -half, low), x, y, n, n, ("pale", "blue"))
+    for origin, along in (((-half, -half, low), y), ((half, -half, low), y), ((-half, -half, low), x), ((-half, half, low), x)):
+        tiles += checkered(origin, along, z, n, high, ("pale", "blue"))
+    # Deck around the basin, and two walls behind it.
+    deck = [quad((-3, half, 0), (3, half, 0), (3, 3, 0), (-3, 3, 0)), quad((-3, -3, 0), (3, -3, 0), (3, -half, 0), (-3, -half, 0)),
+            quad((-3, -half, 0), (-half, -half, 0), (-half, half, 0), (-3, half, 0)),
+            quad((half, -half, 0), (3, -half, 0), (3, half, 0), (half, half, 0))]
+    walls = [quad((-3, 3, 0), (3, 3, 0), (3, 3, 3), (-3, 3, 3)), quad((-3, -3, 0), (-3, 3, 0), (-3, 3, 3), (-3, -3, 3))]
+    # The curvature of a wave decides where it focuses: they share one.
+    waves = [(length, angle, phase, 1.5 * (length / (2 * math.pi))**2) for length, angle, phase in RIPPLES]
+    reach = half + 0.05  # through the walls of the basin, so that nothing passes between wall and water
+    water = ripples(waves, 128, (-reach, -reach), (reach, reach), level)
+    light = quad((-0.66, 0.34, 2.3), (-0.66, 0.46, 2.3), (-0.54, 0.46, 2.3), (-0.54, 0.34, 2.3))
+    objects = [(f"tiles{i}", mesh, color) for i, (mesh, color) in enumerate(tiles)]
+    objects += [(f"deck{i}", mesh, "deck") for i, mesh in enumerate(deck)] + [(f"wall{i}", mesh, "white") for i, mesh in enumerate(walls)]
+    materials = {"pale": diffuse(0.7, 0.72, 0.7), "blue": diffuse(0.2, 0.42, 0.55), "deck": diffuse(0.55, 0.45, 0.36),
+                 "white": COLOURS["white"], "water": glass(1.33, 1.0), "light": emitter(1500, 1400, 1200)}
+    return objects + [("water", water, "water"), ("light", light, "light")], materials
+
+
 # Angle and phase of each wave of the landscape, three an octave: numpy's default_rng(7), uniform(0, 6.28).
 WAVES = [
     (3.925599530277309, 5.634502670088934), (4.871306134739815, 1.4143011531409169), (1.8850442692424958, 5.485915637088525),
@@ -284,7 +344,7 @@ def sphere_cap():
     return [("sphere", (positions, rest, None), "gray"), ("cap", (positions, cap, None), "lamp")], {"gray": gray, "lamp": lamp}
 
 
-SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door, "door-2cm": door_2cm,
+SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door, "door-2cm": door_2cm, "caustic-pool": caustic_pool,
           "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
