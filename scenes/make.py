@@ -5,8 +5,9 @@ each name given, all of them without a name. Needs Python 3.8 and its standard l
     scenes/make.py                # all of them, in half a minute
     scenes/make.py cornell-box
 
-But for the spheres, whose radiance is known in closed form, and the textured box, the numbers are those of shared/peers/scenes.py, which the
-reference images were rendered from. Its conventions and what becomes of them here:
+But for the spheres, whose radiance is known in closed form, the textured box and the scenes for Metropolis light transport (door-2cm,
+caustic-pool, mirror-caustic), the numbers are those of shared/peers/scenes.py, which the reference images were rendered from. Its
+conventions and what becomes of them here:
 
 - Z up, metres; glTF is Y up: (x, y, z) becomes (x, z, -y), a rotation, so windings stay.
 - Emission is constant radiance, one-sided along the counter-clockwise normal, on a black absorber: black base colour,
@@ -101,6 +102,27 @@ def terrain(waves, cells, half):
     return points, [(a, b, c) for a, b, c, _ in corners] + [(a, c, d) for a, _, c, d in corners], None
 
 
+def ring(centre, inner, outer, height, segments):
+    """A ring that stands on the plane through `centre`: inside, outside and top, each with its own normals."""
+    turns = [2 * math.pi * i / segments for i in range(segments)]
+    around = [(math.cos(t), math.sin(t)) for t in turns]
+
+    def loop(radius, z):
+        return [(centre[0] + radius * c, centre[1] + radius * s, centre[2] + z) for c, s in around]
+
+    bands = [(loop(inner, height), loop(inner, 0.0), [(-c, -s, 0.0) for c, s in around]),
+             (loop(outer, 0.0), loop(outer, height), [(c, s, 0.0) for c, s in around]),
+             (loop(outer, height), loop(inner, height), [(0.0, 0.0, 1.0)] * segments)]
+    points, triangles, normals = [], [], []
+    for low, high, directions in bands:
+        base = len(points)
+        points, normals = points + low + high, normals + 2 * directions
+        for i in range(segments):
+            a, b = base + i, base + (i + 1) % segments
+            triangles += [(a, b, b + segments), (a, b + segments, a + segments)]
+    return points, triangles, normals
+
+
 def ripples(waves, cells, lo, hi, level):
     """A grid over a rectangle whose height is a sum of sines (length, angle, phase, amplitude), with the normals of that sum."""
     waves = [(2 * math.pi / length * math.cos(a), 2 * math.pi / length * math.sin(a), phase, height) for length, a, phase, height in waves]
@@ -181,8 +203,9 @@ CAMERA = ((0.0, -3.9, 1.0), 0.0, 39.3)
 CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "veach-mis": ((0.0, -11.0, 4.0), math.atan2(-2.3, 11.0), 42.0),
            "ajar-door": ((-1.3, -1.8, 1.35), math.atan2(-0.4, math.hypot(1.65, 3.8)), 60.0, math.atan2(1.65, 3.8)),
+           "caustic-pool": ((0.0, -2.5, 1.9), math.radians(-46.0), 48.0),
+           "mirror-caustic": ((0.0, -2.8, 1.15), math.radians(11.0), 32.0),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
-CAMERAS["caustic-pool"] = ((0.0, -2.5, 1.9), math.radians(-46.0), 48.0)
 CAMERAS["door-2cm"] = CAMERAS["ajar-door"]
 # Point lights: position and radiant intensity.
 LAMPS = {"sphere-lamp": ((0.0, 0.0, 0.0), math.pi)}
@@ -280,6 +303,30 @@ def caustic_pool():
     return objects + [("water", water, "water"), ("light", light, "light")], materials
 
 
+def mirror_caustic():
+    """A golden ring and a glass ball under a small lamp on a table above the eye: a mirror alone shows the top and its caustics."""
+    top = 1.25
+    room = [("floor", quad((-2, -3, 0), (2, -3, 0), (2, 2, 0), (-2, 2, 0)), "white"),
+            ("ceiling", quad((-2, -3, 3), (-2, 2, 3), (2, 2, 3), (2, -3, 3)), "white"),
+            ("back", quad((-2, 2, 0), (2, 2, 0), (2, 2, 3), (-2, 2, 3)), "white"),
+            ("front", quad((-2, -3, 0), (-2, -3, 3), (2, -3, 3), (2, -3, 0)), "white"),
+            ("left", quad((-2, -3, 0), (-2, 2, 0), (-2, 2, 3), (-2, -3, 3)), "red"),
+            ("right", quad((2, -3, 0), (2, -3, 3), (2, 2, 3), (2, 2, 0)), "green")]
+    # The lower edge of the mirror is at the back wall, its upper edge leans into the room.
+    lean, low, tall, wide = math.radians(30), 1.3, 1.6, 1.0
+    y, z = 1.9 - tall * math.sin(lean), low + tall * math.cos(lean)
+    glass_plate = quad((-wide, 1.9, low), (wide, 1.9, low), (wide, y, z), (-wide, y, z))
+    legs = [((x - 0.04, y - 0.04, 0), (x + 0.04, y + 0.04, top - 0.05)) for x in (-0.9, 0.9) for y in (0.1, 1.4)]
+    table = [box((-1.0, 0.0, top - 0.05), (1.0, 1.5, top))] + [box(*leg) for leg in legs]
+    light = icosphere(2, (-1.3, 0.15, 2.3), 0.05)
+    objects = room + [(f"table{i}", mesh, "table") for i, mesh in enumerate(table)]
+    objects += [("mirror", glass_plate, "mirror"), ("ring", ring((-0.35, 0.7, top), 0.32, 0.34, 0.17, 128), "gold"),
+                ("ball", icosphere(5, (0.42, 0.75, top + 0.221), 0.22), "glass"), ("light", (*light[:2], None), "light")]
+    materials = {**COLOURS, "table": diffuse(0.6, 0.58, 0.55), "mirror": mirror(0.95, 0.95, 0.95), "gold": mirror(0.95, 0.75, 0.4),
+                 "glass": glass(1.5, 0.44), "light": emitter(800, 740, 640)}
+    return objects, materials
+
+
 # Angle and phase of each wave of the landscape, three an octave: numpy's default_rng(7), uniform(0, 6.28).
 WAVES = [
     (3.925599530277309, 5.634502670088934), (4.871306134739815, 1.4143011531409169), (1.8850442692424958, 5.485915637088525),
@@ -344,7 +391,8 @@ def sphere_cap():
     return [("sphere", (positions, rest, None), "gray"), ("cap", (positions, cap, None), "lamp")], {"gray": gray, "lamp": lamp}
 
 
-SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door, "door-2cm": door_2cm, "caustic-pool": caustic_pool,
+SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door,
+          "door-2cm": door_2cm, "caustic-pool": caustic_pool, "mirror-caustic": mirror_caustic,
           "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
