@@ -5,8 +5,9 @@ each name given, all of them without a name. Needs Python 3.8 and its standard l
     scenes/make.py                # all of them, in half a minute
     scenes/make.py cornell-box
 
-But for the spheres, whose radiance is known in closed form, and the textured box, the numbers are those of shared/peers/scenes.py, which the
-reference images were rendered from. Its conventions and what becomes of them here:
+But for the spheres, whose radiance is known in closed form, the textured box and the scenes for Metropolis light transport (door-2cm,
+caustic-pool, mirror-caustic), the numbers are those of shared/peers/scenes.py, which the reference images were rendered from. Its
+conventions and what becomes of them here:
 
 - Z up, metres; glTF is Y up: (x, y, z) becomes (x, z, -y), a rotation, so windings stay.
 - Emission is constant radiance, one-sided along the counter-clockwise normal, on a black absorber: black base colour,
@@ -101,6 +102,56 @@ def terrain(waves, cells, half):
     return points, [(a, b, c) for a, b, c, _ in corners] + [(a, c, d) for a, _, c, d in corners], None
 
 
+def ring(centre, inner, outer, height, segments):
+    """A ring that stands on the plane through `centre`: inside, outside and top, each with its own normals."""
+    turns = [2 * math.pi * i / segments for i in range(segments)]
+    around = [(math.cos(t), math.sin(t)) for t in turns]
+
+    def loop(radius, z):
+        return [(centre[0] + radius * c, centre[1] + radius * s, centre[2] + z) for c, s in around]
+
+    bands = [(loop(inner, height), loop(inner, 0.0), [(-c, -s, 0.0) for c, s in around]),
+             (loop(outer, 0.0), loop(outer, height), [(c, s, 0.0) for c, s in around]),
+             (loop(outer, height), loop(inner, height), [(0.0, 0.0, 1.0)] * segments)]
+    points, triangles, normals = [], [], []
+    for low, high, directions in bands:
+        base = len(points)
+        points, normals = points + low + high, normals + 2 * directions
+        for i in range(segments):
+            a, b = base + i, base + (i + 1) % segments
+            triangles += [(a, b, b + segments), (a, b + segments, a + segments)]
+    return points, triangles, normals
+
+
+def ripples(waves, cells, lo, hi, level):
+    """A grid over a rectangle whose height is a sum of sines (length, angle, phase, amplitude), with the normals of that sum."""
+    waves = [(2 * math.pi / length * math.cos(a), 2 * math.pi / length * math.sin(a), phase, height) for length, a, phase, height in waves]
+    axes = [[l + (h - l) * i / cells for i in range(cells + 1)] for l, h in zip(lo, hi)]
+    points, normals = [], []
+    for y in axes[1]:
+        for x in axes[0]:
+            angles = [(kx, ky, height, kx * x + ky * y + phase) for kx, ky, phase, height in waves]
+            points.append((x, y, level + sum(height * math.sin(t) for _, _, height, t in angles)))
+            slopes = [(height * kx * math.cos(t), height * ky * math.cos(t)) for kx, ky, height, t in angles]
+            normals.append(normalized((-sum(s for s, _ in slopes), -sum(s for _, s in slopes), 1.0)))
+    n = cells + 1
+    corners = [(j * n + i, j * n + i + 1, j * n + i + n + 1, j * n + i + n) for j in range(cells) for i in range(cells)]
+    return points, [t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))], normals
+
+
+def checkered(origin, u, v, columns, rows, colors):
+    """Square tiles, a mesh for each of two colours: (mesh, colour) of both."""
+    def at(i, j):
+        return tuple(o + i * a + j * b for o, a, b in zip(origin, u, v))
+
+    def mesh(odd):
+        cells = [(i, j) for j in range(rows) for i in range(columns) if (i + j) % 2 == odd]
+        points = [at(*p) for i, j in cells for p in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
+        return points, [(4 * k + a, 4 * k + b, 4 * k + c) for k in range(len(cells)) for a, b, c in ((0, 1, 2), (0, 2, 3))], None
+
+    return [(mesh(odd), color) for odd, color in enumerate(colors)]
+
+
 # --- materials -----------------------------------------------------------------------------------------------------
 
 
@@ -152,7 +203,10 @@ CAMERA = ((0.0, -3.9, 1.0), 0.0, 39.3)
 CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "veach-mis": ((0.0, -11.0, 4.0), math.atan2(-2.3, 11.0), 42.0),
            "ajar-door": ((-1.3, -1.8, 1.35), math.atan2(-0.4, math.hypot(1.65, 3.8)), 60.0, math.atan2(1.65, 3.8)),
+           "caustic-pool": ((0.0, -2.5, 1.9), math.radians(-46.0), 48.0),
+           "mirror-caustic": ((0.0, -2.8, 1.15), math.radians(11.0), 32.0),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
+CAMERAS["door-2cm"] = CAMERAS["ajar-door"]
 # Point lights: position and radiant intensity.
 LAMPS = {"sphere-lamp": ((0.0, 0.0, 0.0), math.pi)}
 
@@ -192,8 +246,8 @@ def glass_caustic():
     return ROOM + [("ball", ball, "glass"), ("light", light, "light")], materials
 
 
-def ajar_door():
-    """A room lit through a gap of a few centimetres by a lamp in the next one, after the scene of [Veach97 §11.5]."""
+def ajar_door(angle=0.28, radiance=(60, 55, 45)):
+    """A room lit by a lamp in the next one through the gap of a door turned by `angle`, after the scene of [Veach97 §11.5]."""
     x0, x1, top = 0.2, 1.1, 2.0
     shell = [quad((-2, -2, 0), (2, -2, 0), (2, 6, 0), (-2, 6, 0)), quad((-2, -2, 2.5), (-2, 6, 2.5), (2, 6, 2.5), (2, -2, 2.5)),
              quad((-2, -2, 0), (-2, -2, 2.5), (2, -2, 2.5), (2, -2, 0)), quad((-2, 6, 0), (2, 6, 0), (2, 6, 2.5), (-2, 6, 2.5)),
@@ -201,7 +255,7 @@ def ajar_door():
     wall = [box((-2, 2, 0), (x0, 2.1, 2.5)), box((x1, 2, 0), (2, 2.1, 2.5)), box((x0, 2, top), (x1, 2.1, 2.5))]
     legs = [((-0.85, -0.05), (-0.75, 0.05)), ((0.55, 0.65), (0.65, 0.75)), ((0.55, -0.05), (0.65, 0.05)), ((-0.85, 0.65), (-0.75, 0.75))]
     table = [box((-0.9, -0.1, 0.6), (0.7, 0.8, 0.66))] + [box((*a, 0), (*b, 0.6)) for a, b in legs]
-    door = box((x0 + 0.005, 2.0, 0.005), (x1 - 0.01, 2.04, top - 0.01), -0.28, (x0, 2.0))
+    door = box((x0 + 0.005, 2.0, 0.005), (x1 - 0.01, 2.04, top - 0.01), -angle, (x0, 2.0))
     light = quad((1.99, 2.8, 0.6), (1.99, 2.8, 2.2), (1.99, 5.2, 2.2), (1.99, 5.2, 0.6))
     objects = [(f"shell{i}", mesh, "white") for i, mesh in enumerate(shell)]
     objects += [("left", quad((-2, -2, 0), (-2, 6, 0), (-2, 6, 2.5), (-2, -2, 2.5)), "red")]
@@ -210,7 +264,66 @@ def ajar_door():
     objects += [("cube", box((-0.6, 0.2, 0.661), (-0.25, 0.55, 1.0), 0.4), "white")]
     objects += [("ball", icosphere(6, (0.3, 0.35, 0.882), 0.22), "mirror"), ("light", light, "light")]
     materials = {"white": COLOURS["white"], "red": COLOURS["red"], "door": diffuse(0.45, 0.3, 0.18),
-                 "mirror": mirror(0.95, 0.95, 0.95), "light": emitter(60, 55, 45)}
+                 "mirror": mirror(0.95, 0.95, 0.95), "light": emitter(*radiance)}
+    return objects, materials
+
+
+def door_2cm():
+    """The same door turned until its back edge is 2 cm from the corner of the wall."""
+    return ajar_door(0.0648, (3600, 3300, 2700))
+
+
+# Length, angle and phase of each wave of the pool.
+RIPPLES = [(0.8, 0.35, 0.4), (0.63, 1.9, 2.1), (0.5, 2.75, 5.0), (0.4, 1.1, 1.3), (0.34, 0.1, 3.7), (0.28, 2.2, 0.9)]
+
+
+def caustic_pool():
+    """A tiled basin under moving water and a small lamp: caustics on the floor, seen through the water that casts them."""
+    half, depth, tile, level = 1.5, 1.0, 0.25, -0.12
+    n, high = round(2 * half / tile), round(depth / tile)
+    low = -depth
+    x, y, z = (tile, 0, 0), (0, tile, 0), (0, 0, tile)
+    tiles = checkered((-half, -half, low), x, y, n, n, ("pale", "blue"))
+    for origin, along in (((-half, -half, low), y), ((half, -half, low), y), ((-half, -half, low), x), ((-half, half, low), x)):
+        tiles += checkered(origin, along, z, n, high, ("pale", "blue"))
+    # Deck around the basin, and two walls behind it.
+    deck = [quad((-3, half, 0), (3, half, 0), (3, 3, 0), (-3, 3, 0)), quad((-3, -3, 0), (3, -3, 0), (3, -half, 0), (-3, -half, 0)),
+            quad((-3, -half, 0), (-half, -half, 0), (-half, half, 0), (-3, half, 0)),
+            quad((half, -half, 0), (3, -half, 0), (3, half, 0), (half, half, 0))]
+    walls = [quad((-3, 3, 0), (3, 3, 0), (3, 3, 3), (-3, 3, 3)), quad((-3, -3, 0), (-3, 3, 0), (-3, 3, 3), (-3, -3, 3))]
+    # The curvature of a wave decides where it focuses: they share one.
+    waves = [(length, angle, phase, 1.5 * (length / (2 * math.pi))**2) for length, angle, phase in RIPPLES]
+    reach = half + 0.05  # through the walls of the basin, so that nothing passes between wall and water
+    water = ripples(waves, 128, (-reach, -reach), (reach, reach), level)
+    light = quad((-0.66, 0.34, 2.3), (-0.66, 0.46, 2.3), (-0.54, 0.46, 2.3), (-0.54, 0.34, 2.3))
+    objects = [(f"tiles{i}", mesh, color) for i, (mesh, color) in enumerate(tiles)]
+    objects += [(f"deck{i}", mesh, "deck") for i, mesh in enumerate(deck)] + [(f"wall{i}", mesh, "white") for i, mesh in enumerate(walls)]
+    materials = {"pale": diffuse(0.7, 0.72, 0.7), "blue": diffuse(0.2, 0.42, 0.55), "deck": diffuse(0.55, 0.45, 0.36),
+                 "white": COLOURS["white"], "water": glass(1.33, 1.0), "light": emitter(1500, 1400, 1200)}
+    return objects + [("water", water, "water"), ("light", light, "light")], materials
+
+
+def mirror_caustic():
+    """A golden ring and a glass ball under a small lamp on a table above the eye: a mirror alone shows the top and its caustics."""
+    top = 1.25
+    room = [("floor", quad((-2, -3, 0), (2, -3, 0), (2, 2, 0), (-2, 2, 0)), "white"),
+            ("ceiling", quad((-2, -3, 3), (-2, 2, 3), (2, 2, 3), (2, -3, 3)), "white"),
+            ("back", quad((-2, 2, 0), (2, 2, 0), (2, 2, 3), (-2, 2, 3)), "white"),
+            ("front", quad((-2, -3, 0), (-2, -3, 3), (2, -3, 3), (2, -3, 0)), "white"),
+            ("left", quad((-2, -3, 0), (-2, 2, 0), (-2, 2, 3), (-2, -3, 3)), "red"),
+            ("right", quad((2, -3, 0), (2, -3, 3), (2, 2, 3), (2, 2, 0)), "green")]
+    # The lower edge of the mirror is at the back wall, its upper edge leans into the room.
+    lean, low, tall, wide = math.radians(30), 1.3, 1.6, 1.0
+    y, z = 1.9 - tall * math.sin(lean), low + tall * math.cos(lean)
+    glass_plate = quad((-wide, 1.9, low), (wide, 1.9, low), (wide, y, z), (-wide, y, z))
+    legs = [((x - 0.04, y - 0.04, 0), (x + 0.04, y + 0.04, top - 0.05)) for x in (-0.9, 0.9) for y in (0.1, 1.4)]
+    table = [box((-1.0, 0.0, top - 0.05), (1.0, 1.5, top))] + [box(*leg) for leg in legs]
+    light = icosphere(2, (-1.3, 0.15, 2.3), 0.05)
+    objects = room + [(f"table{i}", mesh, "table") for i, mesh in enumerate(table)]
+    objects += [("mirror", glass_plate, "mirror"), ("ring", ring((-0.35, 0.7, top), 0.32, 0.34, 0.17, 128), "gold"),
+                ("ball", icosphere(5, (0.42, 0.75, top + 0.221), 0.22), "glass"), ("light", (*light[:2], None), "light")]
+    materials = {**COLOURS, "table": diffuse(0.6, 0.58, 0.55), "mirror": mirror(0.95, 0.95, 0.95), "gold": mirror(0.95, 0.75, 0.4),
+                 "glass": glass(1.5, 0.44), "light": emitter(800, 740, 640)}
     return objects, materials
 
 
@@ -279,6 +392,7 @@ def sphere_cap():
 
 
 SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door,
+          "door-2cm": door_2cm, "caustic-pool": caustic_pool, "mirror-caustic": mirror_caustic,
           "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
