@@ -94,6 +94,24 @@ defects! {
     TechniquesUncounted "techniques-uncounted"
         "A multiplexed path is not multiplied by the number of techniques that it was chosen among."
         "light-transport.md 2.6 (a)";
+    FailedProposalsForgotten "failed-proposals-forgotten"
+        "A proposal that leads off the film or nowhere is not a step: the state does not count once more."
+        "light-transport.md 2.4";
+    LitSeedsOnly "lit-seeds-only"
+        "The normalisation is the mean of the samples that found light."
+        "a mean over what was kept";
+    SeedsAlike "seeds-alike"
+        "Chains begin at any lit sample, bright or dim."
+        "start-up bias, [Veach97 §11.3.1]";
+    FilmAreaForgotten "film-area-forgotten"
+        "The density of walks from the camera is per pixel and not per film in the bidirectional mutation."
+        "light-transport.md 2.3 (b)";
+    CopiedLobesWeighed "copied-lobes-weighed"
+        "Perturbations count the probability of Dirac components that they copy."
+        "a walk's density taken for a perturbation's";
+    TwoStageUnreturned "two-stage-unreturned"
+        "The image's importance is not taken out of what chains deposit."
+        "light-transport.md 2.4";
     SplatsUnlimited "splats-unlimited"
         "Splats keep the light above the limit that chains have as well."
         "a split of the light that is made in one place and not in the other";

@@ -116,7 +116,9 @@ impl<S: State> Chain<S> {
         self.counts[index].taken += 1;
         let proposed = kernels.kernels[index].propose(&self.x, &mut self.y, numbers);
         let acceptance = proposed.map_or(0.0, |log_ratio| self.acceptance(kernels, index, log_ratio));
-        self.weight += 1.0 - acceptance;
+        if proposed.is_some() || !planted(Defect::FailedProposalsForgotten) {
+            self.weight += 1.0 - acceptance;
+        }
         if acceptance > 0.0 && numbers.uniform() < acceptance {
             self.counts[index].accepted += 1;
             deposit(&self.x, self.weight);

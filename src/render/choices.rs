@@ -97,7 +97,7 @@ pub struct Choices {
     #[arg(long, value_name = "NAME=WEIGHT,...")]
     pub mutations: Option<Mutations>,
     /// What a sample may be worth, in units of what is usual where it falls, before chains have the rest; 0 leaves all to chains
-    /// [default: 10]
+    /// [default: 10 where a pilot finds little noise, else 0]
     #[arg(long, value_name = "TIMES", allow_negative_numbers = true)]
     pub limit: Option<f64>,
     /// Let chains visit dark parts of the image as often as bright ones
@@ -243,8 +243,7 @@ impl Choices {
         if !(large_step > 0.0 && large_step <= 1.0) {
             return Err(Error::usage("large-step must be above 0 and at most 1: small steps alone do not reach every path"));
         }
-        let limit = self.limit.unwrap_or(usual.limit);
-        if !(limit >= 0.0 && limit.is_finite()) {
+        if self.limit.is_some_and(|limit| !(limit >= 0.0 && limit.is_finite())) {
             return Err(Error::usage("limit must not be negative"));
         }
         if self.clamp.is_some() && self.method.is_some_and(Method::has_chains) {
@@ -255,7 +254,7 @@ impl Choices {
             large_step,
             lengths: self.lengths.unwrap_or(usual.lengths).clamp(2, 64),
             mutations: self.mutations.unwrap_or_default(),
-            limit,
+            limit: self.limit,
             two_stage: self.two_stage.unwrap_or(usual.two_stage),
         })
     }

@@ -10,7 +10,7 @@ use crate::reciprocity::{IN_GLASS, INDEX, alcove};
 use crate::studio::{camera, matte, point_light};
 use crate::worlds::{World, all};
 use etendue::film::{Crop, Filter, Layout, PassFilm};
-use etendue::integrator::{self, Guards, Method, Options, Prelude};
+use etendue::integrator::{self, Guards, Method, MetropolisOptions, Options, Prelude};
 use etendue::parallel::Cancel;
 use etendue::path::{Technique, Techniques};
 use etendue::sampling::SamplerKind;
@@ -23,31 +23,37 @@ use glam::DVec3;
 const RUNS: u64 = 16;
 
 /// Colours of independent renders: run by run, pixel by pixel, lane by lane.
-struct Runs {
+pub(crate) struct Runs {
     side: usize,
-    images: Vec<Vec<f64>>,
+    pub(crate) images: Vec<Vec<f64>>,
 }
 
 /// What the runs vary besides what a [`Shot`] says.
 #[derive(Clone, Copy)]
-struct How {
-    shot: Shot,
+pub(crate) struct How {
+    pub(crate) shot: Shot,
     techniques: Techniques,
     crop: Option<Crop>,
+    pub(crate) metropolis: MetropolisOptions,
 }
 
 impl How {
-    fn new(method: Method, side: u32, spp: u64) -> Self {
-        How { shot: Shot::new(method, side, spp), techniques: Techniques::ALL, crop: None }
+    pub(crate) fn new(method: Method, side: u32, spp: u64) -> Self {
+        How {
+            shot: Shot::new(method, side, spp),
+            techniques: Techniques::ALL,
+            crop: None,
+            metropolis: MetropolisOptions::default(),
+        }
     }
 
-    fn without(self, left_out: &[Technique]) -> Self {
+    pub(crate) fn without(self, left_out: &[Technique]) -> Self {
         How { techniques: Techniques::without(left_out), ..self }
     }
 }
 
 /// The sum of passes of one seed over their number.
-fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f64> {
+pub(crate) fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f64> {
     let Shot { side, spp, method, depth, .. } = how.shot;
     let layout = Layout::new(side, side, how.crop, &[]);
     let options = Options {
@@ -57,6 +63,7 @@ fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f64> {
         sampler: SamplerKind::Sobol,
         replicates: 1,
         techniques: how.techniques,
+        metropolis: how.metropolis,
         ..Options::new(&layout)
     };
     let camera = scene.camera(Some(&camera.to_string()), side, side).expect("a camera");
@@ -72,7 +79,7 @@ fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f64> {
     sums
 }
 
-fn runs(scene: &Scene, how: &How) -> Runs {
+pub(crate) fn runs(scene: &Scene, how: &How) -> Runs {
     let images = (0..RUNS).map(|run| image(scene, 0, how, 100 * (how.shot.method as u64 + 1) + run)).collect();
     let side = how.crop.map_or(how.shot.side, |crop| crop.x1 - crop.x0) as usize;
     Runs { side, images }
@@ -94,7 +101,12 @@ impl Runs {
         blocks.chain(std::iter::once(self.overall())).collect()
     }
 
-    fn overall(&self) -> Estimate {
+    /// The same, so many times as bright.
+    pub(crate) fn scaled(&self, factor: f64) -> Runs {
+        Runs { side: self.side, images: self.images.iter().map(|image| image.iter().map(|v| v * factor).collect()).collect() }
+    }
+
+    pub(crate) fn overall(&self) -> Estimate {
         estimate(self.images.iter().map(|image| image.iter().sum::<f64>() / image.len() as f64))
     }
 }
@@ -103,12 +115,12 @@ fn estimate(values: impl Iterator<Item = f64>) -> Estimate {
     values.collect::<Moments>().estimate().expect("runs")
 }
 
-fn times(a: Estimate, factor: f64) -> Estimate {
+pub(crate) fn times(a: Estimate, factor: f64) -> Estimate {
     Estimate { value: a.value * factor, standard_error: a.standard_error * factor, ..a }
 }
 
 /// Whether the blocks of both have the same means.
-fn agree(a: &Runs, b: &Runs) -> Result<(), String> {
+pub(crate) fn agree(a: &Runs, b: &Runs) -> Result<(), String> {
     let pairs: Vec<_> = a.blocks(4).into_iter().zip(b.blocks(4)).collect();
     // Blocks that nothing reaches in either have no error to compare by.
     let lit = pairs.iter().filter(|(a, b)| a.standard_error > 0.0 || b.standard_error > 0.0);
@@ -119,7 +131,7 @@ fn agree(a: &Runs, b: &Runs) -> Result<(), String> {
     if least > sidak_level(LEVEL, pairs.len() as u64) { Ok(()) } else { Err(text) }
 }
 
-fn spp(shallow: u64) -> u64 {
+pub(crate) fn spp(shallow: u64) -> u64 {
     if deep() { 64 * shallow } else { shallow }
 }
 
@@ -132,8 +144,7 @@ fn bidirectional_path_tracing_shows_what_path_tracing_shows() {
         agree(&path, &bdpt).unwrap_or_else(|e| panic!("{name}: {e}"));
         // Path tracing finds caustics by chance, with much noise.
         let planted = if scene.features().dirac { 1.2 } else { 1.03 };
-        let brighter = Runs { images: bdpt.images.iter().map(|i| i.iter().map(|v| v * planted).collect()).collect(), ..bdpt };
-        assert!(agree(&path, &brighter).is_err(), "{name}: {planted} times as bright is not convicted");
+        assert!(agree(&path, &bdpt.scaled(planted)).is_err(), "{name}: {planted} times as bright is not convicted");
         if !scene.features().dirac {
             let light = runs(&scene, &How::new(Method::Light, 16, spp(16)));
             agree(&path, &light).unwrap_or_else(|e| panic!("{name}, light tracing: {e}"));
@@ -228,8 +239,8 @@ fn the_renderer_is_reciprocal() {
 }
 
 /// A crop has the light of the same pixels in the whole, though as many walks as its pixels start from lights.
-fn expect_crop(scene: &Scene, method: Method, filter: Filter) {
-    let mut how = How::new(method, 16, spp(8));
+pub(crate) fn expect_crop(scene: &Scene, how: How, filter: Filter) {
+    let mut how = how;
     how.shot.filter = filter;
     let whole = runs(scene, &how);
     let crop = Crop { x0: 4, y0: 6, x1: 12, y1: 14 };
@@ -239,21 +250,21 @@ fn expect_crop(scene: &Scene, method: Method, filter: Filter) {
         rows.flat_map(|row| image[row].to_vec()).collect()
     };
     let same = Runs { side: 8, images: whole.images.iter().map(cut).collect() };
-    agree(&part, &same).unwrap_or_else(|e| panic!("{method:?}, {filter:?}: {e}"));
+    agree(&part, &same).unwrap_or_else(|e| panic!("{:?}, {filter:?}: {e}", how.shot.method));
 }
 
 #[test]
 fn a_crop_shows_what_the_whole_does() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
-    expect_crop(&scene, Method::Light, Filter::Box);
+    expect_crop(&scene, How::new(Method::Light, 16, spp(8)), Filter::Box);
 }
 
 #[test]
 fn a_crop_shows_what_the_whole_does_under_wide_filters() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
-    expect_crop(&scene, Method::Light, Filter::BlackmanHarris);
-    expect_crop(&scene, Method::Bdpt, Filter::Gaussian);
-    expect_crop(&scene, Method::Bdpt, Filter::Box);
+    expect_crop(&scene, How::new(Method::Light, 16, spp(8)), Filter::BlackmanHarris);
+    expect_crop(&scene, How::new(Method::Bdpt, 16, spp(8)), Filter::Gaussian);
+    expect_crop(&scene, How::new(Method::Bdpt, 16, spp(8)), Filter::Box);
 }
 
 #[test]
@@ -276,7 +287,7 @@ fn a_limit_of_depth_means_the_same() {
             runs(&scene, &how)
         };
         let path = of(Method::Path);
-        for method in [Method::Light, Method::Bdpt] {
+        for method in [Method::Light, Method::Bdpt, Method::Mmlt, Method::Mlt] {
             agree(&path, &of(method)).unwrap_or_else(|e| panic!("{method:?}, depth {depth}: {e}"));
         }
     }
@@ -289,7 +300,7 @@ fn threads_leave_no_trace() {
     let layout = Layout::new(40, 40, None, &[]);
     let options = Options::new(&layout);
     let camera = scene.camera(None, 40, 40).expect("a camera");
-    for method in [Method::Light, Method::Bdpt] {
+    for method in [Method::Light, Method::Bdpt, Method::Pssmlt, Method::Mmlt, Method::Mlt] {
         let integrator = integrator::build(method, &scene, camera.clone(), &options, &Prelude::default());
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
@@ -309,7 +320,7 @@ fn without_scattering_there_is_only_direct_view() {
     crate::studio::add_room(&mut black, &matte(0.0, 0.5));
     black.cameras.push(camera(DVec3::new(0.1, 0.0, 0.2), DVec3::X));
     let black = scene(black);
-    for method in [Method::Light, Method::Bdpt] {
+    for method in [Method::Light, Method::Bdpt, Method::Mlt] {
         let image = image(&black, 0, &How::new(method, 8, 4), 1);
         assert!(image.iter().all(|&v| (v - 0.5).abs() < 1e-6), "{method:?}");
     }

@@ -44,7 +44,7 @@ use mmlt::Multiplexed;
 use pssmlt::PrimarySpace;
 use rayon::prelude::*;
 use report::ChainLight;
-use seeds::{Candidate, Seeds};
+use seeds::{Candidate, Pilot, Seeds};
 use std::ops::RangeInclusive;
 
 /// Scattering events of the shortest paths that chains have.
@@ -55,6 +55,11 @@ const STEPS: usize = 500;
 const MOST_CHAINS: usize = 1024;
 /// Samples of bidirectional path tracing for each chain that begins at one of them.
 const SEEDS_PER_CHAIN: usize = 100;
+/// Variance of a sample relative to its pixel's square from which on bidirectional path tracing is not worth its time, and chains have
+/// everything. For the scenes that decided it see docs/measurements.md.
+const NOISY: f64 = 3.5;
+/// Times what is usual that a sample may count for elsewhere.
+const LIMIT: f64 = 10.0;
 /// Sets the numbers of chains apart from those of samples.
 const CHAIN_STREAM: u64 = 1 << 62;
 /// No class of paths has fewer than this share of the steps.
@@ -129,14 +134,14 @@ impl<'a> Common<'a> {
         let tracer = Bidirectional::new(scene, &camera, options, &Prelude::default()).from_events(FEWEST_EVENTS);
         let (limit, importance) = (Limit::none(region), Importance::uniform(region));
         let mut common = Common { scene, camera, options: *options, tracer, region, limit, importance };
-        let MetropolisOptions { limit, two_stage, .. } = options.metropolis;
-        if limit > 0.0 {
-            let usual = seeds::pilot_picture(&common);
-            common.limit = Limit::new(region, &usual, seeds::PICTURE, limit);
+        if options.metropolis.limit != Some(0.0) {
+            let pilot = Pilot::trace(&common);
+            let usual = if pilot.noise > NOISY { 0.0 } else { LIMIT };
+            let times = options.metropolis.limit.unwrap_or(usual);
+            common.limit = if times > 0.0 { Limit::new(region, &pilot.usual, seeds::PICTURE, times) } else { common.limit };
         }
-        if two_stage {
-            let left = seeds::pilot_picture(&common);
-            common.importance = Importance::new(region, left, seeds::PICTURE);
+        if options.metropolis.two_stage {
+            common.importance = Importance::new(region, Pilot::trace(&common).usual, seeds::PICTURE);
         }
         common
     }
@@ -236,7 +241,8 @@ impl<'a, C: Chains> Metropolis<'a, C> {
         let (address, mut key) = (pass.with(CHAIN_STREAM | stream), pass.with(!id));
         let mut deposit = |state: &C::State, weight: f64| {
             let found = state.contribution();
-            let per_scalar = weight * task.scale / found.scalar();
+            let scalar = if planted(Defect::TwoStageUnreturned) { found.plain() } else { found.scalar() };
+            let per_scalar = weight * task.scale / scalar;
             for &(film, color) in found.splats() {
                 key = key.with(0);
                 splats.add(self.options.filter, film, color * per_scalar as f32, key.bits(0));

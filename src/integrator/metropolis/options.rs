@@ -93,8 +93,8 @@ pub struct MetropolisOptions {
     /// Mutations of path space.
     pub mutations: Mutations,
     /// How many times what is usual where it falls a sample of bidirectional path tracing may be worth before chains have the rest; 0 for
-    /// no samples and everything to chains.
-    pub limit: f64,
+    /// no samples and everything to chains; `None` to let a pilot decide.
+    pub limit: Option<f64>,
     /// Whether chains visit all parts of the image alike, dark or bright.
     pub two_stage: bool,
 }
@@ -106,7 +106,7 @@ impl Default for MetropolisOptions {
             large_step: 0.3,
             lengths: 8,
             mutations: Mutations::default(),
-            limit: 10.0,
+            limit: None,
             two_stage: false,
         }
     }

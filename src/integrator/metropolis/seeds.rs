@@ -2,6 +2,7 @@
 
 use super::contribution::Importance;
 use super::{Chains, Common};
+use crate::defects::{Defect, planted};
 use crate::integrator::bidirectional::{Found, Sink};
 use crate::mcmc::stratified;
 use crate::parallel::Cancel;
@@ -100,8 +101,10 @@ impl Seeds {
     ) -> Option<(Vec<Candidate>, f64)> {
         let of_class: Vec<&Candidate> = self.candidates.iter().filter(|c| class_of(c) == class).collect();
         let weights: Vec<f64> = of_class.iter().map(|c| c.scalar).collect();
-        let chosen = stratified(&weights, count, offset)?;
-        Some((chosen.into_iter().map(|i| *of_class[i]).collect(), weights.iter().sum::<f64>() / self.samples as f64))
+        let chances = if planted(Defect::SeedsAlike) { vec![1.0; weights.len()] } else { weights.clone() };
+        let chosen = stratified(&chances, count, offset)?;
+        let samples = if planted(Defect::LitSeedsOnly) { weights.len() } else { self.samples };
+        Some((chosen.into_iter().map(|i| *of_class[i]).collect(), weights.iter().sum::<f64>() / samples as f64))
     }
 }
 
@@ -139,30 +142,61 @@ impl<F: FnMut(usize, usize, [f32; 2], Spectrum)> Sink for ByTechnique<'_, F> {
 pub(super) const PICTURE: usize = 16;
 /// Samples for it.
 const PICTURE_SAMPLES: u64 = 64 * (PICTURE * PICTURE) as u64;
+/// Squares of cells are lifted by that of this share of the mean, so that dark ones do not dominate.
+const DARK: f64 = 0.1;
 /// No sample counts for more than this many times the mean of all: one in a dim cell would hide what is usual there.
 const MOST_OF_MEAN: f64 = 8.0;
 
-/// Radiance that parts of the image usually have, roughly, of the light that chains have a part in.
-pub(super) fn pilot_picture(common: &Common) -> Vec<f64> {
-    let address = Address::new(!common.options.seed).with(SEED_STREAM);
-    let flat = Importance::uniform(common.region);
-    let trace = |i: u64| {
-        let mut light = Vec::new();
-        let mut found = |_, _, film, color: Spectrum| {
-            if common.region.contains(film) && color.is_finite() {
-                light.push((common.region.cell(film, [PICTURE; 2]), flat.scalar(film, color)));
-            }
+/// What a few samples say of the light that chains have a part in.
+pub(super) struct Pilot {
+    /// Radiance that each cell usually has, roughly.
+    pub(super) usual: Vec<f64>,
+    /// Variance of a sample a pixel relative to the square of the pixel, its mean over the cells.
+    pub(super) noise: f64,
+}
+
+/// Contributions that fall into one cell of the picture.
+#[derive(Default, Clone, Copy)]
+struct Fallen {
+    sum: f64,
+    square: f64,
+    limited: f64,
+}
+
+impl Pilot {
+    /// Traces the samples.
+    pub(super) fn trace(common: &Common) -> Self {
+        let flat = Importance::uniform(common.region);
+        let address = Address::new(!common.options.seed).with(SEED_STREAM);
+        let trace = |i: u64| {
+            let mut light = Vec::new();
+            let mut found = |_, _, film, color: Spectrum| {
+                if common.region.contains(film) && color.is_finite() {
+                    light.push((common.region.cell(film, [PICTURE; 2]), flat.scalar(film, color)));
+                }
+            };
+            bidirectional(common, address.with(i), &mut found, &mut Tally::default());
+            light
         };
-        bidirectional(common, address.with(i), &mut found, &mut Tally::default());
-        light
-    };
-    let all: Vec<Vec<(usize, f64)>> = (0..PICTURE_SAMPLES).into_par_iter().map(trace).collect();
-    let all: Vec<(usize, f64)> = all.into_iter().flatten().collect();
-    // The light of a sample that falls into a cell is spread over the cell's pixels.
-    let per_cell = (PICTURE * PICTURE) as f64 / (PICTURE_SAMPLES as f64 * f64::from(common.region.area()));
-    let mean = all.iter().map(|(_, light)| light).sum::<f64>() * per_cell / (PICTURE * PICTURE) as f64;
-    let most = MOST_OF_MEAN * mean * f64::from(common.region.area());
-    let mut cells = vec![0.0; PICTURE * PICTURE];
-    all.into_iter().for_each(|(cell, light)| cells[cell] += light.min(most) * per_cell);
-    cells
+        let all: Vec<Vec<(usize, f64)>> = (0..PICTURE_SAMPLES).into_par_iter().map(trace).collect();
+        Pilot::of(all.into_iter().flatten().collect(), f64::from(common.region.area()))
+    }
+
+    /// Of contributions to the whole film of `area` pixels by cell.
+    fn of(contributions: Vec<(usize, f64)>, area: f64) -> Self {
+        let cells = (PICTURE * PICTURE) as f64;
+        let mean = contributions.iter().map(|(_, light)| light).sum::<f64>() / PICTURE_SAMPLES as f64;
+        let mut fallen = [Fallen::default(); PICTURE * PICTURE];
+        for (cell, light) in contributions {
+            let Fallen { sum, square, limited } = &mut fallen[cell];
+            *sum += light / PICTURE_SAMPLES as f64;
+            *square += light * light / PICTURE_SAMPLES as f64;
+            *limited += light.min(MOST_OF_MEAN * mean) / PICTURE_SAMPLES as f64;
+        }
+        // A cell has area / cells of the pixels, and a pass as many samples as pixels.
+        let usual = fallen.iter().map(|f| f.limited * cells / area).collect();
+        let floor = (DARK * mean / cells).powi(2);
+        let noise = fallen.iter().map(|f| f.square / (cells * (f.sum * f.sum + floor))).sum::<f64>() / cells;
+        Pilot { usual, noise }
+    }
 }

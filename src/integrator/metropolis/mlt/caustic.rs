@@ -81,7 +81,8 @@ impl<'a> Caustic<'_, 'a> {
         if planted(Defect::JacobianDropped) {
             return 0.0;
         }
-        x.steps.copied[0][begin + 1..].iter().map(|density| density.ln()).sum()
+        let made = if planted(Defect::CopiedLobesWeighed) { &x.steps.light } else { &x.steps.copied[0] };
+        made[begin + 1..].iter().map(|density| density.ln()).sum()
     }
 }
 

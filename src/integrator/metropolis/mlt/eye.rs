@@ -111,7 +111,8 @@ impl<'c, 'a> Eye<'c, 'a> {
         if planted(Defect::JacobianDropped) {
             return 0.0;
         }
-        x.steps.copied[1][last..].iter().map(|density| density.ln()).sum()
+        let made = if planted(Defect::CopiedLobesWeighed) { &x.steps.camera } else { &x.steps.copied[1] };
+        made[last..].iter().map(|density| density.ln()).sum()
     }
 }
 

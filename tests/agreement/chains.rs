@@ -1,0 +1,85 @@
+//! Metropolis methods against bidirectional path tracing and exact answers. Passes are groups of chains: all that is compared are whole renders
+//! of seeds of their own.
+
+use crate::bidirectional::{How, agree, expect_crop, runs, spp, times};
+use crate::deep::deep;
+use crate::equilibrium::{KINDS, Kind, equilibrium};
+use crate::picture::{LEVEL, scene};
+use crate::worlds::{World, all};
+use etendue::film::Filter;
+use etendue::integrator::{Method, MetropolisOptions};
+use etendue::path::Technique;
+use etendue::stats::{sidak_level, t_test};
+
+const METHODS: [Method; 3] = [Method::Pssmlt, Method::Mmlt, Method::Mlt];
+
+/// With everything left to chains, or what is above so many times the usual.
+fn how(method: Method, samples: u64, limit: f64) -> How {
+    let metropolis = MetropolisOptions { limit: Some(limit), lengths: 5, ..MetropolisOptions::default() };
+    How { metropolis, ..How::new(method, 16, spp(samples)) }
+}
+
+/// Rough and Dirac surfaces, mixtures, bent normals, absorption, lights of all kinds under a map.
+#[test]
+fn chains_show_what_bidirectional_path_tracing_shows() {
+    for World { name, scene, .. } in all() {
+        let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, spp(16)));
+        for method in METHODS {
+            let found = runs(&scene, &how(method, 32, 0.0));
+            agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}: {e}"));
+            assert!(agree(&bdpt, &found.scaled(1.15)).is_err(), "{name}, {method:?}: 15 % more is not convicted");
+        }
+    }
+}
+
+/// The part below the limit and the part above it are the whole.
+#[test]
+fn samples_and_chains_share_the_light() {
+    for World { name, scene, .. } in all().into_iter().filter(|w| deep() || ["dirac", "open"].contains(&w.name)) {
+        let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, spp(16)));
+        for (method, limit) in METHODS.into_iter().zip([0.5, 1.0, 1.0]) {
+            let found = runs(&scene, &how(method, 16, limit));
+            agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}, limit {limit}: {e}"));
+            assert!(agree(&bdpt, &found.scaled(1.1)).is_err(), "{name}, {method:?}: 10 % more is not convicted");
+        }
+    }
+}
+
+/// Primary sample space has the path tracer's numbers, too, where techniques that need walks from lights are left out.
+#[test]
+fn the_path_tracers_numbers_can_be_walked() {
+    let World { scene, .. } = all().into_iter().next().expect("rough");
+    let path = runs(&scene, &How::new(Method::Path, 16, spp(16)));
+    for method in [Method::Pssmlt, Method::Mmlt] {
+        let found = runs(&scene, &how(method, 32, 0.0).without(&[Technique::Connect, Technique::Splat]));
+        agree(&path, &found).unwrap_or_else(|e| panic!("{method:?}: {e}"));
+    }
+}
+
+/// See `equilibrium.rs`.
+#[test]
+fn chains_keep_equilibrium() {
+    let rounds = if deep() { 10 } else { 1 };
+    let cases: Vec<(Kind, u64)> = (0..rounds).flat_map(|round| KINDS.map(|kind| (kind, round))).collect();
+    for &(kind, round) in &cases {
+        let (description, expected) = equilibrium(kind, 1000 + round * 10 + kind as u64);
+        let scene = scene(description);
+        for method in METHODS {
+            let found = runs(&scene, &how(method, 16, 0.0)).overall();
+            println!("{kind:?} {round} {method:?}: {} ± {:.1e} of {expected}", found.value, found.standard_error);
+            let level = sidak_level(LEVEL, (METHODS.len() * cases.len()) as u64);
+            // In a scene that loses nothing every sample may be exact but for a few dozen roundings.
+            let exact = (found.value - expected).abs() < 64.0 * f64::from(f32::EPSILON) * expected;
+            assert!(exact || t_test(&found, expected).p_value > level, "{kind:?} {round}, {method:?}: {found:?} of {expected}");
+            assert!(t_test(&times(found, 1.1), expected).p_value < level, "{kind:?} {round}, {method:?}: 10 % are not convicted");
+        }
+    }
+}
+
+#[test]
+fn a_crop_has_the_light_of_the_whole() {
+    let World { scene, .. } = all().into_iter().next().expect("rough");
+    for (method, filter) in [(Method::Mlt, Filter::BlackmanHarris), (Method::Mmlt, Filter::Box)] {
+        expect_crop(&scene, how(method, 16, 0.0), filter);
+    }
+}
