@@ -280,6 +280,15 @@ defects! {
     RelmseBiased "relmse-biased"
         "The noise in the denominators of relMSE is left in, which makes noisy images look worse than they are."
         "the plug-in estimator";
+    PixelsForBlocks "pixels-for-blocks"
+        "The interval of relMSE takes pixels for independent where samples fall on several at once, and is too narrow."
+        "étendue, before blocks of pixels were taken together";
+    PatchesForReplicates "patches-for-replicates"
+        "The interval of relMSE takes parts of the picture for independent where chains serve all of it, and is far too narrow."
+        "étendue, before it knew what a method shares";
+    SquaresForPseudoValues "squares-for-pseudo-values"
+        "The noise between replicates is that of their squared distances from the mean, which miss that the mean moves with each."
+        "the jackknife written down from memory";
     NormalForT "normal-for-t"
         "Intervals from few replicates are those of a normal distribution."
         "1.96 for everything";

@@ -2,6 +2,7 @@
 
 use super::{Console, console};
 use crate::error::{Error, Kind, Result};
+use crate::integrator::Method;
 use crate::parallel::Cancel;
 use crate::render::{Checkpoint, Ended, Observer, Progress, Session};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
@@ -16,7 +17,7 @@ pub(super) fn run(session: &mut Session<'_>, console: Console, film: Option<&Pat
     let (settings, plan) = (&session.provenance().settings, session.provenance().plan);
     let amount = plan.count().map_or_else(String::new, |passes| format!(", {passes} samples per pixel"));
     console.note(&format!("rendering {}x{}{amount}", settings.width, settings.height));
-    let mut watcher = Watcher { meter: Meter::new(console), error: ErrorSoFar::default() };
+    let mut watcher = Watcher { meter: Meter::new(console), error: ErrorSoFar::of(settings.method) };
     session.run(&cancel, &mut watcher, film.map(Checkpoint::new))
 }
 
@@ -49,18 +50,22 @@ impl Observer for Watcher {
 }
 
 /// The error of the film, looked at only whenever the number of samples has doubled: a look costs a walk over all pixels.
-#[derive(Default)]
 struct ErrorSoFar {
+    method: Method,
     looked_at: u64,
     text: String,
 }
 
 impl ErrorSoFar {
+    fn of(method: Method) -> Self {
+        ErrorSoFar { method, looked_at: 0, text: String::new() }
+    }
+
     fn update(&mut self, progress: &Progress<'_>) -> &str {
         let held = progress.film.passes().len();
         if held >= 2 * self.looked_at.max(1) {
             self.looked_at = held;
-            let error = progress.film.image_error();
+            let error = progress.film.image_error(self.method.independent());
             self.text = error.map(|e| format!(", relMSE {:.2e}", e.relmse.value)).unwrap_or_default();
         }
         &self.text

@@ -1,11 +1,9 @@
 //! The error that an image carries, from its replicates.
 //!
 //! Replicates are independent whatever happens inside one (random, QMC, chains), so the error of the mean follows from how
-//! they differ. The relative error pools over the image; its interval takes pixels as independent, which holds for methods
-//! whose pixels have their own samples and not for those that share chains, photons or light vertices. With four replicates
-//! or more the noise of each pixel's error is estimated within the pixel, so that bright and dark, easy and hard parts of a
-//! picture do not pass for noise; with fewer, blocks of pixels are taken as a sample of blocks, and the interval is too wide.
-//! Errors are positive and their estimates skewed, the more the fewer pixels make up the error: the interval is Hall's.
+//! they differ. The relative error pools over the image; its interval comes from what the method says is [`Independent`]: pixels,
+//! blocks of them, or replicates alone. Errors are positive and their estimates skewed, the more the fewer pixels make up the
+//! error: the interval is Hall's.
 //!
 //! Bias: the m² of a denominator is itself an estimate. At relative variance v of m that makes the result too high by 3 v for
 //! normal samples and too low by v for exponential ones, whose large V come with large m. Both effects are estimated to first
@@ -15,12 +13,14 @@
 //! replicates that the numerator does not use are noisier: a pixel that sees a small lamp in one of two then has the error of a
 //! black one.)
 
+use super::noise::{Independent, Noise};
 use super::peaks::Peak;
-use super::replicates::{COLOR, PixelError, Replicates, Spread};
+use super::replicates::{COLOR, PixelError, Replicates};
+use super::spread::{Pairs, Patch, Spread};
 use super::tail;
 use super::{Film, Layout};
 use crate::stats::pareto::Tail;
-use crate::stats::{Moments, skewed_quantile, student_quantile, third_cumulant_of_mean};
+use crate::stats::{skewed_quantile, student_quantile};
 use rayon::prelude::*;
 
 /// ε is the square of this share of the image mean, so that black pixels do not dominate.
@@ -75,6 +75,8 @@ pub struct ImageError {
     pub epsilon: f64,
     /// How many replicates the estimate stands on.
     pub replicates: u32,
+    /// What the interval of `relmse` takes as independent.
+    pub independent: Independent,
     /// The largest share that one block of pixels has in `relmse`. Near 1, a few fireflies make the error and the
     /// interval cannot be trusted.
     pub max_share: f64,
@@ -105,10 +107,10 @@ fn null_is_infinite<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, 
 }
 
 impl RelMse {
-    fn of(blocks: &[Block]) -> Self {
+    fn of(blocks: &[Block], independent: Independent) -> Self {
         let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
         let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
-        let Noise { standard_error, skewness, dof } = Noise::of(blocks, relative, values);
+        let Noise { standard_error, skewness, dof } = Noise::of(independent, blocks, relative, values);
         let empty = RelMse {
             value: relative / values,
             low: 0.0,
@@ -148,6 +150,8 @@ impl ImageError {
             Some("a few samples carry the error, and there may be larger ones to come")
         } else if self.relmse.curvature_bias > MOST_BIAS {
             Some("the image is too noisy to divide its error by")
+        } else if self.replicates < self.independent.least_replicates() {
+            Some("there are too few replicates to tell how far the error may be off")
         } else {
             None
         }
@@ -173,27 +177,26 @@ impl Film {
         Some(errors)
     }
 
-    /// The error of the whole image; `None` with fewer than 2 replicates, an empty one, or no pixels.
-    pub fn image_error(&self) -> Option<ImageError> {
+    /// The error of the whole image, of which that is `independent`; `None` with fewer than 2 replicates, an empty one, or no
+    /// pixels.
+    pub fn image_error(&self, independent: Independent) -> Option<ImageError> {
         let replicates = Replicates::of(self)?;
         let mean = replicates.image_mean()?;
         let epsilon = (FLOOR * mean.value).powi(2);
-        let pairs = replicates.pairs(epsilon);
-        let block = |pixels: Vec<usize>| {
-            let mut scratch = replicates.scratch(&pairs);
-            Block::of(pixels.iter().map(|&pixel| replicates.pixel(pixel, &pairs, &mut scratch)))
-        };
+        let pairs = Pairs::of(&replicates.counts);
+        let block = |pixels: Vec<usize>| Block::of(&pixels, &replicates, &pairs, epsilon, independent);
         let blocks: Vec<Block> = blocks(self.layout()).into_par_iter().map(block).collect();
         let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
         let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
         let largest = blocks.iter().map(|b| b.relative).fold(0.0, f64::max);
         Some(ImageError {
-            relmse: RelMse::of(&blocks),
+            relmse: RelMse::of(&blocks, independent),
             rmse: (sum(|b| b.variance) / values).sqrt(),
             mean: mean.value,
             mean_standard_error: mean.standard_error,
             epsilon,
             replicates: self.replicates(),
+            independent,
             max_share: if relative > 0.0 { largest / relative } else { 0.0 },
             largest: largest_sample(self, mean.value),
             tail: tail::tail_of(self, epsilon.sqrt()),
@@ -202,36 +205,47 @@ impl Film {
 }
 
 /// Sums over the pixels and channels of a block.
-struct Block {
-    values: f64,
+#[derive(Default)]
+pub(super) struct Block {
+    pub(super) values: f64,
     variance: f64,
     /// Without the bias of denominators.
-    relative: f64,
+    pub(super) relative: f64,
     /// The curvature's part of that bias.
     curvature: f64,
     /// What of it may be left.
     residual: f64,
-    /// That of `relative`; `None` where it is not known within a pixel.
-    spread: Option<Spread>,
+    /// That of `relative`; `None` where it is not known from within.
+    pub(super) spread: Option<Spread>,
+    /// By replicate: see [`super::replicates::Scratch`].
+    pub(super) squares: Vec<f64>,
 }
 
 impl Block {
-    fn of(pixels: impl Iterator<Item = PixelError>) -> Self {
-        let mut block =
-            Block { values: 0.0, variance: 0.0, relative: 0.0, curvature: 0.0, residual: 0.0, spread: Some(Spread::default()) };
-        let mut excess = 0.0;
-        for pixel in pixels {
-            block.values += COLOR as f64;
-            block.variance += pixel.variance;
-            block.relative += pixel.relative;
-            block.curvature += pixel.curvature;
-            block.spread = block.spread.zip(pixel.spread).map(|(sum, spread)| sum + spread);
-            excess += pixel.excess;
+    fn of(pixels: &[usize], replicates: &Replicates<'_>, pairs: &Pairs, epsilon: f64, independent: Independent) -> Self {
+        let (mut scratch, mut excess) = (replicates.scratch(pairs), 0.0);
+        let mut block = Block { spread: Some(Spread::default()), ..Block::default() };
+        for together in pixels.chunks(independent.together(pixels.len())) {
+            let mut patch = Patch::empty(pairs);
+            for &pixel in together {
+                let error = replicates.pixel(pixel, epsilon, pairs, &mut scratch, &mut patch);
+                block.add(&error);
+                excess += error.excess;
+            }
+            block.spread = block.spread.zip(pairs.spread(&patch)).map(|(sum, spread)| sum + spread);
         }
+        block.squares = scratch.squares;
         if block.relative > 0.0 {
             block.correct(excess / block.relative);
         }
         block
+    }
+
+    fn add(&mut self, pixel: &PixelError) {
+        self.values += COLOR as f64;
+        self.variance += pixel.variance;
+        self.relative += pixel.relative;
+        self.curvature += pixel.curvature;
     }
 
     /// Takes out the bias that makes up the share `delta` of `relative`.
@@ -242,42 +256,7 @@ impl Block {
         self.curvature *= share;
         self.residual = RESIDUAL * curvature * curvature * self.relative;
         self.spread = self.spread.map(|spread| spread.scaled(share));
-    }
-}
-
-/// The noise of an estimated relMSE.
-struct Noise {
-    standard_error: f64,
-    skewness: f64,
-    dof: f64,
-}
-
-impl Noise {
-    fn of(blocks: &[Block], relative: f64, values: f64) -> Self {
-        Noise::within_pixels(blocks, values).unwrap_or_else(|| Noise::between_blocks(blocks, relative, values))
-    }
-
-    /// From the noise of each pixel, of which there are many enough for a normal quantile. The variance is no less than that of
-    /// normal replicates: where few pixels make up the error, one that comes out less is noise, and the interval would miss.
-    fn within_pixels(blocks: &[Block], values: f64) -> Option<Self> {
-        let spread = blocks.iter().map(|b| b.spread).sum::<Option<Spread>>()?.scaled(1.0 / values);
-        Some(Noise::new(spread.variance.max(spread.of_normal), spread.third, f64::INFINITY))
-    }
-
-    /// By the jackknife over blocks [Efron81].
-    fn between_blocks(blocks: &[Block], relative: f64, values: f64) -> Self {
-        let n = blocks.len() as f64;
-        let pseudo = |b: &Block| n * relative / values - (n - 1.0) * (relative - b.relative) / (values - b.values);
-        let pseudo: Vec<f64> = blocks.iter().map(pseudo).collect();
-        let moments: Moments = pseudo.iter().copied().collect();
-        let variance = moments.variance().map_or(f64::INFINITY, |variance| variance / n);
-        Noise::new(variance, third_cumulant_of_mean(&pseudo, moments.mean()), (n - 1.0).max(1.0))
-    }
-
-    fn new(variance: f64, third: f64, dof: f64) -> Self {
-        let is_known = variance > 0.0 && variance.is_finite();
-        let skewness = if is_known { third / (variance * variance.sqrt()) } else { 0.0 };
-        Noise { standard_error: variance.sqrt(), skewness, dof }
+        self.squares.iter_mut().for_each(|square| *square *= share);
     }
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::film::{PassFilm, Units};
-use crate::stats::t_test;
 use crate::stats::test_random::Random;
+use crate::stats::{Moments, t_test};
 
 /// The true mean of a pixel: a ramp from 0.5 to 1.5 over the image.
 fn truth(pixel: usize, pixels: usize) -> f64 {
@@ -50,7 +50,7 @@ fn relmse_and_standard_error_are_unbiased() {
         let (mut relmse, mut squares, mut mean) = (Moments::new(), Moments::new(), Moments::new());
         for seed in 0..60 {
             let film = film(&layout, replicates, passes, seed * 64 + u64::from(replicates), normal);
-            let error = film.image_error().unwrap();
+            let error = film.image_error(Independent::Pixels).unwrap();
             relmse.push(error.relmse.value);
             mean.push(error.mean_standard_error.powi(2));
             squares.extend(film.standard_error().unwrap().iter().map(|&e| f64::from(e).powi(2)));
@@ -75,7 +75,7 @@ fn covered(films: u64, passes: u64, variance: f64, draw: fn(&mut Random) -> f64)
     let layout = Layout::new(64, 32, None, &[]);
     let expected = true_relmse(&layout, passes, variance);
     let holds = |seed| {
-        let relmse = film(&layout, 4, passes, seed, draw).image_error().unwrap().relmse;
+        let relmse = film(&layout, 4, passes, seed, draw).image_error(Independent::Pixels).unwrap().relmse;
         (relmse.low..=relmse.high).contains(&expected)
     };
     (0..films).into_par_iter().filter(|&seed| holds(seed + 1000)).count() as f64
@@ -99,7 +99,7 @@ fn interval_covers_where_few_pixels_make_the_error() {
     let expected = (0..pixels).step_by(32).map(relative).sum::<f64>() / pixels as f64 * 0.01 / 4.0;
     let draw = |pixel: usize, random: &mut Random| if pixel % 32 == 0 { normal(random) } else { 1.0 };
     let holds = |seed| {
-        let relmse = film_of(&layout, 4, 4, seed, draw).image_error().unwrap().relmse;
+        let relmse = film_of(&layout, 4, 4, seed, draw).image_error(Independent::Pixels).unwrap().relmse;
         (relmse.low..=relmse.high).contains(&expected)
     };
     let hits = (0..1000).into_par_iter().filter(|&seed| holds(seed + 9000)).count() as f64;
@@ -122,7 +122,9 @@ fn interval_covers_for_skewed_pixels() {
 fn noise_in_the_denominator_is_corrected() {
     let layout = Layout::new(32, 32, None, &[]);
     let draw = |random: &mut Random| 1.0 + 0.3 * random.normal();
-    let found: Moments = (0..40).map(|seed| film(&layout, 4, 4, seed + 5000, draw).image_error().unwrap().relmse.value).collect();
+    let found: Moments = (0..40)
+        .map(|seed| film(&layout, 4, 4, seed + 5000, draw).image_error(Independent::Pixels).unwrap().relmse.value)
+        .collect();
     let estimate = found.estimate().unwrap();
     let ratio = estimate.value / true_relmse(&layout, 4, 0.09);
     println!("bias {:.4} ± {:.4}", ratio - 1.0, estimate.standard_error / estimate.value);
@@ -134,14 +136,14 @@ fn noise_in_the_denominator_is_corrected() {
 #[test]
 fn too_few_replicates_give_nothing() {
     let layout = Layout::new(4, 4, None, &[]);
-    assert!(film(&layout, 1, 4, 0, normal).image_error().is_none());
+    assert!(film(&layout, 1, 4, 0, normal).image_error(Independent::Pixels).is_none());
     assert!(film(&layout, 4, 3, 0, normal).standard_error().is_none());
     assert!(film(&layout, 4, 4, 0, normal).standard_error().is_some());
 }
 
 #[test]
 fn edge_images_have_sane_errors() {
-    let black = film(&Layout::new(9, 9, None, &[]), 4, 4, 0, |_| 0.0).image_error().unwrap();
+    let black = film(&Layout::new(9, 9, None, &[]), 4, 4, 0, |_| 0.0).image_error(Independent::Pixels).unwrap();
     assert!(black.relmse.value.to_bits() == 0 && black.relmse.high.to_bits() == 0 && black.max_share.to_bits() == 0);
     let one = Layout::new(8, 8, Some(crate::film::Crop { x0: 3, y0: 3, x1: 4, y1: 4 }), &[]);
     let mut pass = PassFilm::new(&one);
@@ -150,7 +152,7 @@ fn edge_images_have_sane_errors() {
         pass.par_chunks(1).for_each(|(_, v)| v.fill(k as f32));
         single.commit(k, &pass);
     }
-    let error = single.image_error().unwrap();
+    let error = single.image_error(Independent::Pixels).unwrap();
     assert!(error.relmse.high.is_infinite() && (error.mean - 0.5).abs() < f64::EPSILON);
     let json = serde_json::to_string(&error).unwrap();
     assert!(json.contains("\"high\":null"), "{json}");
@@ -168,5 +170,5 @@ fn fireflies_show_in_the_share() {
         pass.par_chunks(1).for_each(|(p, v)| v.fill(if p == 77 && k == 3 { 1e6 } else { 1.0 + 0.001 * k as f32 }));
         film.commit(k, &pass);
     }
-    assert!(film.image_error().unwrap().max_share > 0.99);
+    assert!(film.image_error(Independent::Pixels).unwrap().max_share > 0.99);
 }

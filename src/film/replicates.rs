@@ -1,5 +1,6 @@
 //! What the replicates of a film say about each pixel: means, the variance of their mean, the variance relative to the square.
 
+use super::spread::{Pairs, Patch};
 use super::{Film, Plane};
 use crate::defects::{Defect, planted};
 use crate::stats::{Estimate, third_cumulant_of_mean};
@@ -7,22 +8,12 @@ use rayon::prelude::*;
 
 /// Channels of colour.
 pub(super) const COLOR: usize = 3;
-/// Pairs of replicates further apart than this (cyclically) are left out: they would cost R² and add almost nothing.
-const PAIR_DISTANCE: usize = 4;
 
 /// The colour means of a film by replicate.
 pub(super) struct Replicates<'a> {
     film: &'a Film,
     pub(super) counts: Vec<f64>,
     total: f64,
-}
-
-/// Two replicates, and what their difference says.
-struct Pair {
-    a: usize,
-    b: usize,
-    /// (m_a − m_b)² times this estimates Var(m) without bias.
-    variance_weight: f64,
 }
 
 /// Σ over the channels of a pixel.
@@ -36,58 +27,15 @@ pub(super) struct PixelError {
     pub(super) excess: f64,
     /// The part of it that is due to the curvature of the division.
     pub(super) curvature: f64,
-    /// The noise of `relative`; `None` with fewer than four replicates.
-    pub(super) spread: Option<Spread>,
 }
 
-/// How an estimate is distributed, its denominators taken as known. Those of independent estimates add up to that of their sum.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Spread {
-    /// Its variance, without bias; may be negative.
-    pub(super) variance: f64,
-    /// What the variance would be if replicates were normal, without bias.
-    pub(super) of_normal: f64,
-    /// Its third cumulant, rather too large than too small.
-    pub(super) third: f64,
-}
-
-impl Spread {
-    /// That of `scale` times the estimate.
-    pub(super) fn scaled(self, scale: f64) -> Self {
-        let square = scale * scale;
-        Spread { variance: square * self.variance, of_normal: square * self.of_normal, third: square * scale * self.third }
-    }
-}
-
-impl std::ops::Add for Spread {
-    type Output = Spread;
-
-    fn add(self, b: Spread) -> Spread {
-        Spread { variance: self.variance + b.variance, of_normal: self.of_normal + b.of_normal, third: self.third + b.third }
-    }
-}
-
-impl std::iter::Sum for Spread {
-    fn sum<I: Iterator<Item = Spread>>(spreads: I) -> Spread {
-        spreads.fold(Spread::default(), std::ops::Add::add)
-    }
-}
-
-/// How the relative variances of pixels are estimated from pairs of replicates.
-pub(super) struct Pairs {
-    pairs: Vec<Pair>,
-    /// Pairs of pairs that share no replicate, by index.
-    disjoint: Vec<[usize; 2]>,
-    /// The weights of Var(d) and of tr C² in a variance, and that of the latter if samples are normal: see [`Pairs::spread`].
-    spread_weights: [f64; 3],
-    epsilon: f64,
-}
-
-/// Numbers that are needed for one pixel after the other.
+/// What a sum over pixels needs beside it: space, and what is told apart by pair or replicate.
 pub(super) struct Scratch {
     means: Vec<f64>,
     /// By pair and channel: signed roots of relative variances.
-    terms: Vec<[f64; COLOR]>,
+    roots: Vec<[f64; COLOR]>,
+    /// By replicate, over all pixels so far: n_r/N (m_r − m)² / (m² + ε). Their sum is (R − 1) times that of relative variances.
+    pub(super) squares: Vec<f64>,
 }
 
 impl<'a> Replicates<'a> {
@@ -145,108 +93,62 @@ impl<'a> Replicates<'a> {
         sums
     }
 
-    /// The pairs for relative variances over m² + `epsilon`.
-    pub(super) fn pairs(&self, epsilon: f64) -> Pairs {
-        let n = self.counts.len();
-        let near = |a: usize, b: usize| (b - a).min(n - (b - a)) <= PAIR_DISTANCE;
-        let all = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
-        let pairs: Vec<Pair> = all.filter(|&(a, b)| near(a, b)).map(|(a, b)| self.pair(a, b)).collect();
-        let disjoint = disjoint(&pairs, n);
-        Pairs { spread_weights: spread_weights(pairs.len() as f64, n as f64), pairs, disjoint, epsilon }
-    }
-
-    fn pair(&self, a: usize, b: usize) -> Pair {
-        let (na, nb) = (self.counts[a], self.counts[b]);
-        Pair { a, b, variance_weight: 1.0 / ((1.0 / na + 1.0 / nb) * self.total) }
-    }
-
-    /// Space for [`Replicates::pixel`].
+    /// Space for sums over pixels.
     pub(super) fn scratch(&self, pairs: &Pairs) -> Scratch {
-        Scratch { means: vec![0.0; self.counts.len()], terms: vec![[0.0; COLOR]; pairs.pairs.len()] }
+        let replicates = self.counts.len();
+        Scratch { means: vec![0.0; replicates], roots: vec![[0.0; COLOR]; pairs.pairs.len()], squares: vec![0.0; replicates] }
     }
 
-    /// The error of one pixel.
-    pub(super) fn pixel(&self, pixel: usize, pairs: &Pairs, scratch: &mut Scratch) -> PixelError {
+    /// The error of one pixel, relative to m² + `epsilon`; it becomes part of `patch`.
+    pub(super) fn pixel(
+        &self,
+        pixel: usize,
+        epsilon: f64,
+        pairs: &Pairs,
+        scratch: &mut Scratch,
+        patch: &mut Patch,
+    ) -> PixelError {
         let mut error = PixelError::default();
         for channel in 0..COLOR {
             self.means(pixel, channel, &mut scratch.means);
-            self.add_channel(channel, pairs, scratch, &mut error);
+            let g = self.add_channel(&scratch.means, epsilon, &mut error);
+            self.tell_apart(channel, g, pairs, scratch);
         }
-        error.relative = scratch.terms.iter().map(square).sum::<f64>() / scratch.terms.len() as f64;
-        error.spread = pairs.spread(&scratch.terms, error.relative);
+        patch.add(error.relative, &scratch.roots);
         error
     }
 
-    /// Adds a channel's variance and bias, and sets its root of Var(m) / (m² + ε) by each pair.
+    /// Adds a channel's variance, relative variance and bias; returns 1 / (m² + `epsilon`), 0 where all is black.
     ///
     /// With V an estimate of Var(m) and g(m) = 1 / (m² + ε), E V g(m) is V g(μ) + g″ V² / 2 + g′ κ to first order: g is curved, and a
     /// skewed m (third cumulant κ) is large where V is. V² of R normal values is too large by (R + 1) / (R − 1).
-    fn add_channel(&self, channel: usize, pairs: &Pairs, scratch: &mut Scratch, error: &mut PixelError) {
-        let (means, replicates) = (&scratch.means, self.counts.len() as f64);
+    fn add_channel(&self, means: &[f64], epsilon: f64, error: &mut PixelError) -> f64 {
+        let replicates = self.counts.len() as f64;
         let (mean, variance) = (self.mean(means), self.variance(means));
-        scratch.terms.iter_mut().for_each(|term| term[channel] = 0.0);
         if variance <= 0.0 {
-            return; // black, perhaps in a black image, where even ε is 0
+            return 0.0; // black, perhaps in a black image, where even ε is 0
         }
-        let g = 1.0 / (mean * mean + pairs.epsilon);
-        let second = (6.0 * mean * mean - 2.0 * pairs.epsilon) * g * g * g;
+        let g = 1.0 / (mean * mean + epsilon);
+        let second = (6.0 * mean * mean - 2.0 * epsilon) * g * g * g;
         let curvature = 0.5 * second * variance * variance * (replicates - 1.0) / (replicates + 1.0);
         error.variance += variance;
+        error.relative += variance * g;
         error.curvature += curvature;
         if !planted(Defect::RelmseBiased) {
             error.excess += curvature - 2.0 * mean * g * g * third_cumulant_of_mean(means, mean);
         }
-        for (pair, term) in pairs.pairs.iter().zip(&mut scratch.terms) {
-            term[channel] = (means[pair.a] - means[pair.b]) * (pair.variance_weight * g).sqrt();
+        g
+    }
+
+    /// Sets the channel's roots of Var(m) `g` by each pair, and adds its squares by replicate.
+    fn tell_apart(&self, channel: usize, g: f64, pairs: &Pairs, scratch: &mut Scratch) {
+        let Scratch { means, roots, squares } = scratch;
+        for (pair, root) in pairs.pairs.iter().zip(roots) {
+            root[channel] = (means[pair.a] - means[pair.b]) * (pair.variance_weight * g).sqrt();
+        }
+        let mean = self.mean(means);
+        for ((square, m), n) in squares.iter_mut().zip(means.iter()).zip(&self.counts) {
+            *square += n / self.total * (m - mean) * (m - mean) * g;
         }
     }
-}
-
-impl Pairs {
-    /// The spread of T, the `mean` of the squares of `terms`, from pairs of them that share no replicate.
-    ///
-    /// Let d = |e|² be the square of a pair's term, C the covariance of e and κ what Var(d) has beyond that of a normal e:
-    /// Var(d) = 2 tr C² + κ/2. Squares that share a replicate covary by a quarter of 2 tr C² + κ, so that the mean of P of them, k
-    /// to a replicate, has the variance (1 + k)/P tr C² + κ/R. Disjoint pairs are independent: half the squared difference of
-    /// their d estimates Var(d), the square of their e · e′ estimates tr C².
-    ///
-    /// The third cumulant would need six replicates. With S the variance, that of a gamma distribution, as of normal samples, is
-    /// 2 S²/T; that of rare events, of which each brings T² to S, is S T. The smaller one fits both.
-    fn spread(&self, terms: &[[f64; COLOR]], mean: f64) -> Option<Spread> {
-        if self.disjoint.is_empty() {
-            return None;
-        }
-        let [differences, products] = self.disjoint.iter().fold([0.0, 0.0], |[d, p], &[i, j]| {
-            let difference = square(&terms[i]) - square(&terms[j]);
-            [d + 0.5 * difference * difference, p + dot(&terms[i], &terms[j]).powi(2)]
-        });
-        let deals = self.disjoint.len() as f64;
-        let [of_differences, of_products, of_normal] = self.spread_weights;
-        let variance = (of_differences * differences + of_products * products) / deals;
-        let positive = variance.max(0.0);
-        let third = if mean > 0.0 { positive * mean.min(2.0 * positive / mean) } else { 0.0 };
-        Some(Spread { variance, of_normal: of_normal * products / deals, third })
-    }
-}
-
-fn dot(a: &[f64; COLOR], b: &[f64; COLOR]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn square(a: &[f64; COLOR]) -> f64 {
-    dot(a, a)
-}
-
-/// The weights for the mean of `pairs` squares between `replicates`: see [`Pairs::spread`].
-fn spread_weights(pairs: f64, replicates: f64) -> [f64; 3] {
-    let of_normal = (1.0 + 2.0 * pairs / replicates) / pairs;
-    [2.0 / replicates, of_normal - 4.0 / replicates, of_normal]
-}
-
-/// The three ways to deal four neighbouring replicates into two pairs, for each whole four of `replicates`.
-fn disjoint(pairs: &[Pair], replicates: usize) -> Vec<[usize; 2]> {
-    let find = |a: usize, b: usize| pairs.iter().position(|p| (p.a, p.b) == (a, b));
-    let fours = (0..replicates / 4).map(|i| 4 * i);
-    let deals = fours.flat_map(|r| [[(r, r + 1), (r + 2, r + 3)], [(r, r + 2), (r + 1, r + 3)], [(r, r + 3), (r + 1, r + 2)]]);
-    deals.filter_map(|[p, q]| Some([find(p.0, p.1)?, find(q.0, q.1)?])).collect()
 }

@@ -1,4 +1,6 @@
-//! The methods by name.
+//! The methods by name, and what their pictures are made of.
+
+use crate::film::Independent;
 
 /// A rendering method, as the command line, `render.toml` and reports name it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
@@ -29,5 +31,26 @@ impl Method {
     /// Whether its passes are groups of Markov chains.
     pub fn has_chains(self) -> bool {
         matches!(self, Method::Pssmlt | Method::Mmlt | Method::Mlt)
+    }
+}
+
+impl Method {
+    /// What of its pictures is independent of the rest.
+    pub fn independent(self) -> Independent {
+        match self {
+            Method::PathNaive | Method::PathNee | Method::Path => Independent::Pixels,
+            // A walk from a light falls on a few pixels anywhere, which is seldom twice on the same ones; a splat reaches all pixels
+            // that its filter covers.
+            Method::Light | Method::Bdpt => Independent::Blocks,
+        }
+    }
+
+    /// How many replicates its error is measured between if nobody says otherwise. Each costs some of the advantage of
+    /// quasi-random numbers: where pixels tell the noise of the error, the least do that say what the noise is.
+    pub fn replicates(self) -> u32 {
+        match self.independent() {
+            Independent::Pixels | Independent::Blocks => 4,
+            Independent::Replicates => 16,
+        }
     }
 }

@@ -18,8 +18,6 @@ const DEFAULT_SPP: u32 = 64;
 /// Where only an error target is given a render that cannot reach it ends here all the same.
 const MOST_SPP_UNASKED: u32 = 1 << 16;
 
-const DEFAULT_REPLICATES: u32 = 4;
-
 /// Choices about a render; whatever is `None` takes its default.
 #[derive(Debug, Clone, Default, clap::Args, serde::Deserialize)]
 #[command(next_help_heading = "Picture")]
@@ -59,7 +57,8 @@ pub struct Choices {
     /// Seed of all random numbers [default: 0]
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Independent replicates that the error is measured between; 1 measures none [default: 4]
+    /// Independent replicates that the error is measured between; 1 measures none [default: by method, 4 for those
+    /// without chains]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub replicates: Option<u32>,
     /// Who finds what rays hit [default: embree; obvhs where étendue was built without it]
@@ -224,7 +223,7 @@ impl Choices {
             filter: self.filter.unwrap_or_default(),
             sampler: self.sampler.unwrap_or_default(),
             seed: self.seed.unwrap_or(0),
-            replicates: in_range("replicates", self.replicates.unwrap_or(DEFAULT_REPLICATES), 256)?,
+            replicates: in_range("replicates", self.replicates(), 256)?,
             backend: self.backend.unwrap_or_default(),
             build: self.build.unwrap_or_default(),
             aovs,
@@ -267,6 +266,10 @@ impl Choices {
         Surroundings::chosen(self.env.as_ref(), self.env_rotation, self.env_scale)
     }
 
+    fn replicates(&self) -> u32 {
+        self.replicates.unwrap_or_else(|| self.method.unwrap_or_default().replicates())
+    }
+
     /// Whether anything is said about when the render is done.
     pub fn stops(&self) -> bool {
         self.spp.is_some() || self.time.is_some() || self.target_error.is_some()
@@ -277,7 +280,7 @@ impl Choices {
     /// # Errors
     /// Values out of range; an error target for a share of the passes, or without replicates to measure the error between.
     pub fn plan(&self, selection: Selection) -> Result<Plan> {
-        let replicates = self.replicates.unwrap_or(DEFAULT_REPLICATES);
+        let replicates = self.replicates();
         if let Some(target) = self.target_error {
             measurable(target, replicates, selection)?;
         }

@@ -119,7 +119,7 @@ impl Report {
     pub fn new(provenance: &Provenance, film: &Film, layers: &[Layer], outputs: &Outputs, stage: Option<&Stage>) -> Report {
         let (work, settings) = (&provenance.work, &provenance.settings);
         let name = |path: Option<&std::path::Path>| path.map(|p| p.display().to_string());
-        let error = film.image_error();
+        let error = film.image_error(settings.method.independent());
         Report {
             image: name(outputs.image()),
             film: name(outputs.film.as_deref()),

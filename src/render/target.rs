@@ -5,7 +5,7 @@
 //! the part 6/(π² i²) of it, so that all looks there can ever be have the whole. With confidence 1 − [`LEVEL`] the error of
 //! an image that stopped at its target is then below the target, as far as the tail of the samples lets anybody tell.
 
-use crate::film::Film;
+use crate::film::{Film, Independent};
 use std::f64::consts::PI;
 
 /// Probability that a render stops although its error is above the target.
@@ -29,10 +29,10 @@ pub struct Check {
     pub reached: bool,
 }
 
-/// Looks at `film` if it is time: when all replicates have the same power of two of passes.
-pub fn check(film: &Film, target: f64) -> Option<Check> {
+/// Looks at `film`, of which that is `independent`, if it is time: when all replicates have the same power of two of passes.
+pub fn check(film: &Film, independent: Independent, target: f64) -> Option<Check> {
     let (passes, level) = (film.passes().len(), level_at(film)?);
-    let error = film.image_error()?;
+    let error = film.image_error(independent)?;
     let upper_limit = error.upper_limit(level);
     Some(Check { target, passes, level, upper_limit, reached: upper_limit <= target && error.distrust().is_none() })
 }
@@ -89,7 +89,7 @@ mod tests {
     /// Black everywhere: no error at all, which is below any target.
     #[test]
     fn an_image_without_error_is_good_enough_at_the_first_look() {
-        assert!(check(&film(16), 1e-9).unwrap().reached);
-        assert!(check(&film(8), 1e-9).is_none());
+        assert!(check(&film(16), Independent::Pixels, 1e-9).unwrap().reached);
+        assert!(check(&film(8), Independent::Pixels, 1e-9).is_none());
     }
 }

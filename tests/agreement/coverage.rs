@@ -44,6 +44,10 @@ struct Run {
     looks: Vec<(Check, Vec<f64>)>,
 }
 
+/// The seed of the pilot of all runs. It decides how often bdpt traces connections, and with that the error: between pilots that
+/// take the Cornell box at 16² for twice as bright as each other relMSE differs by 7 to 10 %, and an interval is about its own.
+const PILOT: u64 = 0;
+
 /// A target that any trusted error is below.
 const ANY: f64 = f64::INFINITY;
 
@@ -51,32 +55,46 @@ fn image(film: &Film) -> Vec<f64> {
     film.mean(Plane::Color).into_iter().map(f64::from).collect()
 }
 
+/// What is rendered over and over.
+#[derive(Debug, Clone, Copy)]
+struct Subject {
+    scene: &'static str,
+    method: Method,
+    filter: Filter,
+    spp: u64,
+}
+
+/// A subject by path tracing, whose pixels have their own samples with any filter.
+const fn path(scene: &'static str, spp: u64) -> Subject {
+    Subject { scene, method: Method::Path, filter: Filter::Box, spp }
+}
+
 /// The view of a scene that is rendered over and over.
 struct Study<'a> {
     scene: &'a Scene,
+    subject: Subject,
     sampler: SamplerKind,
-    spp: u64,
 }
 
 impl Study<'_> {
     fn run(&self, seed: u64) -> Run {
+        let Subject { method, filter, spp, .. } = self.subject;
         let layout = Layout::new(SIDE, SIDE, None, &[]);
-        let options =
-            Options { seed, sampler: self.sampler, filter: Filter::Box, replicates: REPLICATES, ..Options::new(&layout) };
+        let options = Options { seed, sampler: self.sampler, filter, replicates: REPLICATES, ..Options::new(&layout) };
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
-        let prelude = integrator::prelude(self.scene, &camera, &options, &layout);
+        let prelude = integrator::prelude(self.scene, &camera, &Options { seed: PILOT, ..options }, &layout);
         let mut film = Film::new(layout.clone(), REPLICATES, seed, prelude.units);
-        let integrator = integrator::build(Method::Path, self.scene, camera, &options, &prelude);
+        let integrator = integrator::build(method, self.scene, camera, &options, &prelude);
         let (mut values, mut looks) = (PassFilm::new(&layout), Vec::new());
         let mut replicates = vec![vec![0.0; layout.pixels() * 3]; REPLICATES as usize];
-        for pass in 0..self.spp {
+        for pass in 0..spp {
             values.clear();
             integrator.run_pass(pass, &Cancel::new(), &mut values).expect("not cancelled");
             film.commit(pass, &values);
             let colors = values.values().chunks_exact(layout.channels()).flat_map(|pixel| &pixel[..3]);
             let sums = &mut replicates[(pass % u64::from(REPLICATES)) as usize];
-            sums.iter_mut().zip(colors).for_each(|(sum, &c)| *sum += f64::from(c) * f64::from(REPLICATES) / self.spp as f64);
-            looks.extend(target::check(&film, ANY).map(|check| (check, image(&film))));
+            sums.iter_mut().zip(colors).for_each(|(sum, &c)| *sum += f64::from(c) * f64::from(REPLICATES) / spp as f64);
+            looks.extend(target::check(&film, method.independent(), ANY).map(|check| (check, image(&film))));
         }
         Run { film, replicates, looks }
     }
@@ -154,9 +172,9 @@ impl Outcome {
 }
 
 /// Image-level relMSE; intervals that say they are not to be trusted are left out.
-fn judge_relmse(runs: &[Run], truth: &Truth, out: &mut Outcome) {
+fn judge_relmse(method: Method, runs: &[Run], truth: &Truth, out: &mut Outcome) {
     let expected = truth.relmse();
-    let errors: Vec<_> = runs.iter().filter_map(|run| run.film.image_error()).collect();
+    let errors: Vec<_> = runs.iter().filter_map(|run| run.film.image_error(method.independent())).collect();
     let trusted: Vec<_> = errors.iter().filter(|error| error.distrust().is_none()).collect();
     println!("  relMSE {expected:.4e}; {} of {} intervals say they are to be trusted", trusted.len(), errors.len());
     let mean = |f: &dyn Fn(&ImageError) -> f64| trusted.iter().map(|e| f(e)).sum::<f64>() / trusted.len() as f64;
@@ -244,29 +262,43 @@ fn judge_target(runs: &[Run], truth: &Truth, out: &mut Outcome) {
     }
 }
 
-fn study(name: &str, sampler: SamplerKind, spp: u64, count: u64) -> Outcome {
-    let Some(scene) = load(name) else { return Outcome::default() };
-    let study = Study { scene: &scene, sampler, spp };
-    println!("{name}, {sampler:?}, {spp} spp, {count} runs:");
+fn study(subject: Subject, sampler: SamplerKind, count: u64) -> Outcome {
+    let Some(scene) = load(subject.scene) else { return Outcome::default() };
+    let study = Study { scene: &scene, subject, sampler };
+    println!("{subject:?}, {sampler:?}, {count} runs:");
     let runs = study.runs(count);
     let (truth, mut out) = (Truth::of(&runs), Outcome::default());
-    judge_relmse(&runs, &truth, &mut out);
+    judge_relmse(subject.method, &runs, &truth, &mut out);
     judge_pixels(&runs, &truth, &mut out);
     judge_target(&runs, &truth, &mut out);
     out
 }
 
-/// Scenes and samples per pixel of the deep study. The last two are too noisy for their own error and must say so.
-const DEEP: &[(&str, u64)] =
-    &[("sphere-cap", 64), ("sphere-lamp", 64), ("cornell-box", 64), ("modified-cornell", 64), ("veach-mis", 64)];
+/// The Cornell box by every way in which pixels share samples, and by path tracing, whose pixels do not.
+const CORNELL: &[Subject] = &[
+    path("cornell-box", 64),
+    Subject { method: Method::Light, ..path("cornell-box", 64) },
+    Subject { method: Method::Bdpt, ..path("cornell-box", 64) },
+];
+
+/// What the deep study adds. The last two are too noisy for their own error and must say so. A splat under a wide filter falls on
+/// sixteen pixels at once; no lamp is seen there, whose edge would make most of the error.
+const DEEP: &[Subject] = &[
+    path("sphere-cap", 64),
+    path("sphere-lamp", 64),
+    Subject { method: Method::Light, filter: Filter::BlackmanHarris, ..path("modified-cornell", 64) },
+    path("modified-cornell", 64),
+    path("veach-mis", 64),
+];
 
 #[test]
 fn error_bars_cover_as_stated() {
-    let (scenes, count): (&[(&str, u64)], _) = if deep() { (DEEP, 2000) } else { (&[("cornell-box", 64)], 60) };
+    let (more, count): (&[Subject], _) = if deep() { (DEEP, 2000) } else { (&[], 60) };
     let mut convicted = Vec::new();
-    for &(name, spp) in scenes {
+    for &subject in CORNELL.iter().chain(more) {
         for sampler in [SamplerKind::Independent, SamplerKind::Sobol] {
-            convicted.extend(study(name, sampler, spp, count).convicted.into_iter().map(|c| format!("{name}, {sampler:?}: {c}")));
+            let outcome = study(subject, sampler, count);
+            convicted.extend(outcome.convicted.into_iter().map(|c| format!("{subject:?}, {sampler:?}: {c}")));
         }
     }
     assert!(convicted.is_empty(), "{} convicted:\n{}", convicted.len(), convicted.join("\n"));
