@@ -28,13 +28,6 @@ pub enum Method {
 }
 
 impl Method {
-    /// Whether its passes are groups of Markov chains.
-    pub fn has_chains(self) -> bool {
-        matches!(self, Method::Pssmlt | Method::Mmlt | Method::Mlt)
-    }
-}
-
-impl Method {
     /// What of its pictures is independent of the rest.
     pub fn independent(self) -> Independent {
         match self {
@@ -42,7 +35,13 @@ impl Method {
             // A walk from a light falls on a few pixels anywhere, which is seldom twice on the same ones; a splat reaches all pixels
             // that its filter covers.
             Method::Light | Method::Bdpt => Independent::Blocks,
+            Method::Pssmlt | Method::Mmlt | Method::Mlt => Independent::Replicates,
         }
+    }
+
+    /// Whether its passes are groups of Markov chains.
+    pub fn has_chains(self) -> bool {
+        self.independent() == Independent::Replicates
     }
 
     /// How many replicates its error is measured between if nobody says otherwise. Each costs some of the advantage of
