@@ -91,8 +91,8 @@ defects! {
     NewCoordinatesZero "new-coordinates-zero"
         "A coordinate that a longer path needs begins at zero."
         "light-transport.md 2.5 (e)";
-    TechniquesUncounted "techniques-uncounted"
-        "A multiplexed path is not multiplied by the number of techniques that it was chosen among."
+    LengthsUnweighed "lengths-unweighed"
+        "A path whose length was drawn among many is not divided by the probability of that."
         "light-transport.md 2.6 (a)";
     FailedProposalsForgotten "failed-proposals-forgotten"
         "A proposal that leads off the film or nowhere is not a step: the state does not count once more."
@@ -103,9 +103,6 @@ defects! {
     SeedsAlike "seeds-alike"
         "Chains begin at any lit sample, bright or dim."
         "start-up bias, [Veach97 §11.3.1]";
-    FilmAreaForgotten "film-area-forgotten"
-        "The density of walks from the camera is per pixel and not per film in the bidirectional mutation."
-        "light-transport.md 2.3 (b)";
     CopiedLobesWeighed "copied-lobes-weighed"
         "Perturbations count the probability of Dirac components that they copy."
         "a walk's density taken for a perturbation's";
@@ -117,9 +114,6 @@ defects! {
         "a split of the light that is made in one place and not in the other";
     DeletionNotReevaluated "deletion-not-reevaluated"
         "The probability of deleting the new vertices is taken to be that of deleting the old ones."
-        "light-transport.md 2.4";
-    CausticRangeOneSided "caustic-range-one-sided"
-        "The caustic perturbation does not ask whether the new path's range of angles holds the way back."
         "light-transport.md 2.4";
     JacobianDropped "jacobian-dropped"
         "Perturbations do not weigh how they stretch area."

@@ -10,11 +10,9 @@
 #[cfg(test)]
 extern crate self as etendue;
 #[cfg(test)]
+#[allow(dead_code)]
 #[path = "../tests/agreement/studio.rs"]
 mod studio;
-#[cfg(test)]
-#[path = "../tests/path/worlds.rs"]
-mod worlds;
 
 // floor 1
 pub mod defects;

@@ -96,6 +96,7 @@ fn complain(report: &Report, console: Console) {
     if let Some(why) = report.error().and_then(ImageError::distrust) {
         console.warn(&format!("{why}: the interval of relMSE is not to be trusted"));
     }
+    report.doubts_of_chains().iter().for_each(|doubt| console.warn(doubt));
     if let Some(missed) = report.target_missed() {
         console.warn(&missed);
     }

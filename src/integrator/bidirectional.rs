@@ -72,7 +72,7 @@ impl<'a> Bidirectional<'a> {
     }
 
     /// The same for paths of at least `fewest` scattering events.
-    pub(super) fn from_events(self, fewest: usize) -> Self {
+    pub(super) fn with_fewest_events(self, fewest: usize) -> Self {
         Bidirectional { events: fewest..=*self.events.end(), ..self }
     }
 

@@ -14,7 +14,7 @@ mod technique_images;
 
 pub use ids::ids;
 pub use method::Method;
-pub use metropolis::{ChainReport, MetropolisOptions, Mutations, Tiles};
+pub use metropolis::{ChainDigest, ChainReport, MetropolisOptions, Mutations, Normalisation, Tiles};
 pub use prelude::Prelude;
 pub use technique_images::{TechniqueImage, TechniqueImages, technique_images};
 
@@ -142,6 +142,7 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
     if method == Method::Light && features.dirac {
         spots.push("light does not see what mirrors and clear glass show the camera: they are black".into());
     }
+    spots.extend(refusal(method, scene).map(String::from));
     spots
 }
 

@@ -85,7 +85,9 @@ fn z_of<F: Fn(f64) -> f64 + Copy + Sync>(target: F, statistic: fn(f64) -> f64, w
     (estimate.value - want) / estimate.standard_error
 }
 
-fn assert_moments<F: Fn(f64) -> f64 + Copy + Sync>(target: F, wanted: &[(fn(f64) -> f64, f64)]) {
+type Statistic = (fn(f64) -> f64, f64);
+
+fn assert_moments<F: Fn(f64) -> f64 + Copy + Sync>(target: F, wanted: &[Statistic]) {
     for (i, &(statistic, want)) in wanted.iter().enumerate() {
         let z = z_of(target, statistic, want);
         assert!(z.abs() < BOUND, "statistic {i}: z = {z:.2}");

@@ -20,6 +20,8 @@ pub enum Aov {
     Material,
     /// How many samples of the pixel were not finite.
     Invalid,
+    /// 1 where most of the light was brought by a single chain of a Metropolis method: nothing is known of its error.
+    ErrorUnknown,
 }
 
 /// Where a layer comes from.
@@ -31,6 +33,8 @@ pub(super) enum Source {
     InstanceIds,
     /// The materials seen through the pixel centres.
     MaterialIds,
+    /// The tiles that one chain owns.
+    OwnedTiles,
 }
 
 impl Aov {
@@ -44,6 +48,7 @@ impl Aov {
             Aov::Invalid => Source::Plane(Plane::Invalid),
             Aov::Instance => Source::InstanceIds,
             Aov::Material => Source::MaterialIds,
+            Aov::ErrorUnknown => Source::OwnedTiles,
         }
     }
 
@@ -57,6 +62,7 @@ impl Aov {
             Aov::Instance => &["instance.id"],
             Aov::Material => &["material.id"],
             Aov::Invalid => &["invalid.count"],
+            Aov::ErrorUnknown => &["error-unknown.is"],
         }
     }
 }

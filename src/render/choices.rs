@@ -57,8 +57,8 @@ pub struct Choices {
     /// Seed of all random numbers [default: 0]
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Independent replicates that the error is measured between; 1 measures none [default: by method, 4 for those
-    /// without chains]
+    /// Independent replicates that the error is measured between; 1 measures none [default: 16 for methods with
+    /// chains, else 4]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub replicates: Option<u32>,
     /// Who finds what rays hit [default: embree; obvhs where étendue was built without it]

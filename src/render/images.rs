@@ -47,6 +47,7 @@ pub fn layers(provenance: &Provenance, film: &Film, ids: Option<&Ids>) -> Vec<La
     for aov in &settings.aovs {
         let values = match (aov.source(), ids) {
             (Source::Plane(plane), _) => film.mean(plane),
+            (Source::OwnedTiles, _) => owned(provenance, film),
             (Source::InstanceIds, Some([instances, _])) => instances.clone(),
             (Source::MaterialIds, Some([_, materials])) => materials.clone(),
             (Source::InstanceIds | Source::MaterialIds, None) => continue,
@@ -54,6 +55,12 @@ pub fn layers(provenance: &Provenance, film: &Film, ids: Option<&Ids>) -> Vec<La
         layers.extend(split(aov.channels(), &values));
     }
     layers
+}
+
+/// Where one chain brought most of the light; nowhere for a method without chains.
+fn owned(provenance: &Provenance, film: &Film) -> Vec<f32> {
+    let chains = &provenance.work.passes.chains;
+    chains.as_ref().map_or_else(|| vec![0.0; film.layout().pixels()], |chains| chains.tiles.owned_pixels(film.layout()))
 }
 
 /// One layer a channel from values that lie pixel by pixel.

@@ -5,7 +5,7 @@ use super::provenance::Program;
 use super::target::{self, Check};
 use super::{Outputs, Plan, Provenance, Settings, Stage, Surroundings, machine};
 use crate::film::{Film, ImageError};
-use crate::integrator::{ChainReport, Guards, InvalidSample};
+use crate::integrator::{ChainDigest, ChainReport, Guards, InvalidSample};
 use crate::io::exr::{self, Attribute, Layer};
 use crate::spectrum::LANES;
 use serde::Serialize;
@@ -28,7 +28,7 @@ pub struct Report {
     error: Option<ImageError>,
     target: Option<TargetReport>,
     guards: Guards,
-    chains: Option<ChainReport>,
+    chains: Option<ChainDigest>,
     clamp: Option<Clamp>,
     invalid: Vec<Invalid>,
     pixel_hash: String,
@@ -133,7 +133,7 @@ impl Report {
             build: stage.map(|s| Phase { seconds: s.build_seconds }),
             render: Render::of(provenance, film),
             guards: work.passes.guards,
-            chains: work.passes.chains.clone(),
+            chains: work.passes.chains.as_ref().map(ChainReport::digest),
             clamp: settings.clamp.map(|limit| clamp(limit, provenance, film, error.as_ref())),
             error,
             target: None,
@@ -189,6 +189,22 @@ impl Report {
         self.invalid.first().map(|i| i.replay.as_str())
     }
 
+    /// What chains leave in doubt, a sentence each.
+    pub fn doubts_of_chains(&self) -> Vec<String> {
+        let Some(chains) = &self.chains else { return Vec::new() };
+        let mut doubts = Vec::new();
+        if chains.owned_tiles > 0 {
+            let (owned, lit) = (chains.owned_tiles, chains.lit_tiles);
+            doubts.push(format!(
+                "{owned} of {lit} tiles owe most of their light to one chain: their error is unknown (--aov error-unknown)"
+            ));
+        }
+        if chains.lost_seeds > 0 {
+            doubts.push(format!("{} chains found their seed dark: their light is missing", chains.lost_seeds));
+        }
+        doubts
+    }
+
     /// One line for people: samples, time, rays a second, error.
     pub fn summary(&self) -> String {
         let render = &self.render;
@@ -202,6 +218,9 @@ impl Report {
             if let Some(largest) = &error.largest {
                 line.push_str(&format!(", largest sample {:.1e} of the light", largest.share));
             }
+        }
+        if let Some(scale) = self.chains.as_ref().and_then(|chains| chains.scale_error) {
+            line.push_str(&format!(", global scale of chains ± {:.2} %", 100.0 * scale));
         }
         line
     }

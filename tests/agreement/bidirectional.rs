@@ -32,8 +32,8 @@ pub(crate) struct Runs {
 #[derive(Clone, Copy)]
 pub(crate) struct How {
     pub(crate) shot: Shot,
-    techniques: Techniques,
-    crop: Option<Crop>,
+    pub(crate) techniques: Techniques,
+    pub(crate) crop: Option<Crop>,
     pub(crate) metropolis: MetropolisOptions,
 }
 

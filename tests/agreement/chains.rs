@@ -25,9 +25,9 @@ fn chains_show_what_bidirectional_path_tracing_shows() {
     for World { name, scene, .. } in all() {
         let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, spp(16)));
         for method in METHODS {
-            let found = runs(&scene, &how(method, 32, 0.0));
+            let found = runs(&scene, &how(method, 16, 0.0));
             agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}: {e}"));
-            assert!(agree(&bdpt, &found.scaled(1.15)).is_err(), "{name}, {method:?}: 15 % more is not convicted");
+            assert!(agree(&bdpt, &found.scaled(1.2)).is_err(), "{name}, {method:?}: 20 % more is not convicted");
         }
     }
 }
@@ -42,6 +42,18 @@ fn samples_and_chains_share_the_light() {
             agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}, limit {limit}: {e}"));
             assert!(agree(&bdpt, &found.scaled(1.1)).is_err(), "{name}, {method:?}: 10 % more is not convicted");
         }
+    }
+}
+
+/// A picture so small that a chain is short and its seed matters, with every part that chains and samples share: everyday's sharpest look.
+#[test]
+fn a_small_picture_is_right() {
+    let World { scene, .. } = all().into_iter().find(|w| w.name == "dirac").expect("dirac");
+    let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, 64));
+    for (method, limit) in [(Method::Pssmlt, 0.5), (Method::Mmlt, 0.0), (Method::Mlt, 0.5)] {
+        let metropolis = MetropolisOptions { limit: Some(limit), two_stage: true, lengths: 2, ..MetropolisOptions::default() };
+        let found = runs(&scene, &How { metropolis, ..how(method, 16, limit) });
+        agree(&bdpt, &found).unwrap_or_else(|e| panic!("{method:?}, limit {limit}: {e}"));
     }
 }
 
@@ -65,13 +77,13 @@ fn chains_keep_equilibrium() {
         let (description, expected) = equilibrium(kind, 1000 + round * 10 + kind as u64);
         let scene = scene(description);
         for method in METHODS {
-            let found = runs(&scene, &how(method, 16, 0.0)).overall();
+            let found = runs(&scene, &how(method, 8, 0.0)).overall();
             println!("{kind:?} {round} {method:?}: {} ± {:.1e} of {expected}", found.value, found.standard_error);
             let level = sidak_level(LEVEL, (METHODS.len() * cases.len()) as u64);
             // In a scene that loses nothing every sample may be exact but for a few dozen roundings.
             let exact = (found.value - expected).abs() < 64.0 * f64::from(f32::EPSILON) * expected;
             assert!(exact || t_test(&found, expected).p_value > level, "{kind:?} {round}, {method:?}: {found:?} of {expected}");
-            assert!(t_test(&times(found, 1.1), expected).p_value < level, "{kind:?} {round}, {method:?}: 10 % are not convicted");
+            assert!(t_test(&times(found, 1.2), expected).p_value < level, "{kind:?} {round}, {method:?}: 20 % are not convicted");
         }
     }
 }

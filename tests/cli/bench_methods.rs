@@ -10,7 +10,7 @@ fn scene(name: &str) -> String {
 }
 
 /// How many methods there are.
-const METHODS: usize = 5;
+const METHODS: usize = 8;
 
 #[test]
 fn curves_have_five_points_and_ratios_leave_the_blind_out() {

@@ -23,7 +23,7 @@ mod seeds;
 mod stationarity;
 
 pub use options::{MetropolisOptions, Mutations};
-pub use report::{ChainReport, Tiles};
+pub use report::{ChainDigest, ChainReport, Normalisation, Tiles};
 
 use super::bidirectional::Bidirectional;
 use super::camera_pass::CameraPass;
@@ -131,7 +131,7 @@ struct Common<'a> {
 impl<'a> Common<'a> {
     fn new(scene: &'a Scene, camera: Camera, options: &Options) -> Self {
         let region = Region::new(options.crop, options.filter);
-        let tracer = Bidirectional::new(scene, &camera, options, &Prelude::default()).from_events(FEWEST_EVENTS);
+        let tracer = Bidirectional::new(scene, &camera, options, &Prelude::default()).with_fewest_events(FEWEST_EVENTS);
         let (limit, importance) = (Limit::none(region), Importance::uniform(region));
         let mut common = Common { scene, camera, options: *options, tracer, region, limit, importance };
         if options.metropolis.limit != Some(0.0) {
@@ -255,7 +255,6 @@ impl<'a, C: Chains> Metropolis<'a, C> {
             chain.step(&kernels[task.class], &mut Numbers::new(address.with(step)), &mut deposit);
         }
         chain.flush(&mut deposit);
-        drop(deposit);
         let report = ChainReport::of_chain(&self.chains.names(), chain.counts(), task.steps);
         let (mut x, mut y) = chain.into_states();
         let mut tally = *x.tally();

@@ -27,6 +27,30 @@ pub struct ChainReport {
     pub tiles: Tiles,
 }
 
+/// A [`ChainReport`] in a few numbers.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ChainDigest {
+    /// How many chains.
+    pub chains: u64,
+    /// Their steps.
+    pub steps: u64,
+    /// See [`ChainReport::lost_seeds`].
+    pub lost_seeds: u64,
+    /// What became of proposals, by kernel.
+    pub kernels: BTreeMap<String, KernelCounts>,
+    /// See [`ChainReport::scale_error`].
+    pub scale_error: Option<f64>,
+    /// Split-R̂ of tiles between chains: of the usual tile and of the worst. Chains that stay near their seeds have a large one; their seeds
+    /// then stand for the mixing.
+    pub r_hat: Option<[f64; 2]>,
+    /// Independent steps that would have done as well: for the usual tile and the worst.
+    pub effective_steps: Option<[f64; 2]>,
+    /// Tiles that chains brought light to.
+    pub lit_tiles: usize,
+    /// Tiles most of whose light one chain brought: nothing is known of their error.
+    pub owned_tiles: usize,
+}
+
 /// Sums over passes of what scales them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Normalisation {
@@ -89,6 +113,21 @@ impl ChainReport {
         self.tiles.absorb(other.tiles);
     }
 
+    /// All in a few numbers.
+    pub fn digest(&self) -> ChainDigest {
+        ChainDigest {
+            chains: self.chains,
+            steps: self.steps,
+            lost_seeds: self.lost_seeds,
+            kernels: self.kernels.clone(),
+            scale_error: self.scale_error(),
+            r_hat: usual_and_last(self.tiles.r_hats(), false),
+            effective_steps: usual_and_last(self.tiles.effective_steps(self.steps), true),
+            lit_tiles: self.tiles.light.iter().filter(|&&light| light > 0.0).count(),
+            owned_tiles: self.tiles.owned().filter(|&owned| owned).count(),
+        }
+    }
+
     /// Half the 95 % interval of the scale that all light of chains has in common, relative to it; `None` for fewer than two passes.
     pub fn scale_error(&self) -> Option<f64> {
         let Normalisation { passes, sum, square } = self.normalisation;
@@ -99,7 +138,23 @@ impl ChainReport {
     }
 }
 
+/// The median and the largest, or the smallest where little is bad.
+fn usual_and_last(values: impl Iterator<Item = f64>, little_is_bad: bool) -> Option<[f64; 2]> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    let worst = if little_is_bad { sorted.first() } else { sorted.last() };
+    Some([sorted[sorted.len().checked_sub(1)? / 2], *worst?])
+}
+
 impl Tiles {
+    /// 1 for each pixel of `layout` in an owned tile, 0 elsewhere.
+    pub fn owned_pixels(&self, layout: &Layout) -> Vec<f32> {
+        let (grid, owned): (Grid, Vec<bool>) = (Grid::new(layout), self.owned().collect());
+        let centre = |i: usize| layout.pixel(i).map(|x| x as f32 + 0.5);
+        let of = |i: usize| owned.get(grid.tile(centre(i))).is_some_and(|&owned| owned);
+        (0..layout.pixels()).map(|i| f32::from(u8::from(of(i)))).collect()
+    }
+
     fn new(grid: Grid) -> Self {
         let zeros = || vec![0.0; grid.columns * grid.rows];
         let [light, largest, within, between, independent, correlated] = std::array::from_fn(|_| zeros());

@@ -5,16 +5,21 @@
 use super::mlt::PathSpace;
 use super::mmlt::Multiplexed;
 use super::pssmlt::PrimarySpace;
-use super::seeds::{self, Candidate};
-use super::{Chains, Common, Lit, MetropolisOptions, Mutations};
-use crate::film::{Crop, Filter, Layout};
-use crate::integrator::Options;
+use super::seeds::{self, Candidate, Seeds};
+use super::{Chains, Common, Lit, Metropolis, MetropolisOptions, Mutations, Task};
+use crate::film::{Crop, Filter, Layout, PassFilm};
+use crate::integrator::{Options, Prelude};
 use crate::mcmc::{Chain, Numbers, stratified};
+use crate::parallel::Cancel;
 use crate::path::Tally;
 use crate::sampling::Address;
 use crate::stats::Moments;
-use crate::worlds::{self, World};
 use rayon::prelude::*;
+use worlds::World;
+
+#[allow(dead_code)]
+#[path = "../../../tests/path/worlds.rs"]
+mod worlds;
 
 const SIDE: u32 = 64;
 /// Samples of which one becomes a chain: weights of few are skewed, and z then not normal.
@@ -101,7 +106,7 @@ fn deep() -> bool {
 
 /// A million steps for each test in the deep form.
 fn pools() -> u64 {
-    if deep() { 1_000_000 / STEPS } else { 1500 }
+    if deep() { 1_000_000 / STEPS } else { 800 }
 }
 
 /// Everything to chains.
@@ -126,9 +131,19 @@ fn assert_stationary(what: &str, z: f64) {
     assert!(z < BOUND, "{what}: |z| = {z:.2}");
 }
 
+/// Mirrors, glass and mixtures, which every mutation has something to do in.
+#[test]
+fn mutations_keep_the_density_of_paths_among_mirrors() {
+    expect_mutations(|name| name == "dirac");
+}
+
 #[test]
 fn mutations_keep_the_density_of_paths() {
-    for world in worlds::all() {
+    expect_mutations(|name| name != "dirac");
+}
+
+fn expect_mutations(is_wanted: fn(&str) -> bool) {
+    for world in worlds::all().into_iter().filter(|world| is_wanted(world.name)) {
         let mixes = mixes().into_iter().map(|mutations| MetropolisOptions { mutations, ..all() });
         for metropolis in mixes.chain([above()]) {
             let chains = PathSpace { common: common(&world, metropolis) };
@@ -158,4 +173,26 @@ fn steps_among_techniques_keep_their_target() {
             assert_stationary(&format!("mmlt, class {class} in {}", world.name), z);
         }
     }
+}
+
+/// Chains that begin alike part ways: each has its own numbers.
+#[test]
+fn chains_of_one_seed_part_ways() {
+    let world = worlds::all().into_iter().next().expect("a world");
+    let common = common(&world, all());
+    let (camera, options) = (common.camera.clone(), common.options);
+    let metropolis = Metropolis::new(&world.scene, camera, PathSpace { common }, &Prelude::default());
+    let address = Address::new(3);
+    let seeds = Seeds::trace(&metropolis.chains, address, 200, &Cancel::new()).expect("not cancelled");
+    let (chosen, _) = seeds.choose(0, |_| 0, 1, 0.5).expect("some light");
+    let task = Task { class: 0, steps: 50, seed: chosen[0], scale: 1.0 };
+    let (layout, kernels) = (Layout::new(SIDE, SIDE, Some(options.crop), &[]), [metropolis.chains.kernels(0)]);
+    let picture = |id: u64| {
+        let mut film = PassFilm::new(&layout);
+        metropolis.run(&task, id, address, &kernels, &layout, film.splats());
+        film.fold_splats();
+        film.values().to_vec()
+    };
+    assert_eq!(picture(1), picture(1));
+    assert_ne!(picture(1), picture(2));
 }

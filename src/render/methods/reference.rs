@@ -133,9 +133,12 @@ fn suffices(field: &[Contestant<'_>], rgb: &[f32], noise: f64, epsilon: f64) -> 
 /// Who makes a reference: a method that sees everything and is not compared, else the last that sees everything.
 fn chosen<'a, 'b>(request: &Request, field: &'a [Contestant<'b>]) -> Result<(&'a Contestant<'b>, Method)> {
     let host = field.first().ok_or_else(|| Error::usage("nothing to compare: name a method and a backend"))?;
-    // From the plainest to the best.
-    let seeing: Vec<Method> =
-        Method::value_variants().iter().copied().filter(|&m| integrator::blind_spots(m, &host.stage.scene).is_empty()).collect();
+    // From the plainest to the best, chains apart: what they are in doubt of no reference should be.
+    let seeing: Vec<Method> = Method::value_variants()
+        .iter()
+        .copied()
+        .filter(|&m| !m.has_chains() && integrator::blind_spots(m, &host.stage.scene).is_empty())
+        .collect();
     let other = seeing.iter().rev().find(|m| !request.methods.contains(m));
     let method = other.or(seeing.last()).ok_or_else(|| Error::usage("no method sees all of the scene: give a --reference"))?;
     Ok((host, *method))

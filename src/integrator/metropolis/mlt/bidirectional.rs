@@ -158,8 +158,7 @@ impl<'c, 'a> Bidirectional<'c, 'a> {
     /// Logarithm of the density with which the vertices a … b − 1 of a path are made between those around them, by all splits together.
     fn log_made(&self, y: &PathState, a: usize, b: usize) -> f64 {
         // A walk from the camera begins anywhere on the film; densities are per pixel.
-        let film =
-            if b == y.k() && !planted(Defect::FilmAreaForgotten) { f64::from(self.common.region.area()).ln() } else { 0.0 };
+        let film = if b == y.k() { f64::from(self.common.region.area()).ln() } else { 0.0 };
         let of = |s: usize| y.steps.log_split(a, b, s) - if s < b { film } else { 0.0 };
         let logs = (a..=b).filter(|&s| y.steps.connects[s]).map(of);
         let most = logs.clone().fold(f64::NEG_INFINITY, f64::max);

@@ -98,7 +98,7 @@ impl<'a> Kernel<PathState<'a>> for Caustic<'_, 'a> {
         y.set(self.common, draft)?;
         let [there, again] = [self.angles(x, begin), self.angles(y, begin)];
         // The same turn back must be within the range that the new path asks for.
-        if !(again[0]..=again[1]).contains(&angle) && !planted(Defect::CausticRangeOneSided) {
+        if !(again[0]..=again[1]).contains(&angle) {
             return None;
         }
         let turns = Self::log_turn(again, angle) - Self::log_turn(there, angle);

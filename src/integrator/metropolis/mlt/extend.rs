@@ -37,7 +37,8 @@ pub(super) struct Part {
     pub(super) directions: Vec<DVec3>,
 }
 
-/// Where an edge leads.
+/// Where an edge leads. It is taken apart where it is made, so that it need not be small.
+#[allow(clippy::large_enum_variant)]
 pub(super) enum Met {
     Surface(Node),
     Outside,
