@@ -56,8 +56,8 @@ fn a_candidate_can_be_rendered_again() {
     assert!((again["error"]["mean"].as_f64().unwrap() / mean - 1.0).abs() < 1e-9, "{again}");
     let names: Vec<String> =
         std::fs::read_dir(place.path("pictures")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-    // two files for each of five methods, and for the pair that differs most
-    assert_eq!(names.len(), 2 * 5 + 2, "{names:?}");
+    // two files for each of eight methods, and for the pair that differs most
+    assert_eq!(names.len(), 2 * 8 + 2, "{names:?}");
     assert!(names.iter().any(|n| n.starts_with("z-path-") && n.ends_with(".png")), "{names:?}");
 }
 
