@@ -91,9 +91,6 @@ defects! {
     NewCoordinatesZero "new-coordinates-zero"
         "A coordinate that a longer path needs begins at zero."
         "light-transport.md 2.5 (e)";
-    LengthsUnweighed "lengths-unweighed"
-        "A path whose length was drawn among many is not divided by the probability of that."
-        "light-transport.md 2.6 (a)";
     FailedProposalsForgotten "failed-proposals-forgotten"
         "A proposal that leads off the film or nowhere is not a step: the state does not count once more."
         "light-transport.md 2.4";
@@ -106,12 +103,6 @@ defects! {
     CopiedLobesWeighed "copied-lobes-weighed"
         "Perturbations count the probability of Dirac components that they copy."
         "a walk's density taken for a perturbation's";
-    TwoStageUnreturned "two-stage-unreturned"
-        "The image's importance is not taken out of what chains deposit."
-        "light-transport.md 2.4";
-    SplatsUnlimited "splats-unlimited"
-        "Splats keep the light above the limit that chains have as well."
-        "a split of the light that is made in one place and not in the other";
     DeletionNotReevaluated "deletion-not-reevaluated"
         "The probability of deleting the new vertices is taken to be that of deleting the old ones."
         "light-transport.md 2.4";

@@ -1,7 +1,7 @@
 //! Metropolis methods against bidirectional path tracing and exact answers. Passes are groups of chains: all that is compared are whole renders
 //! of seeds of their own.
 
-use crate::bidirectional::{How, agree, expect_crop, runs, spp, times};
+use crate::bidirectional::{How, agree, expect_crop, runs, some_runs, spp, times};
 use crate::deep::deep;
 use crate::equilibrium::{KINDS, Kind, equilibrium};
 use crate::picture::{LEVEL, scene};
@@ -45,15 +45,48 @@ fn samples_and_chains_share_the_light() {
     }
 }
 
-/// A picture so small that a chain is short and its seed matters, with every part that chains and samples share: everyday's sharpest look.
-#[test]
-fn a_small_picture_is_right() {
+/// A picture so small that a chain is short and its seed matters.
+fn expect_small_picture(method: Method, count: u64, metropolis: MetropolisOptions) {
     let World { scene, .. } = all().into_iter().find(|w| w.name == "dirac").expect("dirac");
-    let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, 64));
-    for (method, limit) in [(Method::Pssmlt, 0.5), (Method::Mmlt, 0.0), (Method::Mlt, 0.5)] {
-        let metropolis = MetropolisOptions { limit: Some(limit), two_stage: true, lengths: 2, ..MetropolisOptions::default() };
-        let found = runs(&scene, &How { metropolis, ..how(method, 16, limit) });
-        agree(&bdpt, &found).unwrap_or_else(|e| panic!("{method:?}, limit {limit}: {e}"));
+    let [bdpt, found] = [Method::Bdpt, method].map(|m| some_runs(&scene, &How { metropolis, ..How::new(m, 16, 16) }, count));
+    agree(&bdpt, &found).unwrap_or_else(|e| panic!("{method:?}: {e}"));
+}
+
+#[test]
+fn a_small_picture_of_paths_is_right() {
+    expect_small_picture(Method::Mlt, 16, MetropolisOptions { limit: Some(0.0), ..MetropolisOptions::default() });
+}
+
+#[test]
+fn a_small_picture_of_techniques_is_right() {
+    expect_small_picture(Method::Mmlt, 16, MetropolisOptions { limit: Some(0.0), lengths: 2, ..MetropolisOptions::default() });
+}
+
+#[test]
+fn a_small_picture_of_two_stages_is_right() {
+    let metropolis = MetropolisOptions { limit: Some(0.0), two_stage: true, ..MetropolisOptions::default() };
+    expect_small_picture(Method::Mlt, 6, metropolis);
+}
+
+#[test]
+fn a_small_picture_above_a_limit_is_right() {
+    expect_small_picture(Method::Mlt, 6, MetropolisOptions { limit: Some(0.5), ..MetropolisOptions::default() });
+}
+
+/// Depth counts scattering events, in chains too.
+#[test]
+fn a_limit_of_depth_means_the_same_to_chains() {
+    let World { scene, .. } = all().into_iter().next().expect("rough");
+    for depth in [0, 1, 2, 3] {
+        let of = |how: How| {
+            let mut how = how;
+            how.shot.depth = Some(depth);
+            runs(&scene, &how)
+        };
+        let path = of(How::new(Method::Path, 16, spp(16)));
+        for method in [Method::Mmlt, Method::Mlt] {
+            agree(&path, &of(self::how(method, 16, 0.0))).unwrap_or_else(|e| panic!("{method:?}, depth {depth}: {e}"));
+        }
     }
 }
 

@@ -115,11 +115,6 @@ impl Contribution {
         self.scalar
     }
 
-    /// What the scalar would be if every part of the image were wanted alike.
-    pub(super) fn plain(&self) -> f64 {
-        self.splats.iter().map(|(_, light)| f64::from(light.mean())).sum()
-    }
-
     /// What it adds where.
     pub(super) fn splats(&self) -> &[([f32; 2], Spectrum)] {
         &self.splats

@@ -8,7 +8,6 @@ use super::contribution::Contribution;
 use super::primary::{NAMES, PathSampler, PrimaryState, mixture};
 use super::seeds::{ByTechnique, Candidate};
 use super::{Chains, Common, FEWEST_EVENTS};
-use crate::defects::{Defect, planted};
 use crate::mcmc::primary::{Source, Stream};
 use crate::mcmc::{Mixture, Numbers};
 use crate::path::Tally;
@@ -85,7 +84,6 @@ impl PathSampler for OneLength<'_> {
         let Common { tracer, camera: lens, region, importance, .. } = &self.common;
         let (events, pmf) = self.length(f64::from(join.u1(0, Slot::Distance)));
         let Some((s, count)) = self.technique(events, f64::from(join.u1(0, Slot::Lobe))) else { return };
-        let pmf = if planted(Defect::LengthsUnweighed) { 1.0 } else { pmf };
         let film = region.at(camera.u2(0, Slot::Aux));
         let scale = (count as f64 / pmf) as f32;
         let mut add = |_, _, film: [f32; 2], color: Spectrum| {

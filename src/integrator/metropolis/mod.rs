@@ -241,8 +241,7 @@ impl<'a, C: Chains> Metropolis<'a, C> {
         let (address, mut key) = (pass.with(CHAIN_STREAM | stream), pass.with(!id));
         let mut deposit = |state: &C::State, weight: f64| {
             let found = state.contribution();
-            let scalar = if planted(Defect::TwoStageUnreturned) { found.plain() } else { found.scalar() };
-            let per_scalar = weight * task.scale / scalar;
+            let per_scalar = weight * task.scale / found.scalar();
             for &(film, color) in found.splats() {
                 key = key.with(0);
                 splats.add(self.options.filter, film, color * per_scalar as f32, key.bits(0));
