@@ -73,12 +73,17 @@ pub fn next_event(
 /// The segment that must be free for `sample` to arrive at `point`, where a walk came from the direction `known` through `medium`.
 #[inline]
 pub fn toward_light(scene: &Scene, point: &SurfacePoint, known: Vec3, medium: MediumId, sample: &LightSample) -> Ray {
-    let ray = match sample.end {
+    Ray { medium: scene.medium_toward(point, known, medium, sample.wi), ..toward_end(point, &sample.end, sample.wi) }
+}
+
+/// The segment between `point` and the `end` of a path, which lies in the direction `wi`.
+#[inline]
+pub fn toward_end(point: &SurfacePoint, end: &End, wi: Vec3) -> Ray {
+    match *end {
         End::Surface { p, error, ng } => point.segment(p, error, ng),
         End::Point(p) => point.segment(p, 0.0, point.ng),
-        End::Infinity => point.spawn(sample.wi),
-    };
-    Ray { medium: scene.medium_toward(point, known, medium, sample.wi), ..ray }
+        End::Infinity => point.spawn(wi),
+    }
 }
 
 /// The vertex `y` of a walk from a light and `z` of one from the camera.

@@ -1,10 +1,10 @@
 //! The end of a path on a light, however it was found.
 
 use crate::geometry::SurfacePoint;
-use crate::light::{EmissionDensity, Emitted, End, Light, LightSample};
+use crate::light::{EmissionDensity, Emitted, End, Light, LightSample, Receiver};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// The end of a path on a light.
 #[derive(Debug, Clone, Copy)]
@@ -29,6 +29,27 @@ impl Emitter {
     pub fn of_sample(index: usize, sample: &LightSample, p: Vec3) -> Self {
         let falloff = if let End::Point(at) = sample.end { at.distance_squared(p) } else { 1.0 };
         Emitter { index, end: sample.end, radiance: sample.radiance * falloff }
+    }
+
+    /// A light as `point` chooses it with the numbers `pick` and `u`, and the direction in which it shines.
+    pub fn chosen(scene: &Scene, point: &SurfacePoint, pick: f32, u: [f32; 2]) -> Option<(Self, DVec3)> {
+        let (lights, receiver) = (scene.lights(), Receiver::from(point));
+        let (index, _) = lights.choose(&receiver, pick)?;
+        let sample = lights.all()[index].sample_toward(&receiver, u)?;
+        Some((Emitter::of_sample(index, &sample, point.p), -sample.wi.as_dvec3()))
+    }
+
+    /// The same end, that shone along `before`, as it shines along the unit vector `w` on the position `at`; `None` where it is dark, or
+    /// on the other side of a lamp.
+    pub fn turned(&self, scene: &Scene, before: DVec3, w: DVec3, at: Vec3) -> Option<Self> {
+        match self.end {
+            End::Surface { ng, .. } => (w.dot(ng.as_dvec3()) * before.dot(ng.as_dvec3()) > 0.0).then_some(*self),
+            End::Point(_) => {
+                let sample = scene.lights().all()[self.index].sample_toward(&Receiver { p: at, ng: -w.as_vec3() }, [0.5; 2])?;
+                Some(Emitter::of_sample(self.index, &sample, at))
+            }
+            End::Infinity => Some(*self),
+        }
     }
 
     /// The light at `point`, as it shines along the unit direction `wo`; `None` if there is none.

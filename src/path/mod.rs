@@ -8,7 +8,7 @@ mod mis;
 mod subpath;
 mod walk;
 
-pub use connect::{Connection, Splat, connect, next_event, splat, toward_light};
+pub use connect::{Connection, Splat, connect, next_event, splat, toward_end, toward_light};
 pub use emitter::Emitter;
 pub use full::{Densities, Evaluation, FullPath, Node, Steps};
 pub use mis::{Sums, Technique, Techniques, Weights};

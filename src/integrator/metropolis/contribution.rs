@@ -2,6 +2,7 @@
 
 use crate::film::{Crop, Filter};
 use crate::spectrum::{LANES, Spectrum};
+use std::sync::Arc;
 
 /// The part of the film that paths may end on: the rendered pixels and as far around them as the filter reaches.
 #[derive(Debug, Clone, Copy)]
@@ -46,41 +47,58 @@ impl Region {
     }
 }
 
-/// How much a part of the image is wanted, by which targets are divided [Veach97 §11.4.3].
+/// A number for each cell of the region, columns times rows, row by row; one where all are alike.
 #[derive(Debug, Clone)]
-pub(super) struct Importance {
-    region: Region,
-    /// The radiance that cells usually have, never 0, row by row; one cell where nothing is preferred.
-    cells: Vec<f64>,
-    columns: usize,
+pub(super) struct Picture {
+    pub(super) region: Region,
+    pub(super) cells: Arc<[f64]>,
+    pub(super) columns: usize,
 }
+
+impl Picture {
+    /// The same everywhere.
+    pub(super) fn flat(region: Region, value: f64) -> Self {
+        Picture { region, cells: Arc::new([value]), columns: 1 }
+    }
+
+    /// The same cells with other numbers.
+    pub(super) fn map(&self, of: impl Fn(f64) -> f64) -> Self {
+        Picture { cells: self.cells.iter().map(|&cell| of(cell)).collect(), ..*self }
+    }
+
+    /// Of all cells.
+    pub(super) fn mean(&self) -> f64 {
+        self.cells.iter().sum::<f64>() / self.cells.len() as f64
+    }
+
+    /// At a film position.
+    pub(super) fn at(&self, film: [f32; 2]) -> f64 {
+        self.cells[self.region.cell(film, [self.columns, self.cells.len() / self.columns])]
+    }
+}
+
+/// How much a part of the image is wanted, by which targets are divided [Veach97 §11.4.3]: the radiance that it usually has, never 0.
+#[derive(Debug, Clone)]
+pub(super) struct Importance(Picture);
 
 impl Importance {
     /// Each part as bright as it is.
     pub(super) fn uniform(region: Region) -> Self {
-        Importance { region, cells: vec![1.0], columns: 1 }
+        Importance(Picture::flat(region, 1.0))
     }
 
-    /// For a picture of `columns` whose cells have these radiances: dark ones are lifted to a share of the mean, so that noise in the dark
-    /// does not attract chains.
-    pub(super) fn new(region: Region, mut cells: Vec<f64>, columns: usize) -> Self {
+    /// For radiances that parts usually have: dark ones are lifted to a share of the mean, so that noise in the dark does not attract
+    /// chains.
+    pub(super) fn new(usual: &Picture) -> Self {
         /// Of the mean.
         const LEAST: f64 = 0.1;
-        let mean = cells.iter().sum::<f64>() / cells.len() as f64;
-        if mean <= 0.0 {
-            return Self::uniform(region);
-        }
-        cells.iter_mut().for_each(|cell| *cell = *cell / mean + LEAST);
-        Importance { region, cells, columns }
-    }
-
-    fn at(&self, film: [f32; 2]) -> f64 {
-        self.cells[self.region.cell(film, [self.columns, self.cells.len() / self.columns])]
+        let mean = usual.mean();
+        if mean > 0.0 { Importance(usual.map(|cell| cell / mean + LEAST)) } else { Self::uniform(usual.region) }
     }
 
     /// The target of `light` at a film position: positive wherever a lane is.
     pub(super) fn scalar(&self, film: [f32; 2], light: Spectrum) -> f64 {
-        light.0.iter().map(|&x| f64::from(x)).sum::<f64>() / (LANES as f64 * self.at(film))
+        light.0.iter().map(|&x| f64::from(x)).sum::<f64>() / (LANES as f64 * self.0.at(film))
     }
 }
 

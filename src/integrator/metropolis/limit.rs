@@ -6,7 +6,7 @@
 //! it. (Of [light-transport.md 0.7], where the split is by path and not by value.)
 
 use super::FEWEST_EVENTS;
-use super::contribution::Region;
+use super::contribution::Picture;
 use crate::camera::Camera;
 use crate::geometry::Ray;
 use crate::integrator::bidirectional::{Bidirectional, Found, Sink};
@@ -14,40 +14,32 @@ use crate::integrator::camera_pass::Radiance;
 use crate::path::Tally;
 use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
-use std::sync::Arc;
 
 /// No cell is taken for darker than this share of the mean.
 const DARKEST: f64 = 0.1;
 
-/// How much a sample may be worth before chains have a part in it.
+/// How much a sample may be worth before chains have a part in it; nothing, where chains have everything.
 #[derive(Debug, Clone)]
-pub(super) struct Limit {
-    region: Region,
-    cells: Arc<[f64]>,
-    columns: usize,
-}
+pub(super) struct Limit(Option<Picture>);
 
 impl Limit {
     /// Chains have everything.
-    pub(super) fn none(region: Region) -> Self {
-        Limit { region, cells: Arc::new([0.0]), columns: 1 }
-    }
+    pub(super) const NONE: Limit = Limit(None);
 
-    /// `times` what is usual in each cell of a picture.
-    pub(super) fn new(region: Region, cells: &[f64], columns: usize, times: f64) -> Self {
-        let mean = cells.iter().sum::<f64>() / cells.len() as f64;
-        let cells = cells.iter().map(|cell| times * cell.max(DARKEST * mean)).collect();
-        Limit { region, cells, columns }
+    /// `times` what is usual in each part of the image.
+    pub(super) fn new(usual: &Picture, times: f64) -> Self {
+        let darkest = DARKEST * usual.mean();
+        Limit(Some(usual.map(|cell| times * cell.max(darkest))))
     }
 
     /// Whether chains have everything.
     pub(super) fn is_none(&self) -> bool {
-        self.cells.len() == 1 && self.cells[0] == 0.0
+        self.0.is_none()
     }
 
     /// The limit at a film position.
     pub(super) fn at(&self, film: [f32; 2]) -> f64 {
-        self.cells[self.region.cell(film, [self.columns, self.cells.len() / self.columns])]
+        self.0.as_ref().map_or(0.0, |picture| picture.at(film))
     }
 
     /// What chains have of a sample that is worth `worth`.

@@ -17,6 +17,9 @@ use crate::spectrum::Spectrum;
 /// The share of the paths of the last class that go on at each event, as their lengths are drawn.
 const GOES_ON: f64 = 0.75;
 
+/// Of the whole numbers that coordinates are.
+const CIRCLE: f64 = 4_294_967_296.0;
+
 /// The chains.
 pub(super) struct Multiplexed<'a> {
     common: Common<'a>,
@@ -46,15 +49,13 @@ impl<'a> Multiplexed<'a> {
 impl OneLength<'_> {
     /// The number of techniques of paths of `events` events, and the `nth` of them: vertices from the light.
     fn technique(&self, events: usize, chosen: f64) -> Option<(usize, usize)> {
-        let takes_part = |s: &usize| self.common.tracer.wants(*s, events + 2 - s);
-        let count = (0..=events + 1).filter(takes_part).count();
+        let count = self.common.techniques(events).count();
         let nth = ((chosen * count as f64) as usize).min(count.max(1) - 1);
-        (0..=events + 1).filter(takes_part).nth(nth).map(|s| (s, count))
+        self.common.techniques(events).nth(nth).map(|s| (s, count))
     }
 
     /// A number in the part of [0, 1) by which a choice among `count` takes the `nth`.
     fn within(nth: usize, count: usize, at: f64) -> u32 {
-        const CIRCLE: f64 = 4_294_967_296.0;
         // f32 numbers have 24 digits: half of one is kept from the ends of an interval.
         const MARGIN: f64 = 1.0 / 8_388_608.0;
         let at = at.clamp(MARGIN, 1.0 - MARGIN);
@@ -72,7 +73,6 @@ impl OneLength<'_> {
 
     /// A number that [`OneLength::length`] makes `events` of.
     fn number_of(&self, events: usize, at: f64) -> u32 {
-        const CIRCLE: f64 = 4_294_967_296.0;
         let more = (events - self.events) as i32;
         let [start, end] = [more, more + 1].map(|n| 1.0 - GOES_ON.powi(n));
         ((start + (end - start) * at.clamp(0.01, 0.99)) * CIRCLE) as u32
@@ -118,9 +118,8 @@ impl Chains for Multiplexed<'_> {
     fn start(&self, seed: &Candidate, address: Address, x: &mut PrimaryState) -> bool {
         let class = &self.lengths[self.class_of(seed.events())];
         let (s, events) = (usize::from(seed.s), seed.events());
-        let takes_part = |s: &usize| self.common.tracer.wants(*s, events + 2 - s);
-        let nth = (0..s).filter(takes_part).count();
-        let count = (0..=events + 1).filter(takes_part).count();
+        let nth = self.common.techniques(events).take_while(|&other| other < s).count();
+        let count = self.common.techniques(events).count();
         let mut numbers = Numbers::new(address);
         let [technique, length] = [numbers.uniform(), numbers.uniform()];
         x.point.clear();
@@ -135,7 +134,7 @@ impl Chains for Multiplexed<'_> {
         mixture(&self.lengths[class], self.common.options.metropolis.large_step)
     }
 
-    fn names(&self) -> Vec<&'static str> {
-        NAMES.to_vec()
+    fn names(&self) -> &'static [&'static str] {
+        &NAMES
     }
 }

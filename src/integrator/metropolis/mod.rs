@@ -111,7 +111,7 @@ trait Chains: Send + Sync {
     /// The kernels for the states of a class.
     fn kernels(&self, class: usize) -> Mixture<'_, Self::State>;
     /// Their names.
-    fn names(&self) -> Vec<&'static str>;
+    fn names(&self) -> &'static [&'static str];
 }
 
 /// What methods of this kind share.
@@ -132,18 +132,23 @@ impl<'a> Common<'a> {
     fn new(scene: &'a Scene, camera: Camera, options: &Options) -> Self {
         let region = Region::new(options.crop, options.filter);
         let tracer = Bidirectional::new(scene, &camera, options, &Prelude::default()).with_fewest_events(FEWEST_EVENTS);
-        let (limit, importance) = (Limit::none(region), Importance::uniform(region));
+        let (limit, importance) = (Limit::NONE, Importance::uniform(region));
         let mut common = Common { scene, camera, options: *options, tracer, region, limit, importance };
         if options.metropolis.limit != Some(0.0) {
             let pilot = Pilot::trace(&common);
             let usual = if pilot.noise > NOISY { 0.0 } else { LIMIT };
             let times = options.metropolis.limit.unwrap_or(usual);
-            common.limit = if times > 0.0 { Limit::new(region, &pilot.usual, seeds::PICTURE, times) } else { common.limit };
+            common.limit = if times > 0.0 { Limit::new(&pilot.usual, times) } else { Limit::NONE };
         }
         if options.metropolis.two_stage {
-            common.importance = Importance::new(region, Pilot::trace(&common).usual, seeds::PICTURE);
+            common.importance = Importance::new(&Pilot::trace(&common).usual);
         }
         common
+    }
+
+    /// The techniques that make paths of `events` events, by their vertices from the light.
+    fn techniques(&self, events: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..=events + 1).filter(move |s| self.tracer.wants(*s, events + 2 - s))
     }
 
     /// Edges of the paths that are left to chains.
@@ -254,7 +259,7 @@ impl<'a, C: Chains> Metropolis<'a, C> {
             chain.step(&kernels[task.class], &mut Numbers::new(address.with(step)), &mut deposit);
         }
         chain.flush(&mut deposit);
-        let report = ChainReport::of_chain(&self.chains.names(), chain.counts(), task.steps);
+        let report = ChainReport::of_chain(self.chains.names(), chain.counts(), task.steps);
         let (mut x, mut y) = chain.into_states();
         let mut tally = *x.tally();
         tally.absorb(y.tally());

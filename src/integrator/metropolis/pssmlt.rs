@@ -73,7 +73,7 @@ impl Chains for PrimarySpace<'_> {
         mixture(self, self.common.options.metropolis.large_step)
     }
 
-    fn names(&self) -> Vec<&'static str> {
-        NAMES.to_vec()
+    fn names(&self) -> &'static [&'static str] {
+        &NAMES
     }
 }

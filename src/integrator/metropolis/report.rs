@@ -1,8 +1,9 @@
 //! What chains say of themselves: which kernels were accepted, how far the normalisation is known, how parts of the image were visited.
 
-use crate::film::Layout;
+use super::contribution::Region;
+use crate::film::{Filter, Layout};
 use crate::mcmc::KernelCounts;
-use crate::spectrum::{LANES, Spectrum};
+use crate::spectrum::Spectrum;
 use std::collections::BTreeMap;
 
 /// Tiles along an axis of the image at most.
@@ -218,11 +219,10 @@ impl Tiles {
     }
 }
 
-/// The tiles of an image.
+/// The tiles of an image; what falls around it belongs to those at its border.
 #[derive(Debug, Clone, Copy)]
 struct Grid {
-    start: [f32; 2],
-    per_pixel: [f32; 2],
+    image: Region,
     columns: usize,
     rows: usize,
 }
@@ -230,16 +230,12 @@ struct Grid {
 impl Grid {
     fn new(layout: &Layout) -> Self {
         let crop = layout.crop;
-        let size = [crop.x1 - crop.x0, crop.y1 - crop.y0];
-        let [columns, rows] = size.map(|n| (n as usize).min(TILES));
-        let start = [crop.x0 as f32, crop.y0 as f32];
-        Grid { start, per_pixel: [columns as f32 / size[0] as f32, rows as f32 / size[1] as f32], columns, rows }
+        let [columns, rows] = [crop.x1 - crop.x0, crop.y1 - crop.y0].map(|n| (n as usize).min(TILES));
+        Grid { image: Region::new(crop, Filter::Box), columns, rows }
     }
 
-    /// The tile of a film position; those around the image belong to its border.
     fn tile(&self, film: [f32; 2]) -> usize {
-        let along = |i: usize, n: usize| (((film[i] - self.start[i]) * self.per_pixel[i]).max(0.0) as usize).min(n - 1);
-        along(1, self.rows) * self.columns + along(0, self.columns)
+        self.image.cell(film, [self.columns, self.rows])
     }
 }
 
@@ -263,7 +259,7 @@ impl ChainLight {
 
     /// Adds `weight` steps at which `color` fell at a film position, multiplied by `scale`.
     pub(super) fn add(&mut self, film: [f32; 2], color: Spectrum, weight: f64, scale: f64) {
-        let light = color.0.iter().map(|&x| f64::from(x)).sum::<f64>() * scale / LANES as f64;
+        let light = f64::from(color.mean()) * scale;
         let (tile, half) = (self.grid.tile(film), usize::from(self.done >= self.half as f64));
         self.halves[half][tile] += weight * light;
         self.squares[tile] += weight * light * light;

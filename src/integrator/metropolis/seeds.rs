@@ -1,6 +1,6 @@
 //! Where chains begin: samples of bidirectional path tracing, and the choice among them.
 
-use super::contribution::Importance;
+use super::contribution::{Importance, Picture, Region};
 use super::{Chains, Common};
 use crate::defects::{Defect, planted};
 use crate::integrator::bidirectional::{Found, Sink};
@@ -139,7 +139,7 @@ impl<F: FnMut(usize, usize, [f32; 2], Spectrum)> Sink for ByTechnique<'_, F> {
 }
 
 /// Columns and rows of the pilot's picture.
-pub(super) const PICTURE: usize = 16;
+const PICTURE: usize = 16;
 /// Samples for it.
 const PICTURE_SAMPLES: u64 = 64 * (PICTURE * PICTURE) as u64;
 /// Squares of cells are lifted by that of this share of the mean, so that dark ones do not dominate.
@@ -149,8 +149,8 @@ const MOST_OF_MEAN: f64 = 8.0;
 
 /// What a few samples say of the light that chains have a part in.
 pub(super) struct Pilot {
-    /// Radiance that each cell usually has, roughly.
-    pub(super) usual: Vec<f64>,
+    /// Radiance that each part of the image usually has, roughly.
+    pub(super) usual: Picture,
     /// Variance of a sample a pixel relative to the square of the pixel, its mean over the cells.
     pub(super) noise: f64,
 }
@@ -179,12 +179,12 @@ impl Pilot {
             light
         };
         let all: Vec<Vec<(usize, f64)>> = (0..PICTURE_SAMPLES).into_par_iter().map(trace).collect();
-        Pilot::of(all.into_iter().flatten().collect(), f64::from(common.region.area()))
+        Pilot::of(all.into_iter().flatten().collect(), common.region)
     }
 
-    /// Of contributions to the whole film of `area` pixels by cell.
-    fn of(contributions: Vec<(usize, f64)>, area: f64) -> Self {
-        let cells = (PICTURE * PICTURE) as f64;
+    /// Of contributions to the whole film by cell.
+    fn of(contributions: Vec<(usize, f64)>, region: Region) -> Self {
+        let (cells, area) = ((PICTURE * PICTURE) as f64, f64::from(region.area()));
         let mean = contributions.iter().map(|(_, light)| light).sum::<f64>() / PICTURE_SAMPLES as f64;
         let mut fallen = [Fallen::default(); PICTURE * PICTURE];
         for (cell, light) in contributions {
@@ -195,6 +195,7 @@ impl Pilot {
         }
         // A cell has area / cells of the pixels, and a pass as many samples as pixels.
         let usual = fallen.iter().map(|f| f.limited * cells / area).collect();
+        let usual = Picture { region, cells: usual, columns: PICTURE };
         let floor = (DARK * mean / cells).powi(2);
         let noise = fallen.iter().map(|f| f.square / (cells * (f.sum * f.sum + floor))).sum::<f64>() / cells;
         Pilot { usual, noise }

@@ -14,9 +14,12 @@ use crate::parallel::Cancel;
 use crate::path::Tally;
 use crate::sampling::Address;
 use crate::stats::Moments;
+use deep::deep;
 use rayon::prelude::*;
 use worlds::World;
 
+#[path = "../../../tests/support/deep.rs"]
+mod deep;
 #[allow(dead_code)]
 #[path = "../../../tests/path/worlds.rs"]
 mod worlds;
@@ -98,10 +101,6 @@ fn largest_z<C: Chains>(chains: &C, class: usize, pools: u64, extra: impl Fn(&C:
         if error > 0.0 { (moments.mean() / error).abs() } else { 0.0 }
     };
     (0..count).map(z).fold(0.0, f64::max)
-}
-
-fn deep() -> bool {
-    std::env::var_os("ETENDUE_TEST_DEEP").is_some_and(|v| v != "0")
 }
 
 /// A million steps for each test in the deep form.

@@ -116,7 +116,7 @@ impl<'c, 'a> Bidirectional<'c, 'a> {
         for i in 0..from_camera {
             let is_surface = walker.lengthen(&mut camera)?;
             if finds_light && i + 1 == from_camera {
-                let (emitter, w) = walker.found_light(&mut camera, is_surface)?;
+                let (emitter, w) = camera.found_light(self.common.scene, is_surface)?;
                 return Some(Part::join(emitter, Part::default(), w, camera));
             }
             is_surface.then_some(())?;

@@ -6,6 +6,7 @@ use super::extend::{Met, Part, Walker};
 use super::eye::{log_uniform, turned};
 use super::state::{Draft, PathState};
 use crate::defects::{Defect, planted};
+use crate::geometry::{Ray, spawn_ray};
 use crate::light::End;
 use crate::mcmc::{Kernel, Numbers};
 use crate::transport::Transport;
@@ -55,8 +56,12 @@ impl<'a> Caustic<'_, 'a> {
             part = Part::from_light(x, begin + 1);
             walker.along(part.nodes.last()?.point.spawn(w))?
         } else {
-            let (shining, ray) = walker.shine(&emitter, path.directions()[0], w)?;
-            emitter = shining;
+            let (ray, at) = match emitter.end {
+                End::Surface { p, error, ng } => (spawn_ray(p, error, ng, w), p + w),
+                End::Point(p) => (Ray::new(p, w), p + w),
+                End::Infinity => return None,
+            };
+            emitter = emitter.turned(self.common.scene, path.directions()[0], w.as_dvec3(), at)?;
             walker.along(ray)?
         };
         for i in begin + 1..=seen {

@@ -3,11 +3,12 @@
 use super::super::Common;
 use super::state::{Draft, PathState};
 use crate::bsdf::{Bsdf, Lobes, Shading};
-use crate::geometry::{Ray, spawn_ray};
-use crate::light::{EmissionNumbers, End, Receiver};
+use crate::geometry::Ray;
+use crate::light::EmissionNumbers;
 use crate::mcmc::Numbers;
 use crate::path::{Emitter, Node, Tally, Walk};
 use crate::sampling::{Independent, unit_f32};
+use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::Transport;
 use glam::{DVec3, Vec3};
@@ -155,38 +156,7 @@ impl Walker<'_, '_> {
 
     /// A light as `node` chooses it, and the direction in which it shines.
     pub(super) fn sample_light(&mut self, node: &Node) -> Option<(Emitter, DVec3)> {
-        let lights = self.common.scene.lights();
-        let receiver = Receiver::from(&node.point);
-        let (index, _) = lights.choose(&receiver, single(self.numbers))?;
-        let sample = lights.all()[index].sample_toward(&receiver, pair(self.numbers))?;
-        Some((Emitter::of_sample(index, &sample, node.point.p), -sample.wi.as_dvec3()))
-    }
-
-    /// `emitter`, which shone along `before`, as it shines along `w`, and its ray; `None` where it is dark, or on its other side.
-    pub(super) fn shine(&self, emitter: &Emitter, before: DVec3, w: Vec3) -> Option<(Emitter, Ray)> {
-        match emitter.end {
-            End::Surface { p, error, ng } => {
-                let stays = before.dot(ng.as_dvec3()) * f64::from(w.dot(ng)) > 0.0;
-                stays.then(|| (*emitter, spawn_ray(p, error, ng, w)))
-            }
-            End::Point(p) => {
-                let light = &self.common.scene.lights().all()[emitter.index];
-                let sample = light.sample_toward(&Receiver { p: p + w, ng: -w }, [0.5; 2])?;
-                Some((Emitter { radiance: sample.radiance * w.length_squared(), ..*emitter }, Ray::new(p, w)))
-            }
-            End::Infinity => None,
-        }
-    }
-
-    /// The light that the last edge of `part` found, which is taken from it together with that edge's direction.
-    pub(super) fn found_light(&self, part: &mut Part, is_surface: bool) -> Option<(Emitter, DVec3)> {
-        let w = part.directions.pop()?;
-        let emitter = if is_surface {
-            Emitter::at(self.common.scene, &part.nodes.pop()?.point, w.as_vec3())
-        } else {
-            Emitter::outside(self.common.scene, -w.as_vec3())
-        };
-        Some((emitter?, w))
+        Emitter::chosen(self.common.scene, &node.point, single(self.numbers), pair(self.numbers))
     }
 }
 
@@ -200,5 +170,15 @@ impl Part {
             }
             Met::Outside => false,
         }
+    }
+    /// The light that its last edge found, at a surface or outside the scene; it is taken away together with that edge's direction.
+    pub(super) fn found_light(&mut self, scene: &Scene, is_surface: bool) -> Option<(Emitter, DVec3)> {
+        let w = self.directions.pop()?;
+        let emitter = if is_surface {
+            Emitter::at(scene, &self.nodes.pop()?.point, w.as_vec3())
+        } else {
+            Emitter::outside(scene, -w.as_vec3())
+        };
+        Some((emitter?, w))
     }
 }

@@ -102,7 +102,7 @@ impl<'c, 'a> Eye<'c, 'a> {
             met = next;
         }
         let is_surface = part.add(met);
-        let (emitter, w) = walker.found_light(&mut part, is_surface)?;
+        let (emitter, w) = part.found_light(self.common.scene, is_surface)?;
         Some(Part::join(emitter, Part::default(), w, part))
     }
 

@@ -66,7 +66,7 @@ impl<'a> Chains for PathSpace<'a> {
         Mixture::new(kernels.into())
     }
 
-    fn names(&self) -> Vec<&'static str> {
-        Mutations::NAMES.to_vec()
+    fn names(&self) -> &'static [&'static str] {
+        &Mutations::NAMES
     }
 }

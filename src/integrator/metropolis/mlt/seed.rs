@@ -4,7 +4,6 @@ use super::super::Common;
 use super::extend::Part;
 use super::state::Draft;
 use crate::bsdf::Lobes;
-use crate::light::Receiver;
 use crate::path::{Arrival, Emitter, Node, Subpath, Tally, Weights};
 use crate::sampling::{Address, Heuristic, Independent, Sampler, Slot};
 
@@ -46,21 +45,14 @@ pub(super) fn path(common: &Common, [s, t]: [usize; 2], address: Address, tally:
     let Walked { part: mut from_camera, leaves } = walk(common, path, &mut camera, t - 1, tally, true)?;
     match s {
         0 => {
-            let w = from_camera.directions.pop()?;
-            let emitter = if leaves {
-                Emitter::outside(common.scene, -w.as_vec3())?
-            } else {
-                Emitter::at(common.scene, &from_camera.nodes.pop()?.point, w.as_vec3())?
-            };
+            let (emitter, w) = from_camera.found_light(common.scene, !leaves)?;
             Some(Part::join(emitter, Part::default(), w, from_camera))
         }
         1 if !leaves => {
-            let z = &from_camera.nodes.last()?.point;
-            let (lights, receiver, bounce) = (common.scene.lights(), Receiver::from(z), t as u32 - 2);
-            let (index, _) = lights.choose(&receiver, camera.u1(bounce, Slot::LightPick))?;
-            let sample = lights.all()[index].sample_toward(&receiver, camera.u2(bounce, Slot::LightPoint))?;
-            let emitter = Emitter::of_sample(index, &sample, z.p);
-            Some(Part::join(emitter, Part::default(), -sample.wi.as_dvec3(), from_camera))
+            let (z, bounce) = (&from_camera.nodes.last()?.point, t as u32 - 2);
+            let (pick, u) = (camera.u1(bounce, Slot::LightPick), camera.u2(bounce, Slot::LightPoint));
+            let (emitter, w) = Emitter::chosen(common.scene, z, pick, u)?;
+            Some(Part::join(emitter, Part::default(), w, from_camera))
         }
         _ if !leaves => {
             let (path, emitter) = Subpath::from_light(common.scene, &weights, &mut light)?;

@@ -4,10 +4,10 @@ use super::super::contribution::Contribution;
 use super::super::limit::Limit;
 use super::super::{Common, Lit};
 use crate::bsdf::{Bsdf, Lobes};
-use crate::geometry::{MediumId, SurfacePoint};
-use crate::light::{End, Light};
+use crate::geometry::MediumId;
+use crate::light::End;
 use crate::mcmc::State;
-use crate::path::{Emitter, FullPath, Node, Steps, Tally};
+use crate::path::{Emitter, FullPath, Node, Steps, Tally, toward_end};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use glam::DVec3;
@@ -106,7 +106,7 @@ fn share_of_chains(common: &Common, film: [f32; 2], path: &FullPath, steps: &Ste
     }
     let weights = common.tracer.weights();
     let (limit, densities) = (common.limit.at(film), path.densities(weights, steps));
-    let log_mean = (f.0.iter().sum::<f64>() / f.0.len() as f64).ln();
+    let log_mean = f.mean().ln();
     let of = |s: usize| {
         let weight = densities.weight(weights, s);
         // Its sample is worth weight f / p.
@@ -139,24 +139,6 @@ fn absorbed(scene: &Scene, draft: &Draft) -> Spectrum {
 }
 
 impl Draft {
-    /// The emitter as it shines on `point`, and the direction of the light; `None` where it does not. A lamp's other side is another path.
-    pub(super) fn shine(scene: &Scene, from: &Emitter, before: DVec3, point: &SurfacePoint) -> Option<(Emitter, DVec3)> {
-        let to = point.p.as_dvec3();
-        match from.end {
-            End::Surface { p, ng, .. } => {
-                let w = (to - p.as_dvec3()).try_normalize()?;
-                (w.dot(ng.as_dvec3()) * before.dot(ng.as_dvec3()) > 0.0).then_some((*from, w))
-            }
-            End::Point(p) => {
-                let light: &Light = &scene.lights().all()[from.index];
-                let sample = light.sample_toward(&point.into(), [0.5; 2])?;
-                let radiance = sample.radiance * point.p.distance_squared(p);
-                Some((Emitter { radiance, ..*from }, (to - p.as_dvec3()).try_normalize()?))
-            }
-            End::Infinity => Some((*from, before)),
-        }
-    }
-
     /// x_i as something that connections may end at; `None` if it scatters in no other way than a mirror.
     pub(super) fn smoothed(&mut self, i: usize) -> Option<()> {
         let node = &mut self.nodes[i - 1];
@@ -180,15 +162,15 @@ impl Draft {
             return (!scene.transmittance_to_camera(&segment, shadows).is_black()).then_some(());
         }
         if i == 0 {
-            let (emitter, w) = Draft::shine(scene, &self.emitter, self.directions[0], &self.nodes[0].point)?;
-            (self.emitter, self.directions[0]) = (emitter, w);
-            self.scatters(1)?;
-            let z = &self.nodes[0].point;
-            let segment = match emitter.end {
-                End::Surface { p, error, ng } => z.segment(p, error, ng),
-                End::Point(p) => z.segment(p, 0.0, z.ng),
-                End::Infinity => z.spawn(-w.as_vec3()),
+            let (z, before) = (&self.nodes[0].point, self.directions[0]);
+            let w = match self.emitter.end {
+                End::Surface { p, .. } | End::Point(p) => (z.p.as_dvec3() - p.as_dvec3()).try_normalize()?,
+                End::Infinity => before,
             };
+            let segment = toward_end(z, &self.emitter.end, -w.as_vec3());
+            self.emitter = self.emitter.turned(scene, before, w, z.p)?;
+            self.directions[0] = w;
+            self.scatters(1)?;
             return (!scene.transmittance(&segment, shadows).is_black()).then_some(());
         }
         let [y, z] = [i, i + 1].map(|i| self.nodes[i - 1].point);
