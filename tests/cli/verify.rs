@@ -76,8 +76,8 @@ fn a_method_that_is_blind_is_left_out_and_the_table_says_why() {
 #[test]
 fn a_budget_is_kept() {
     let place = Place::new();
-    let (start, budget) = (Instant::now(), 2.0);
-    let report = place.report(&box_line("--budget 2s --backends obvhs"));
+    let (start, budget) = (Instant::now(), 4.0);
+    let report = place.report(&box_line("--budget 4s --backends obvhs"));
     let seconds: Vec<f64> = report["candidates"].as_array().unwrap().iter().map(|c| c["seconds"].as_f64().unwrap()).collect();
     let total: f64 = seconds.iter().sum();
     // Blocks of 32 passes of 32×32 pixels take a few hundredths of a second; a busy machine some tenths.
