@@ -100,6 +100,21 @@ defects! {
     SeedsAlike "seeds-alike"
         "Chains begin at any lit sample, bright or dim."
         "start-up bias, [Veach97 §11.3.1]";
+    PassesAlike "passes-alike"
+        "All passes have the same chains, so that they agree and the error bar vanishes."
+        "a pass numbered by what it has in common with others";
+    StepsStopAtEdges "steps-stop-at-edges"
+        "Small steps end at the edges of the unit cube and do not go on at the other side."
+        "a walk kept inside by clamping";
+    ImportanceKept "importance-kept"
+        "What a two-stage target divides by is not given back: dim parts of the picture are too bright."
+        "[Veach97 §11.4.3] half done";
+    SplatsUnlimited "splats-unlimited"
+        "What bidirectional path tracing splats is not limited, and chains have what is above once more."
+        "the limit where it is seen first";
+    LengthsAlike "lengths-alike"
+        "Paths of the class of all long ones are not weighed by the probability of their length."
+        "light-transport.md 2.6";
     CopiedLobesWeighed "copied-lobes-weighed"
         "Perturbations count the probability of Dirac components that they copy."
         "a walk's density taken for a perturbation's";

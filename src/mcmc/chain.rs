@@ -68,7 +68,7 @@ impl<'k, S> Mixture<'k, S> {
     }
 
     /// Logarithm of the probability of taking kernel `index` at `x`.
-    fn log_share(&self, index: usize, x: &S) -> f64 {
+    pub fn log_share(&self, index: usize, x: &S) -> f64 {
         let total: f64 = self.suitabilities(x).sum();
         (self.kernels[index].suitability(x) / total).ln()
     }

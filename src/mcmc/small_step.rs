@@ -1,5 +1,7 @@
 //! Symmetric steps on the unit circle. Positions are whole numbers of 2⁻³²: addition modulo 1 is exact, and 1 is not reached.
 
+use crate::defects::{Defect, planted};
+
 /// How far a coordinate moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SmallStep {
@@ -38,6 +40,10 @@ impl SmallStep {
             // Box and Muller's.
             SmallStep::Gaussian { sigma } => sigma * (-2.0 * unit(a).ln()).sqrt() * (std::f64::consts::TAU * unit(b)).cos(),
         };
-        x.wrapping_add((step * CIRCLE).round() as i64 as u32)
+        let step = (step * CIRCLE).round() as i64;
+        if planted(Defect::StepsStopAtEdges) {
+            return (i64::from(x) + step).clamp(0, i64::from(u32::MAX)) as u32;
+        }
+        x.wrapping_add(step as u32)
     }
 }

@@ -4,8 +4,8 @@
 use super::provenance::Program;
 use super::target::{self, Check};
 use super::{Outputs, Plan, Provenance, Settings, Stage, Surroundings, machine};
-use crate::film::{Film, ImageError};
-use crate::integrator::{ChainDigest, ChainReport, Guards, InvalidSample};
+use crate::film::{Film, ImageError, Plane};
+use crate::integrator::{ChainDigest, Guards, InvalidSample};
 use crate::io::exr::{self, Attribute, Layer};
 use crate::spectrum::LANES;
 use serde::Serialize;
@@ -133,7 +133,7 @@ impl Report {
             build: stage.map(|s| Phase { seconds: s.build_seconds }),
             render: Render::of(provenance, film),
             guards: work.passes.guards,
-            chains: work.passes.chains.as_ref().map(ChainReport::digest),
+            chains: work.passes.chains.as_ref().map(|chains| chains.digest(light(film))),
             clamp: settings.clamp.map(|limit| clamp(limit, provenance, film, error.as_ref())),
             error,
             target: None,
@@ -220,7 +220,7 @@ impl Report {
             }
         }
         if let Some(scale) = self.chains.as_ref().and_then(|chains| chains.scale_error) {
-            line.push_str(&format!(", global scale of chains ± {:.2} %", 100.0 * scale));
+            line.push_str(&format!(", global scale ± {:.2} %", 100.0 * scale));
         }
         line
     }
@@ -231,6 +231,12 @@ impl Report {
         flatten("etendue", &serde_json::json!(self), &mut attributes);
         attributes
     }
+}
+
+/// All pixels of an image together: radiance, the mean over lanes.
+fn light(film: &Film) -> f64 {
+    let color = film.mean(Plane::Color);
+    color.iter().map(|&x| f64::from(x)).sum::<f64>() / LANES as f64
 }
 
 impl Machine {

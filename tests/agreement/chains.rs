@@ -4,7 +4,8 @@
 use crate::bidirectional::{How, agree, expect_crop, runs, some_runs, spp, times};
 use crate::deep::deep;
 use crate::equilibrium::{KINDS, Kind, equilibrium};
-use crate::picture::{LEVEL, scene};
+use crate::picture::{LEVEL, Shot, scene};
+use crate::references::load;
 use crate::worlds::{World, all};
 use etendue::film::Filter;
 use etendue::integrator::{Method, MetropolisOptions};
@@ -41,6 +42,38 @@ fn samples_and_chains_share_the_light() {
             let found = runs(&scene, &how(method, 16, limit));
             agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}, limit {limit}: {e}"));
             assert!(agree(&bdpt, &found.scaled(1.1)).is_err(), "{name}, {method:?}: 10 % more is not convicted");
+        }
+    }
+}
+
+/// The same where all light comes by splats.
+#[test]
+fn walks_from_lights_share_their_light_with_chains() {
+    let World { scene, .. } = all().into_iter().next().expect("rough");
+    let light = some_runs(&scene, &How::new(Method::Light, 16, spp(128)), 8);
+    let found =
+        some_runs(&scene, &how(Method::Mmlt, 16, 0.5).without(&[Technique::Hit, Technique::NextEvent, Technique::Connect]), 8);
+    agree(&light, &found).unwrap_or_else(|e| panic!("{e}"));
+    assert!(agree(&light, &found.scaled(1.1)).is_err(), "10 % more is not convicted");
+}
+
+/// Deep: the scenes that renderers are compared on, with what is usual and with everything left to chains.
+#[test]
+fn chains_show_what_is_in_the_scenes() {
+    if !deep() {
+        return;
+    }
+    for name in ["cornell-box", "modified-cornell", "glass-caustic", "ajar-door"] {
+        let scene = load(name).expect("make scenes");
+        let of = |how: How| runs(&scene, &How { shot: Shot { filter: Filter::Box, ..how.shot }, ..how });
+        let bdpt = of(How::new(Method::Bdpt, 64, 64));
+        for method in METHODS {
+            for limit in [None, Some(0.0)] {
+                let metropolis = MetropolisOptions { limit, ..MetropolisOptions::default() };
+                let found = of(How { metropolis, ..How::new(method, 64, 64) });
+                agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}, {limit:?}: {e}"));
+                assert!(agree(&bdpt, &found.scaled(1.1)).is_err(), "{name}, {method:?}, {limit:?}: 10 % more is not convicted");
+            }
         }
     }
 }

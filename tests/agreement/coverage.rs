@@ -14,7 +14,6 @@ use rayon::prelude::*;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
 
 const SIDE: u32 = 16;
-const REPLICATES: u32 = 4;
 /// The rates that a count must reject, all of them, to convict, and the level of either side.
 const RATES: [f64; 2] = [0.93, 0.97];
 const LEVEL: f64 = 1e-3;
@@ -79,24 +78,25 @@ struct Study<'a> {
 impl Study<'_> {
     fn run(&self, seed: u64) -> Run {
         let Subject { method, filter, spp, .. } = self.subject;
+        let replicates = method.replicates();
         let layout = Layout::new(SIDE, SIDE, None, &[]);
-        let options = Options { seed, sampler: self.sampler, filter, replicates: REPLICATES, ..Options::new(&layout) };
+        let options = Options { seed, sampler: self.sampler, filter, replicates, ..Options::new(&layout) };
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
         let prelude = integrator::prelude(self.scene, &camera, &Options { seed: PILOT, ..options }, &layout);
-        let mut film = Film::new(layout.clone(), REPLICATES, seed, prelude.units);
+        let mut film = Film::new(layout.clone(), replicates, seed, prelude.units);
         let integrator = integrator::build(method, self.scene, camera, &options, &prelude);
         let (mut values, mut looks) = (PassFilm::new(&layout), Vec::new());
-        let mut replicates = vec![vec![0.0; layout.pixels() * 3]; REPLICATES as usize];
+        let mut means = vec![vec![0.0; layout.pixels() * 3]; replicates as usize];
         for pass in 0..spp {
             values.clear();
             integrator.run_pass(pass, &Cancel::new(), &mut values).expect("not cancelled");
             film.commit(pass, &values);
             let colors = values.values().chunks_exact(layout.channels()).flat_map(|pixel| &pixel[..3]);
-            let sums = &mut replicates[(pass % u64::from(REPLICATES)) as usize];
-            sums.iter_mut().zip(colors).for_each(|(sum, &c)| *sum += f64::from(c) * f64::from(REPLICATES) / spp as f64);
+            let mean = &mut means[(pass % u64::from(replicates)) as usize];
+            mean.iter_mut().zip(colors).for_each(|(mean, &c)| *mean += f64::from(c) * f64::from(replicates) / spp as f64);
             looks.extend(target::check(&film, method.independent(), ANY).map(|check| (check, image(&film))));
         }
-        Run { film, replicates, looks }
+        Run { film, replicates: means, looks }
     }
 
     fn runs(&self, count: u64) -> Vec<Run> {
@@ -194,8 +194,8 @@ fn judge_relmse(method: Method, runs: &[Run], truth: &Truth, out: &mut Outcome) 
 }
 
 /// The t interval of each pixel and channel. Those far from normal are excepted by name.
-fn judge_pixels(runs: &[Run], truth: &Truth, out: &mut Outcome) {
-    let t = student_quantile(0.975, f64::from(REPLICATES - 1));
+fn judge_pixels(method: Method, runs: &[Run], truth: &Truth, out: &mut Outcome) {
+    let t = student_quantile(0.975, f64::from(method.replicates() - 1));
     let errors: Vec<Vec<f32>> = runs.iter().map(|run| run.film.standard_error().expect("replicates")).collect();
     let each = sidak_level(LEVEL, truth.means.len() as u64);
     let count = runs.len() as u64;
@@ -269,7 +269,7 @@ fn study(subject: Subject, sampler: SamplerKind, count: u64) -> Outcome {
     let runs = study.runs(count);
     let (truth, mut out) = (Truth::of(&runs), Outcome::default());
     judge_relmse(subject.method, &runs, &truth, &mut out);
-    judge_pixels(&runs, &truth, &mut out);
+    judge_pixels(subject.method, &runs, &truth, &mut out);
     judge_target(&runs, &truth, &mut out);
     out
 }
@@ -281,7 +281,7 @@ const CORNELL: &[Subject] = &[
     Subject { method: Method::Bdpt, ..path("cornell-box", 64) },
 ];
 
-/// What the deep study adds. The last two are too noisy for their own error and must say so. A splat under a wide filter falls on
+/// What the deep study adds. The last two by path tracing are too noisy for their own error and must say so. A splat under a wide filter falls on
 /// sixteen pixels at once; no lamp is seen there, whose edge would make most of the error.
 const DEEP: &[Subject] = &[
     path("sphere-cap", 64),
@@ -291,17 +291,38 @@ const DEEP: &[Subject] = &[
     path("veach-mis", 64),
 ];
 
-#[test]
-fn error_bars_cover_as_stated() {
-    let (more, count): (&[Subject], _) = if deep() { (DEEP, 2000) } else { (&[], 60) };
+/// Chains serve the whole picture: replicates alone are independent.
+const CHAINS: &[Subject] = &[
+    Subject { method: Method::Pssmlt, ..path("cornell-box", 32) },
+    Subject { method: Method::Mmlt, ..path("cornell-box", 32) },
+    Subject { method: Method::Mlt, ..path("cornell-box", 32) },
+    Subject { method: Method::Mlt, ..path("modified-cornell", 64) },
+];
+
+fn expect_coverage(subjects: impl IntoIterator<Item = Subject>, samplers: &[SamplerKind], count: u64) {
     let mut convicted = Vec::new();
-    for &subject in CORNELL.iter().chain(more) {
-        for sampler in [SamplerKind::Independent, SamplerKind::Sobol] {
+    for subject in subjects {
+        for &sampler in samplers {
             let outcome = study(subject, sampler, count);
             convicted.extend(outcome.convicted.into_iter().map(|c| format!("{subject:?}, {sampler:?}: {c}")));
         }
     }
     assert!(convicted.is_empty(), "{} convicted:\n{}", convicted.len(), convicted.join("\n"));
+}
+
+#[test]
+fn error_bars_cover_as_stated() {
+    let (more, count): (&[Subject], _) = if deep() { (DEEP, 2000) } else { (&[], 60) };
+    let samplers = [SamplerKind::Independent, SamplerKind::Sobol];
+    expect_coverage(CORNELL.iter().chain(more).copied(), &samplers, count);
+}
+
+/// Deep.
+#[test]
+fn error_bars_of_chains_cover_as_stated() {
+    if deep() {
+        expect_coverage(CHAINS.iter().copied(), &[SamplerKind::Sobol], 1000);
+    }
 }
 
 /// The rule itself: right rates pass, wrong ones do not.

@@ -8,6 +8,7 @@
 use super::FEWEST_EVENTS;
 use super::contribution::Picture;
 use crate::camera::Camera;
+use crate::defects::{Defect, planted};
 use crate::geometry::Ray;
 use crate::integrator::bidirectional::{Bidirectional, Found, Sink};
 use crate::integrator::camera_pass::Radiance;
@@ -82,7 +83,7 @@ impl<F: FnMut([f32; 2], Spectrum)> Sink for Below<'_, F> {
     }
 
     fn splat(&mut self, film: [f32; 2], found: Found) {
-        let share = self.limit.share_of_chains(film, &found, self.walks);
+        let share = if planted(Defect::SplatsUnlimited) { 0.0 } else { self.limit.share_of_chains(film, &found, self.walks) };
         (self.splats)(film, found.value * (found.weight as f32 * (1.0 - share)));
     }
 }

@@ -8,6 +8,7 @@ use super::contribution::Contribution;
 use super::primary::{NAMES, PathSampler, PrimaryState, mixture};
 use super::seeds::{ByTechnique, Candidate};
 use super::{Chains, Common, FEWEST_EVENTS};
+use crate::defects::{Defect, planted};
 use crate::mcmc::primary::{Source, Stream};
 use crate::mcmc::{Mixture, Numbers};
 use crate::path::Tally;
@@ -54,14 +55,6 @@ impl OneLength<'_> {
         self.common.techniques(events).nth(nth).map(|s| (s, count))
     }
 
-    /// A number in the part of [0, 1) by which a choice among `count` takes the `nth`.
-    fn within(nth: usize, count: usize, at: f64) -> u32 {
-        // f32 numbers have 24 digits: half of one is kept from the ends of an interval.
-        const MARGIN: f64 = 1.0 / 8_388_608.0;
-        let at = at.clamp(MARGIN, 1.0 - MARGIN);
-        ((nth as f64 + at) / count as f64 * CIRCLE) as u32
-    }
-
     /// How many events the number `u` stands for, and the probability of that.
     fn length(&self, u: f64) -> (usize, f64) {
         if !self.and_longer {
@@ -75,8 +68,16 @@ impl OneLength<'_> {
     fn number_of(&self, events: usize, at: f64) -> u32 {
         let more = (events - self.events) as i32;
         let [start, end] = [more, more + 1].map(|n| 1.0 - GOES_ON.powi(n));
-        ((start + (end - start) * at.clamp(0.01, 0.99)) * CIRCLE) as u32
+        number_in(start, end, at)
     }
+}
+
+/// The number of a coordinate that lies in an interval, `at` this part of it.
+fn number_in(start: f64, end: f64, at: f64) -> u32 {
+    // Coordinates are read with the 24 digits of f32: as much is kept from the ends.
+    const MARGIN: f64 = 1.0 / 8_388_608.0;
+    let margin = (MARGIN / (end - start)).min(0.5);
+    ((start + (end - start) * at.clamp(margin, 1.0 - margin)) * CIRCLE) as u32
 }
 
 impl PathSampler for OneLength<'_> {
@@ -85,6 +86,7 @@ impl PathSampler for OneLength<'_> {
         let (events, pmf) = self.length(f64::from(join.u1(0, Slot::Distance)));
         let Some((s, count)) = self.technique(events, f64::from(join.u1(0, Slot::Lobe))) else { return };
         let film = region.at(camera.u2(0, Slot::Aux));
+        let pmf = if planted(Defect::LengthsAlike) { 1.0 } else { pmf };
         let scale = (count as f64 / pmf) as f32;
         let mut add = |_, _, film: [f32; 2], color: Spectrum| {
             if region.contains(film) {
@@ -123,7 +125,8 @@ impl Chains for Multiplexed<'_> {
         let mut numbers = Numbers::new(address);
         let [technique, length] = [numbers.uniform(), numbers.uniform()];
         x.point.clear();
-        x.point.set(Stream::Connection, 0, Slot::Lobe, OneLength::within(nth, count, technique));
+        let part = |n: usize| n as f64 / count as f64;
+        x.point.set(Stream::Connection, 0, Slot::Lobe, number_in(part(nth), part(nth + 1), technique));
         x.point.set(Stream::Connection, 0, Slot::Distance, class.number_of(events, length));
         x.found.clear();
         class.sample(x.point.draw(address), &mut x.found, &mut x.tally);

@@ -21,6 +21,8 @@ mod report;
 mod seeds;
 #[cfg(test)]
 mod stationarity;
+#[cfg(test)]
+mod tests;
 
 pub use options::{MetropolisOptions, Mutations};
 pub use report::{ChainDigest, ChainReport, Normalisation, Tiles};
@@ -246,7 +248,9 @@ impl<'a, C: Chains> Metropolis<'a, C> {
         let (address, mut key) = (pass.with(CHAIN_STREAM | stream), pass.with(!id));
         let mut deposit = |state: &C::State, weight: f64| {
             let found = state.contribution();
-            let per_scalar = weight * task.scale / found.scalar();
+            let of_light = || -> f64 { found.splats().iter().map(|(_, color)| f64::from(color.mean())).sum() };
+            let scalar = if planted(Defect::ImportanceKept) { of_light() } else { found.scalar() };
+            let per_scalar = weight * task.scale / scalar;
             for &(film, color) in found.splats() {
                 key = key.with(0);
                 splats.add(self.options.filter, film, color * per_scalar as f32, key.bits(0));
@@ -295,7 +299,8 @@ fn shares(means: &[f64]) -> Vec<f64> {
 impl<C: Chains> Integrator for Metropolis<'_, C> {
     fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
         let mut report = self.samples.run_pass(pass, cancel, out)?;
-        let address = Address::new(self.options.seed).with(CHAIN_STREAM | pass);
+        let number = if planted(Defect::PassesAlike) { 0 } else { pass };
+        let address = Address::new(self.options.seed).with(CHAIN_STREAM | number);
         let allotments = self.allot(out.layout().pixels());
         let samples = SEEDS_PER_CHAIN * allotments.iter().map(|a| a.chains).sum::<usize>();
         let seeds = Seeds::trace(&self.chains, address, samples, cancel)?;

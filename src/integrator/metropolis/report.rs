@@ -114,14 +114,14 @@ impl ChainReport {
         self.tiles.absorb(other.tiles);
     }
 
-    /// All in a few numbers.
-    pub fn digest(&self) -> ChainDigest {
+    /// All in a few numbers, beside an image whose pixels are `image` together: radiance, the mean over lanes.
+    pub fn digest(&self, image: f64) -> ChainDigest {
         ChainDigest {
             chains: self.chains,
             steps: self.steps,
             lost_seeds: self.lost_seeds,
             kernels: self.kernels.clone(),
-            scale_error: self.scale_error(),
+            scale_error: self.scale_error(image),
             r_hat: usual_and_last(self.tiles.r_hats(), false),
             effective_steps: usual_and_last(self.tiles.effective_steps(self.steps), true),
             lit_tiles: self.tiles.light.iter().filter(|&&light| light > 0.0).count(),
@@ -129,13 +129,16 @@ impl ChainReport {
         }
     }
 
-    /// Half the 95 % interval of the scale that all light of chains has in common, relative to it; `None` for fewer than two passes.
-    pub fn scale_error(&self) -> Option<f64> {
+    /// Half the 95 % interval of what the scale that all light of chains has in common adds to an image or takes from it, relative to the
+    /// image; `None` for fewer than two passes.
+    pub fn scale_error(&self, image: f64) -> Option<f64> {
         let Normalisation { passes, sum, square } = self.normalisation;
         let n = passes as f64;
         let mean = sum / n;
         let variance = ((square - n * mean * mean) / (n - 1.0)).max(0.0);
-        (passes > 1 && mean > 0.0).then(|| crate::stats::student_quantile(0.975, n - 1.0) * (variance / n).sqrt() / mean)
+        let share = self.tiles.light.iter().sum::<f64>() / (n * image);
+        (passes > 1 && mean > 0.0 && image > 0.0)
+            .then(|| share * crate::stats::student_quantile(0.975, n - 1.0) * (variance / n).sqrt() / mean)
     }
 }
 
