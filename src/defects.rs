@@ -78,6 +78,9 @@ defects! {
     Eta2Forgotten "eta2-forgotten"
         "Radiance is not scaled by the square of the refractive index."
         "light-transport.md 2.1";
+    GrazingEmission "grazing-emission"
+        "A walk may leave a light along its surface, with density 0: the weights of what it finds are not numbers."
+        "found by chains, which ask for more samples than others";
     // chains
     HastingsForgotten "hastings-forgotten"
         "Acceptance compares targets alone, whatever the densities of the proposals."

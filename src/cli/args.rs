@@ -1,7 +1,10 @@
 //! Groups of flags that several subcommands share.
 
+use super::Console;
+use super::progress::ProgressArgs;
+use super::task::Task;
 use crate::error::{Error, Result};
-use crate::render::{Choices, Outputs, Plan, Selection, Settings, Stage};
+use crate::render::{Budget, Choices, Outputs, Plan, Selection, Settings, Stage};
 use std::path::{Path, PathBuf};
 
 /// The scene and where its settings come from.
@@ -51,6 +54,18 @@ pub(super) struct OutputArgs {
     pub(super) report: Option<PathBuf>,
 }
 
+/// What is kept against interruptions.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+#[command(next_help_heading = "Files")]
+pub(super) struct KeepArgs {
+    /// Save the film this often, so that a kill costs no more; without --film beside the image, until that is written
+    #[arg(long, value_name = "TIME")]
+    pub(super) checkpoint: Option<Budget>,
+    /// Take what an earlier run of the same left: end at once if all is there, else go on with its film
+    #[arg(long)]
+    pub(super) skip_complete: bool,
+}
+
 impl OutputArgs {
     /// The files, for a run over `selection` of the picture `name`.
     pub(super) fn outputs(&self, name: &str, selection: Selection) -> Result<Outputs> {
@@ -60,6 +75,19 @@ impl OutputArgs {
         };
         let outputs = if self.png { outputs.with_png() } else { outputs };
         Ok(outputs.with_film(self.film.clone(), selection))
+    }
+
+    /// What is to be done with them.
+    pub(super) fn task(
+        &self,
+        outputs: Outputs,
+        keep: KeepArgs,
+        strict: StrictArgs,
+        progress: ProgressArgs,
+        console: Console,
+    ) -> Task {
+        let (report, checkpoint) = (self.report.clone(), keep.checkpoint.map(|every| every.0));
+        Task { outputs, report, checkpoint, skip_complete: keep.skip_complete, strict, progress, console }
     }
 
     /// Makes sure that everything can be written before the work begins.

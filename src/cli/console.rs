@@ -49,7 +49,8 @@ pub(super) fn error(text: &str) {
     stderr(&format!("etendue: error: {text}"));
 }
 
-fn print(text: &str) -> Result<()> {
+/// Prints a line on stdout at once.
+pub(super) fn print(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{text}")
         .and_then(|()| out.flush())

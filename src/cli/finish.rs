@@ -26,7 +26,7 @@ pub(super) fn session(
     files: Files<'_>,
     strict: StrictArgs,
     console: Console,
-) -> Result<()> {
+) -> Result<Report> {
     if ended == Ended::Interrupted {
         return Err(stopped(session, files.outputs)?);
     }
@@ -51,7 +51,7 @@ pub(super) fn session(
         let what = format!("{} samples were not finite; trace the first again with {replay}", report.guards().nonfinite);
         return Err(Error::new(Kind::NonFinite, what));
     }
-    Ok(())
+    Ok(report)
 }
 
 /// Writes the report and prints the result; the image is the last line.

@@ -2,6 +2,7 @@
 //! stdout, everything else to stderr.
 
 mod args;
+mod batch;
 mod bench;
 mod compare;
 mod console;
@@ -11,7 +12,10 @@ mod merge;
 mod progress;
 mod render;
 mod resume;
+mod signals;
 mod startup;
+mod status;
+mod task;
 mod techniques;
 mod verify;
 
@@ -38,6 +42,9 @@ struct Cli {
 enum Command {
     /// Render a glTF scene to an image
     Render(Box<render::Args>),
+    /// Render all pictures of a batch file
+    #[command(after_help = batch::AFTER)]
+    Batch(Box<batch::Args>),
     /// Say what is in a scene, what of it is ignored and what rendering it takes
     Info(info::Args),
     /// Make one image or film of several films of the same picture
@@ -61,6 +68,7 @@ Examples:
   etendue render cup.glb --shard 0/4 -o 0.film    one of four shares of the work, on any machine
   etendue merge 0.film 1.film 2.film 3.film -o cup.exr
   etendue resume cup.film --spp 1024              more samples, as if asked for at once
+  etendue batch job.toml                          all pictures of a batch file; run again, it goes on
   etendue verify cup.glb                          do all methods and backends agree on it?
 
 Exit codes:
@@ -96,6 +104,7 @@ fn command() -> clap::Command {
 fn execute(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(*args),
+        Command::Batch(args) => batch::run(*args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Bench(command) => bench::run(command),

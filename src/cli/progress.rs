@@ -1,51 +1,97 @@
 //! Running a session with signals heard and progress shown: a bar on a terminal, a line now and then elsewhere.
 
+use super::status::{Event, Status, StatusFormat};
 use super::{Console, console};
-use crate::error::{Error, Kind, Result};
+use crate::error::Result;
+use crate::film::ImageError;
 use crate::integrator::Method;
 use crate::parallel::Cancel;
 use crate::render::{Checkpoint, Ended, Observer, Progress, Session};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Runs the session; `film` is where it is saved on the way, if anywhere.
-pub(super) fn run(session: &mut Session<'_>, console: Console, film: Option<&Path>) -> Result<Ended> {
-    let cancel = Cancel::new();
-    heed_signals(&cancel)?;
+/// How progress is told.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+#[command(next_help_heading = "Messages")]
+pub(super) struct ProgressArgs {
+    /// How progress is shown [default: bar on a terminal, else plain]
+    #[arg(long, value_enum, value_name = "STYLE")]
+    progress: Option<Style>,
+    /// Tell the state of the render on stdout, an object a line
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    status: Option<StatusFormat>,
+}
+
+/// Ways to show progress.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Style {
+    /// A bar on stderr
+    Bar,
+    /// A line on stderr now and then
+    Plain,
+    /// Lines on stdout that Open Job Description's sessions read
+    Openjd,
+    /// Lines on stdout that Tractor's blades read
+    Alf,
+    /// Nothing
+    None,
+}
+
+/// Runs the session, saving its film as `checkpoint` says.
+pub(super) fn run(
+    session: &mut Session<'_>,
+    console: Console,
+    told: ProgressArgs,
+    cancel: &Cancel,
+    checkpoint: Option<Checkpoint>,
+) -> Result<Ended> {
     let (settings, plan) = (&session.provenance().settings, session.provenance().plan);
     let amount = plan.count().map_or_else(String::new, |passes| format!(", {passes} samples per pixel"));
     console.note(&format!("rendering {}x{}{amount}", settings.width, settings.height));
-    let mut watcher = Watcher { meter: Meter::new(console), error: ErrorSoFar::of(settings.method) };
-    session.run(&cancel, &mut watcher, film.map(Checkpoint::new))
-}
-
-/// The first SIGINT or SIGTERM asks for a stop, the second kills.
-pub(super) fn heed_signals(cancel: &Cancel) -> Result<()> {
-    use signal_hook::consts::{SIGINT, SIGTERM};
-    let register = |signal| {
-        // The order matters: the flag is still clear when the first signal passes the first handler.
-        signal_hook::flag::register_conditional_default(signal, cancel.flag())?;
-        signal_hook::flag::register(signal, cancel.flag())
-    };
-    for signal in [SIGINT, SIGTERM] {
-        register(signal).map_err(|cause| Error::new(Kind::Internal, "cannot listen for signals").because(cause))?;
-    }
-    Ok(())
+    let status = told.status.map(|format| Status::new(format, session.provenance()));
+    let error = ErrorSoFar::of(settings.method);
+    let mut watcher = Watcher { meter: Meter::styled(told.progress, console), error, status };
+    watcher.begin(session)?;
+    let ended = session.run(cancel, &mut watcher, checkpoint)?;
+    watcher.end(session, ended)?;
+    Ok(ended)
 }
 
 /// Shows a session.
 struct Watcher {
     meter: Meter,
     error: ErrorSoFar,
+    status: Option<Status>,
+}
+
+impl Watcher {
+    fn begin(&mut self, session: &Session<'_>) -> Result<()> {
+        self.status.as_ref().map_or(Ok(()), |status| status.tell_of(Event::Begin, session.film(), session.provenance(), None))
+    }
+
+    fn end(&mut self, session: &Session<'_>, ended: Ended) -> Result<()> {
+        if ended == Ended::Complete {
+            self.meter.show(1.0, Duration::ZERO, String::new);
+        }
+        let event = if ended == Ended::Complete { Event::Complete } else { Event::Stopped };
+        let error = session.film().image_error(session.provenance().settings.method.independent());
+        self.status.as_ref().map_or(Ok(()), |status| status.tell_of(event, session.film(), session.provenance(), error.as_ref()))
+    }
 }
 
 impl Observer for Watcher {
     fn pass(&mut self, progress: &Progress<'_>) {
-        let error = &mut self.error;
-        let what = || format!("{} spp{}, ", progress.film.passes().len(), error.update(progress));
-        self.meter.show(progress.fraction(), progress.remaining(), what);
+        let Watcher { meter, error, status } = self;
+        if let Some(status) = status.as_mut().filter(|status| status.is_due()) {
+            // Whoever reads it may be gone; the render goes on.
+            let _ = status.tell(progress, error.update(progress));
+        }
+        let what = || {
+            let relmse = error.update(progress).map(|e| format!(", relMSE {:.2e}", e.relmse.value)).unwrap_or_default();
+            format!("{} spp{relmse}, ", progress.film.passes().len())
+        };
+        meter.show(progress.pace.fraction(), progress.pace.remaining(), what);
     }
 }
 
@@ -53,22 +99,21 @@ impl Observer for Watcher {
 struct ErrorSoFar {
     method: Method,
     looked_at: u64,
-    text: String,
+    error: Option<ImageError>,
 }
 
 impl ErrorSoFar {
     fn of(method: Method) -> Self {
-        ErrorSoFar { method, looked_at: 0, text: String::new() }
+        ErrorSoFar { method, looked_at: 0, error: None }
     }
 
-    fn update(&mut self, progress: &Progress<'_>) -> &str {
+    fn update(&mut self, progress: &Progress<'_>) -> Option<&ImageError> {
         let held = progress.film.passes().len();
         if held >= 2 * self.looked_at.max(1) {
             self.looked_at = held;
-            let error = progress.film.image_error(self.method.independent());
-            self.text = error.map(|e| format!(", relMSE {:.2e}", e.relmse.value)).unwrap_or_default();
+            self.error = progress.film.image_error(self.method.independent());
         }
-        &self.text
+        self.error.as_ref()
     }
 }
 
@@ -89,17 +134,38 @@ pub(super) enum Meter {
     },
     /// By a bar on a terminal, gone when it is over.
     Bar(ProgressBar),
+    /// By lines on stdout that a program reads, one for each per cent.
+    Percents {
+        /// Words around the number.
+        around: [&'static str; 2],
+        /// What was told last.
+        told: Option<u64>,
+    },
 }
 
 impl Meter {
     /// What suits the console.
     pub(super) fn new(console: Console) -> Self {
-        if console.quiet {
-            return Meter::Silence;
+        Self::styled(None, console)
+    }
+
+    /// As asked for, or what suits the console.
+    fn styled(style: Option<Style>, console: Console) -> Self {
+        let usual = || match (console.quiet, std::io::stderr().is_terminal()) {
+            (true, _) => Style::None,
+            (false, true) => Style::Bar,
+            (false, false) => Style::Plain,
+        };
+        match style.unwrap_or_else(usual) {
+            Style::None => Meter::Silence,
+            Style::Plain => Meter::Lines { next: Instant::now() + LINE_INTERVAL },
+            Style::Openjd => Meter::Percents { around: ["openjd_progress: ", ""], told: None },
+            Style::Alf => Meter::Percents { around: ["ALF_PROGRESS ", "%"], told: None },
+            Style::Bar => Self::bar(),
         }
-        if !std::io::stderr().is_terminal() {
-            return Meter::Lines { next: Instant::now() + LINE_INTERVAL };
-        }
+    }
+
+    fn bar() -> Self {
         let bar = ProgressBar::new(STEPS);
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
             bar.set_style(style);
@@ -117,6 +183,12 @@ impl Meter {
             Meter::Lines { next } => {
                 *next = Instant::now() + LINE_INTERVAL;
                 console::stderr(&format!("etendue: {percent}%, {}{:#} left", what(), HumanDuration(left)));
+            }
+            Meter::Percents { told, .. } if *told == Some(percent as u64) => {}
+            Meter::Percents { around: [before, after], told } => {
+                *told = Some(percent as u64);
+                // Whoever reads it may be gone; the render goes on.
+                let _ = console::print(&format!("{before}{percent}{after}"));
             }
             Meter::Bar(bar) => {
                 bar.set_position((done * STEPS as f64).floor() as u64);

@@ -1,10 +1,12 @@
 //! `etendue render`: scene in, image out.
 
-use super::args::{OutputArgs, SceneArgs, StrictArgs, ThreadArgs};
+use super::args::{KeepArgs, OutputArgs, SceneArgs, StrictArgs, ThreadArgs};
+use super::progress::ProgressArgs;
+use super::signals::Signals;
 use super::techniques::TechniqueArgs;
-use super::{Console, finish, progress, startup};
+use super::{Console, startup};
 use crate::error::Result;
-use crate::render::{Choices, Ended, Plan, Provenance, Selection, Session, picture_name};
+use crate::render::{Choices, Ended, Plan, Provenance, Selection, picture_name};
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -16,11 +18,15 @@ pub(super) struct Args {
     #[command(flatten)]
     output: OutputArgs,
     #[command(flatten)]
+    keep: KeepArgs,
+    #[command(flatten)]
     techniques: TechniqueArgs,
     #[command(flatten)]
     strict: StrictArgs,
     #[command(flatten)]
     threads: ThreadArgs,
+    #[command(flatten)]
+    progress: ProgressArgs,
     #[command(flatten)]
     console: Console,
 }
@@ -61,6 +67,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.output.check(&outputs)?;
     let techniques = args.techniques.files(early.method, &outputs)?;
     say_rounding(console, &choices, plan, early.replicates);
+    let signals = Signals::heed()?;
     let threads = startup::start_threads(args.threads.threads)?;
     let (stage, settings) = args.scene.stage(&choices, threads)?;
     let provenance = Provenance::new(&stage, settings, plan, look);
@@ -68,13 +75,13 @@ pub(super) fn run(args: Args) -> Result<()> {
     if args.strict.strict {
         stage.refuse_ignored()?;
     }
-    let mut session = Session::begin(&stage, provenance)?;
-    let mut ended = progress::run(&mut session, console, outputs.film.as_deref())?;
+    let task = args.output.task(outputs, args.keep, args.strict, args.progress, console);
+    let Some(mut session) = task.begin(&stage, provenance)? else { return Ok(()) };
+    let mut ended = task.render(&mut session, &signals)?;
     if let (Some(files), Ended::Complete) = (&techniques, ended) {
-        ended = args.techniques.write(files, &session, console)?;
+        ended = args.techniques.write(files, &session, &signals.cancel, console)?;
     }
-    let files = finish::Files { outputs: &outputs, report: args.output.report.as_deref() };
-    finish::session(&session, &stage, ended, files, args.strict, console)
+    task.finish(&session, &stage, ended).map(drop)
 }
 
 /// Says what the user would not expect in the picture.

@@ -1,7 +1,9 @@
 //! `etendue resume`: a film goes on as if it had never stopped.
 
-use super::args::{OutputArgs, StrictArgs, ThreadArgs};
-use super::{Console, finish, progress, startup};
+use super::args::{KeepArgs, OutputArgs, StrictArgs, ThreadArgs};
+use super::progress::ProgressArgs;
+use super::signals::Signals;
+use super::{Console, startup};
 use crate::error::{Error, Result};
 use crate::render::{Budget, Choices, Environment, Outputs, Plan, Selection, Session, Stage, Surroundings, checkpoint};
 use std::path::{Path, PathBuf};
@@ -33,6 +35,8 @@ pub(super) struct Args {
     #[command(flatten)]
     threads: ThreadArgs,
     #[command(flatten)]
+    progress: ProgressArgs,
+    #[command(flatten)]
     console: Console,
 }
 
@@ -44,9 +48,10 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.strict.check(&provenance.plan)?;
     let outputs = outputs(&args)?;
     args.output.check(&outputs)?;
+    let signals = Signals::heed()?;
     let threads = startup::start_threads(args.threads.threads)?;
-    let path = args.scene.unwrap_or_else(|| provenance.scene.path.clone());
-    let surroundings = surroundings(provenance.scene.surroundings.take(), args.env)?;
+    let path = args.scene.clone().unwrap_or_else(|| provenance.scene.path.clone());
+    let surroundings = surroundings(provenance.scene.surroundings.take(), args.env.clone())?;
     let stage = Stage::open(&path, surroundings, &provenance.settings.build_options(threads))?;
     if args.strict.strict {
         stage.refuse_ignored()?;
@@ -55,9 +60,9 @@ pub(super) fn run(args: Args) -> Result<()> {
     provenance.scene.surroundings = stage.surroundings.as_ref().map(Surroundings::absolute);
     let mut session = Session::resume(&stage, provenance, film).map_err(|e| e.context(args.film_file.display()))?;
     console.note(&format!("{} samples per pixel so far", session.film().passes().len()));
-    let ended = progress::run(&mut session, console, outputs.film.as_deref())?;
-    let files = finish::Files { outputs: &outputs, report: args.output.report.as_deref() };
-    finish::session(&session, &stage, ended, files, args.strict, console)
+    let task = args.output.task(outputs, KeepArgs::default(), args.strict, args.progress, console);
+    let ended = task.render(&mut session, &signals)?;
+    task.finish(&session, &stage, ended).map(drop)
 }
 
 /// What was around the scene, its file where it is now.

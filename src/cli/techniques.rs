@@ -2,7 +2,7 @@
 //! image has been made of.
 
 use super::Console;
-use super::progress::{Meter, heed_signals};
+use super::progress::Meter;
 use crate::error::{Error, Result};
 use crate::integrator::Method;
 use crate::parallel::Cancel;
@@ -43,9 +43,13 @@ impl TechniqueArgs {
     }
 
     /// Renders and writes them.
-    pub(super) fn write(&self, files: &TechniqueFiles, session: &Session<'_>, console: Console) -> Result<Ended> {
-        let cancel = Cancel::new();
-        heed_signals(&cancel)?;
+    pub(super) fn write(
+        &self,
+        files: &TechniqueFiles,
+        session: &Session<'_>,
+        cancel: &Cancel,
+        console: Console,
+    ) -> Result<Ended> {
         let deepest = self.techniques_depth.unwrap_or(DEFAULT_DEPTH);
         console.note(&format!("rendering the techniques of paths of up to {deepest} scattering events"));
         let (mut meter, begun) = (Meter::new(console), Instant::now());
@@ -53,7 +57,7 @@ impl TechniqueArgs {
             let left = Duration::try_from_secs_f64(begun.elapsed().as_secs_f64() * (1.0 - done) / done).unwrap_or_default();
             meter.show(done, left, || "techniques, ".into());
         };
-        let Some(images) = session.techniques(deepest, &cancel, watch)? else { return Ok(Ended::Interrupted) };
+        let Some(images) = session.techniques(deepest, cancel, watch)? else { return Ok(Ended::Interrupted) };
         techniques::write(files, session.provenance(), &images)?;
         drop(meter);
         if images.report.guards.nonfinite > 0 {

@@ -1,12 +1,12 @@
 //! `etendue verify`: do all methods and backends agree on a scene?
 
 use super::args::{SceneArgs, ThreadArgs};
-use super::progress::{Meter, heed_signals};
+use super::progress::Meter;
+use super::signals::Signals;
 use super::{Console, startup};
 use crate::accel::Backend;
 use crate::error::{Error, Kind, Result};
 use crate::integrator::Method;
-use crate::parallel::Cancel;
 use crate::render::verify::{Candidate, Effort, Ran, Report, Request, affordable, judge, run as render, write_pictures};
 use crate::render::{Budget, Choices, Stage, round_spp, writable};
 use std::path::PathBuf;
@@ -161,15 +161,15 @@ fn candidates<'a>(stages: &'a [Stage], methods: &[Method], choices: &Choices) ->
 }
 
 fn render_all(candidates: &mut [Candidate<'_>], effort: Effort, console: Console) -> Result<()> {
-    let cancel = Cancel::new();
-    heed_signals(&cancel)?;
+    let signals = Signals::heed()?;
+    signals.hold();
     let amount = match effort {
         Effort::Time(budget) => format!("for {}", humantime::format_duration(budget)),
         Effort::Spp(spp) => format!("with {spp} samples per pixel"),
     };
     console.note(&format!("rendering {} candidates {amount}", candidates.len()));
     let mut meter = Meter::new(console);
-    match render(candidates, effort, &cancel, &mut |done, left| meter.show(done, left, String::new)) {
+    match render(candidates, effort, &signals.cancel, &mut |done, left| meter.show(done, left, String::new)) {
         Ran::Complete => Ok(()),
         Ran::Interrupted => Err(Error::new(Kind::Interrupted, "stopped by a signal: nothing was verified")),
     }

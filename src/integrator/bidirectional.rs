@@ -44,6 +44,10 @@ pub(super) trait Sink {
 /// .069 on the modified Cornell box, .30, .28, .27, .26, .27 on the glass caustic, .91, .92, .91, .90, .87 on the ajar door.
 const WORTHWHILE: f32 = 0.3;
 
+/// No connection is traced less often than this. Numbers have 24 digits: a share with more would be met by 0 too often, and what is
+/// divided by it overflow.
+const LEAST_SHARE: f32 = 1.0 / 4096.0;
+
 /// Where the numbers for roulette on connections begin, beyond those of all bounces.
 const ROULETTE: u32 = 1 << 30;
 
@@ -251,7 +255,7 @@ impl<'a> Bidirectional<'a> {
         if worth >= self.worthwhile || worth.is_nan() {
             return Some(found);
         }
-        let share = worth / self.worthwhile;
+        let share = (worth / self.worthwhile).max(LEAST_SHARE);
         let u = sampler.u1(ROULETTE + ((s as u32) << 16) + t as u32, Slot::Roulette);
         (u < share).then(|| Connection { value: found.value / share, survival: found.survival * share, ..found })
     }

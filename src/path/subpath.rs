@@ -100,6 +100,10 @@ impl<'a> Subpath<'a> {
             End::Infinity => (Start::Far, Receiver { p: emitted.ray.origin, ng: emitted.ray.direction }),
         };
         let density = light.emission_density(scene.ball(), emitted.ray.direction);
+        // Along the surface of the light: one number in 2²³ leads there, and what has no density carries nothing.
+        if density.ray <= 0.0 && !planted(Defect::GrazingEmission) {
+            return None;
+        }
         let end = |pmf: Pdf<Discrete>| f64::from(pmf.value()) * density.end;
         // What receivers choose by is known at the receiver: until choices depend on it any will do.
         let direct = end(scene.lights().pmf(&receiver, index));

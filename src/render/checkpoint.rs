@@ -6,8 +6,8 @@ use crate::film::Film;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How long a film goes unsaved.
-const INTERVAL: Duration = Duration::from_secs(60);
+/// How long a film goes unsaved where nothing is said.
+pub const INTERVAL: Duration = Duration::from_secs(60);
 
 /// How many times longer than a save itself the time between saves is, so that large films on slow disks do not hold
 /// the render up.
@@ -18,13 +18,14 @@ const PATIENCE: u32 = 20;
 pub struct Checkpoint {
     path: PathBuf,
     saved: Instant,
+    every: Duration,
     wait: Duration,
 }
 
 impl Checkpoint {
-    /// Saves to `path`, first after a minute.
-    pub fn new(path: &Path) -> Self {
-        Checkpoint { path: path.to_owned(), saved: Instant::now(), wait: INTERVAL }
+    /// Saves to `path`, first after `every`, and as often if a save takes little of it.
+    pub fn new(path: &Path, every: Duration) -> Self {
+        Checkpoint { path: path.to_owned(), saved: Instant::now(), every, wait: every }
     }
 
     /// Saves if it is time.
@@ -38,7 +39,7 @@ impl Checkpoint {
         let start = Instant::now();
         save(&self.path, provenance, film)?;
         self.saved = Instant::now();
-        self.wait = INTERVAL.max(start.elapsed() * PATIENCE);
+        self.wait = self.every.max(start.elapsed() * PATIENCE);
         Ok(())
     }
 }

@@ -156,10 +156,7 @@ impl Choices {
     /// # Errors
     /// A usage error with the line if it says something étendue does not know.
     pub fn parse(text: &str) -> Result<Choices> {
-        toml::from_str(text).map_err(|e| {
-            let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            Error::usage(format!("line {line}: {}", e.message().replace('\n', " ")))
-        })
+        super::text::toml(text)
     }
 
     /// These choices, and those of `fallback` where there is none.

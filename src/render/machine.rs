@@ -57,6 +57,11 @@ pub fn peak_memory() -> Option<u64> {
     kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
+/// The memory that this process holds, in bytes; `None` where the system does not say.
+pub fn resident_memory() -> Option<u64> {
+    kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
+}
+
 /// Memory that can still be had, in bytes: what is free, within the limits of the control groups. `None` where the system
 /// does not say.
 pub fn available_memory() -> Option<u64> {

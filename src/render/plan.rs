@@ -89,6 +89,12 @@ impl Plan {
         }
     }
 
+    /// Whether `held` are all passes that are wanted, as far as their number is known beforehand.
+    pub fn is_met_by(&self, held: &PassSet) -> bool {
+        let is_known = self.stop.is_known() || matches!(self.selection, Selection::Range { .. });
+        is_known && self.count().is_some() && self.passes().all(|pass| held.contains(pass))
+    }
+
     /// How long the run may take, if time decides.
     pub fn budget(&self) -> Option<Duration> {
         self.stop.seconds.map(Duration::from_secs_f64)

@@ -1,5 +1,6 @@
 //! What a session tells those who watch it.
 
+use super::Provenance;
 use crate::film::Film;
 use std::time::Duration;
 
@@ -7,6 +8,15 @@ use std::time::Duration;
 pub struct Progress<'a> {
     /// The film so far; watchers may ask it for its error, which costs a look at every pixel.
     pub film: &'a Film,
+    /// Where it comes from, with the work so far.
+    pub provenance: &'a Provenance,
+    /// How far it is.
+    pub pace: Pace,
+}
+
+/// How far a session is.
+#[derive(Debug, Clone, Copy)]
+pub struct Pace {
     /// Passes rendered in this session.
     pub done: u64,
     /// Passes this session wants, unless time decides.
@@ -23,7 +33,7 @@ pub trait Observer {
     fn pass(&mut self, progress: &Progress<'_>);
 }
 
-impl Progress<'_> {
+impl Pace {
     /// How much is done, from 0 to 1.
     pub fn fraction(&self) -> f64 {
         let by_passes = self.wanted.map_or(0.0, |wanted| self.done as f64 / wanted.max(1) as f64);
@@ -46,19 +56,15 @@ impl Progress<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Choices;
 
     #[test]
     fn percent_is_floored_and_the_rest_extrapolated() {
-        let settings = Choices::default().settings(None).unwrap();
-        let film = Film::new(settings.layout(), 1, 0, crate::film::Units { radiance: 1.0, length: 1.0 });
-        let mut progress =
-            Progress { film: &film, done: 199, wanted: Some(200), elapsed: Duration::from_secs(199), budget: None };
+        let mut progress = Pace { done: 199, wanted: Some(200), elapsed: Duration::from_secs(199), budget: None };
         assert_eq!(progress.percent(), 99);
         assert!((progress.remaining().as_secs_f64() - 1.0).abs() < 1e-6);
         progress.done = 200;
         assert_eq!((progress.percent(), progress.remaining()), (100, Duration::ZERO));
-        let timed = Progress { wanted: None, budget: Some(Duration::from_secs(400)), ..progress };
+        let timed = Pace { wanted: None, budget: Some(Duration::from_secs(400)), ..progress };
         assert_eq!(timed.percent(), 49);
     }
 }

@@ -115,6 +115,13 @@ impl Provenance {
         Provenance { program: Program::current(), scene, settings, plan, look, work }
     }
 
+    /// What the whole image would be, as a hash: another run with the same would make the same again. How long it took, and on what,
+    /// is not in it.
+    pub fn identity(&self) -> String {
+        let what = (&self.program, &self.scene.hash, &self.settings, self.plan, self.look);
+        blake3::hash(serde_json::json!(what).to_string().as_bytes()).to_hex()[..32].to_owned()
+    }
+
     /// Refuses `other` unless its passes are passes of the same picture.
     ///
     /// # Errors

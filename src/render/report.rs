@@ -21,6 +21,8 @@ pub struct Report {
     scene: Scene,
     settings: Settings,
     settings_hash: String,
+    /// See [`Provenance::identity`].
+    identity: String,
     plan: Plan,
     load: Option<Phase>,
     build: Option<Phase>,
@@ -128,6 +130,7 @@ impl Report {
             scene: Scene::of(provenance),
             settings: settings.clone(),
             settings_hash: settings.hash(),
+            identity: provenance.identity(),
             plan: provenance.plan,
             load: stage.map(|s| Phase { seconds: s.load_seconds }),
             build: stage.map(|s| Phase { seconds: s.build_seconds }),
@@ -177,6 +180,11 @@ impl Report {
     /// What clamping did, if it was asked for.
     pub fn clamp(&self) -> Option<Clamp> {
         self.clamp
+    }
+
+    /// See [`exr::hash_pixels`].
+    pub fn pixel_hash(&self) -> &str {
+        &self.pixel_hash
     }
 
     /// How often guards fired.

@@ -1,7 +1,7 @@
 //! One process's part in a render: passes, one after the other and each over all threads, into a film.
 
 use super::machine::{Stopwatch, available_memory};
-use super::{Checkpoint, Observer, Progress, Provenance, Stage, checkpoint, provenance, target};
+use super::{Checkpoint, Observer, Pace, Progress, Provenance, Stage, checkpoint, provenance, target};
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, Layout, PassFilm};
 use crate::integrator::{self, Integrator, PassReport, Prelude, TechniqueImages};
@@ -15,6 +15,8 @@ pub struct Session<'a> {
     layout: Layout,
     film: Film,
     provenance: Provenance,
+    /// Runs since the session began.
+    clock: Stopwatch,
     /// The last look at the error, where there is a target.
     check: Option<target::Check>,
 }
@@ -40,10 +42,11 @@ impl<'a> Session<'a> {
         if let Some(refusal) = integrator::refusal(settings.method, &stage.scene) {
             return Err(Error::new(Kind::Usage, refusal));
         }
+        let clock = Stopwatch::start();
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         let prelude = integrator::prelude(&stage.scene, &camera, &settings.options(), &layout);
         let film = Film::new(layout.clone(), settings.replicates, settings.seed, prelude.units);
-        Ok(Session { stage, layout, film, provenance, check: None })
+        Ok(Session { stage, layout, film, provenance, clock, check: None })
     }
 
     /// Goes on with a film. What the prelude decided is in it.
@@ -52,7 +55,8 @@ impl<'a> Session<'a> {
     /// The scene or the program is not the one that began it.
     pub fn resume(stage: &'a Stage, provenance: Provenance, film: Film) -> Result<Session<'a>> {
         provenance.continuable_on(stage)?;
-        Ok(Session { stage, layout: provenance.settings.layout(), film, provenance, check: None })
+        let (layout, clock) = (provenance.settings.layout(), Stopwatch::start());
+        Ok(Session { stage, layout, film, provenance, clock, check: None })
     }
 
     /// Instance and material numbers at the pixel centres.
@@ -122,7 +126,8 @@ impl<'a> Session<'a> {
             self.account(&earlier, report);
             self.look();
             let (budget, wanted) = (self.provenance.plan.budget(), self.forecast(held.len(), wanted));
-            observer.pass(&Progress { film: &self.film, done, wanted, elapsed: clock.wall(), budget });
+            let pace = Pace { done, wanted, elapsed: clock.wall(), budget };
+            observer.pass(&Progress { film: &self.film, provenance: &self.provenance, pace });
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.save_if_due(&self.provenance, &self.film)?;
             }
@@ -179,8 +184,8 @@ impl<'a> Session<'a> {
     fn account(&mut self, earlier: &provenance::Work, report: PassReport) {
         let work = &mut self.provenance.work;
         work.passes.absorb(report);
-        work.wall_seconds = earlier.wall_seconds + self.stage.clock.wall().as_secs_f64();
-        work.cpu_seconds = earlier.cpu_seconds + self.stage.clock.cpu().as_secs_f64();
+        work.wall_seconds = earlier.wall_seconds + self.clock.wall().as_secs_f64();
+        work.cpu_seconds = earlier.cpu_seconds + self.clock.cpu().as_secs_f64();
         work.finished = provenance::now();
     }
 }

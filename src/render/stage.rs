@@ -23,8 +23,6 @@ pub struct Stage {
     pub build_seconds: f64,
     /// Threads that the machine grants.
     pub threads: usize,
-    /// Runs since the end of the build.
-    pub clock: Stopwatch,
 }
 
 impl Stage {
@@ -50,7 +48,6 @@ impl Stage {
             load_seconds,
             build_seconds: building.wall().as_secs_f64(),
             threads: options.threads,
-            clock: Stopwatch::start(),
             scene,
         })
     }

@@ -27,6 +27,17 @@ pub struct Window(pub Crop);
 #[serde(try_from = "String")]
 pub struct Budget(pub Duration);
 
+/// What a TOML text says.
+///
+/// # Errors
+/// A usage error with the line if it is no TOML or says something étendue does not know.
+pub(super) fn toml<T: serde::de::DeserializeOwned>(text: &str) -> crate::error::Result<T> {
+    ::toml::from_str(text).map_err(|e| {
+        let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+        crate::error::Error::usage(format!("line {line}: {}", e.message().replace('\n', " ")))
+    })
+}
+
 /// `bytes` in megabytes with one decimal, as reports and pages say it.
 pub fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// How to build a scene.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuildOptions {
     /// Whose ray queries are used.
     pub backend: Backend,

@@ -110,6 +110,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("agreement", "sides::features_are_those_of_what_is_seen"),
     of("agreement", "bidirectional::a_limit_of_depth_means_the_same"),
     of("agreement", "bidirectional::a_crop_shows_what_the_whole_does"),
+    of("path", "edges::walks_along_the_surface_of_a_light_are_none"),
     of("path", "identities::weights_are_a_partition_of_unity_and_the_fast_ones_are_the_defined_ones"),
     of("path", "identities::what_a_technique_finds_is_the_integrand_over_its_density"),
     of("lib", "film::splats::tests::a_crop_sees_what_falls_on_it"),

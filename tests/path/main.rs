@@ -10,6 +10,7 @@ mod random;
 #[path = "../agreement/studio.rs"]
 mod studio;
 
+mod edges;
 mod identities;
 mod made;
 mod worlds;

@@ -150,14 +150,14 @@ impl<J> Watch<J> {
 
 impl<J: FnMut(&Film, u64) -> f64> Observer for Watch<J> {
     fn pass(&mut self, progress: &Progress<'_>) {
-        if progress.done < self.next {
+        if progress.pace.done < self.next {
             return;
         }
         let [cpu_seconds, wall_seconds] = self.seconds();
-        let relmse = (self.judge)(progress.film, progress.done);
-        self.marks.push(Mark { spp: progress.done, cpu_seconds, wall_seconds, relmse, rays: 0 });
+        let relmse = (self.judge)(progress.film, progress.pace.done);
+        self.marks.push(Mark { spp: progress.pace.done, cpu_seconds, wall_seconds, relmse, rays: 0 });
         let [cpu, wall] = self.seconds();
         self.excluded = [self.excluded[0] + cpu - cpu_seconds, self.excluded[1] + wall - wall_seconds];
-        self.next = 2 * progress.done;
+        self.next = 2 * progress.pace.done;
     }
 }

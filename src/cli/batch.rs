@@ -1,0 +1,295 @@
+//! `etendue batch`: many pictures, one process. The next scene is loaded while the present one renders, and what fails does not stop
+//! the others.
+
+use super::args::{StrictArgs, ThreadArgs};
+use super::progress::ProgressArgs;
+use super::signals::Signals;
+use super::task::Task;
+use super::{Console, console, startup};
+use crate::error::{Error, Kind, Result};
+use crate::render::checkpoint::INTERVAL;
+use crate::render::job::{Job, Picture};
+use crate::render::{Choices, Outputs, Provenance, Report, Selection, Settings, Stage, Surroundings};
+use crate::scene::BuildOptions;
+use serde::Serialize;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// What the help says at its end.
+pub(super) const AFTER: &str = r#"A batch file:
+  output = "out/{scene}.{camera}.{method}.exr"   # also {frame:04}, {seed}; seen from the file's folder
+  report = "out/{scene}.{camera}.{method}.json"  # if reports are wanted
+
+  [settings]                                     # as in render.toml, for all
+  spp = 64
+
+  [[render]]                                     # each scene by each camera and each method
+  scenes = ["cup.glb", "bowl.glb"]
+  cameras = ["front", "side"]
+  methods = ["path", "bdpt"]
+  settings.size = "640x480"
+
+What is complete is not rendered again, and what was stopped goes on. The exit code is the worst of all pictures'."#;
+
+/// Arguments of `batch`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The batch file, .toml: which scenes, cameras and methods, and where the pictures go
+    job: PathBuf,
+    #[command(flatten)]
+    choices: Choices,
+    /// Render again what is complete
+    #[arg(long)]
+    again: bool,
+    /// Say what would be rendered, and render nothing
+    #[arg(long)]
+    dry_run: bool,
+    #[command(flatten)]
+    strict: StrictArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    #[command(flatten)]
+    progress: ProgressArgs,
+    #[command(flatten)]
+    console: Console,
+}
+
+/// What became of a picture.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+struct Row {
+    output: String,
+    scene: String,
+    /// `rendered`, `complete` (before this run), `failed`, `stopped` or `not-begun`.
+    outcome: &'static str,
+    /// Its exit code, had it been rendered alone.
+    exit_code: u8,
+    seconds: f64,
+    load_seconds: f64,
+    relmse: Option<f64>,
+    pixel_hash: Option<String>,
+    problem: Option<String>,
+}
+
+/// What all pictures came to.
+#[derive(Debug, Serialize)]
+struct Summary {
+    pictures: Vec<Row>,
+    seconds: f64,
+    exit_code: u8,
+}
+
+/// A stage and all that it was made of: pictures with the same share one.
+#[derive(Debug, Clone, PartialEq)]
+struct Wanted {
+    scene: PathBuf,
+    surroundings: Option<Surroundings>,
+    options: BuildOptions,
+}
+
+/// A stage being loaded on a thread of its own.
+struct Loading {
+    wanted: Wanted,
+    thread: JoinHandle<Result<Stage>>,
+}
+
+/// Renders them all.
+pub(super) fn run(args: Args) -> Result<()> {
+    let job = Job::read(&args.job)?;
+    let pictures = job.pictures(args.job.parent().unwrap_or(Path::new("")), &args.choices)?;
+    // Mistakes of any picture are told before the first.
+    let threads = startup::start_threads(args.threads.threads)?;
+    let wanted = pictures.iter().map(|picture| wanted(picture, threads)).collect::<Result<Vec<_>>>()?;
+    for picture in &pictures {
+        args.strict.check(&picture.choices.plan(Selection::All)?)?;
+        Outputs::of(&picture.output)?;
+    }
+    if args.dry_run {
+        return pictures.iter().try_for_each(|picture| args.console.line(&picture.output.display().to_string()));
+    }
+    let signals = Signals::heed()?;
+    let begun = Instant::now();
+    let mut batch = Batch { args: &args, signals: &signals, stage: None, loading: None };
+    let mut rows = Vec::new();
+    for (index, picture) in pictures.iter().enumerate() {
+        let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
+        args.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
+        rows.push(batch.picture(picture, &wanted[index], next));
+    }
+    let exit_code = worst(&rows).map_or(0, Kind::exit_code);
+    let summary = Summary { exit_code, pictures: rows, seconds: begun.elapsed().as_secs_f64() };
+    tell(&summary, args.console)
+}
+
+/// What a picture needs loaded.
+fn wanted(picture: &Picture, threads: usize) -> Result<Wanted> {
+    let named = |e: Error| e.context(picture.output.display());
+    let (choices, scene) = (&picture.choices, picture.scene.clone());
+    let settings = choices.settings(None).map_err(named)?;
+    Ok(Wanted { scene, surroundings: choices.surroundings().map_err(named)?, options: settings.build_options(threads) })
+}
+
+/// A batch in work.
+struct Batch<'a> {
+    args: &'a Args,
+    signals: &'a Signals,
+    /// What is loaded, and what for.
+    stage: Option<(Wanted, Result<Stage>)>,
+    loading: Option<Loading>,
+}
+
+impl Batch<'_> {
+    /// Renders a picture, whatever may happen, while `next` is loaded.
+    fn picture(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) -> Row {
+        let begun = Instant::now();
+        if self.signals.cancel.requested() {
+            return row(picture, "not-begun", Err(&Error::new(Kind::Interrupted, "stopped by a signal")), 0.0, 0.0);
+        }
+        let rendered = catch_unwind(AssertUnwindSafe(|| self.render(picture, wanted, next)));
+        let rendered = rendered.unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error, told above")));
+        let load =
+            self.stage.as_ref().and_then(|(_, stage)| stage.as_ref().ok()).map_or(0.0, |s| s.load_seconds + s.build_seconds);
+        let seconds = begun.elapsed().as_secs_f64();
+        match &rendered {
+            Ok(Some(report)) => row(picture, "rendered", Ok(Some(report)), seconds, load),
+            Ok(None) => row(picture, "complete", Ok(None), seconds, load),
+            Err(error) => {
+                console::error(&format!("{}: {}", picture.output.display(), error.chain()));
+                let outcome = if error.kind == Kind::Interrupted { "stopped" } else { "failed" };
+                row(picture, outcome, Err(error), seconds, load)
+            }
+        }
+    }
+
+    fn render(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) -> Result<Option<Report>> {
+        self.load(wanted)?;
+        self.load_ahead(next);
+        let Some((_, Ok(stage))) = &self.stage else {
+            return Err(Error::new(Kind::Internal, "the scene is gone"));
+        };
+        let (choices, strict) = (&picture.choices, self.args.strict);
+        let settings = settings(choices, stage)?;
+        if strict.strict {
+            stage.refuse_ignored()?;
+        }
+        let task = self.task(picture)?;
+        let provenance = Provenance::new(stage, settings, choices.plan(Selection::All)?, choices.look()?);
+        let Some(mut session) = task.begin(stage, provenance)? else { return Ok(None) };
+        let ended = task.render(&mut session, self.signals)?;
+        task.finish(&session, stage, ended).map(Some)
+    }
+
+    fn task(&self, picture: &Picture) -> Result<Task> {
+        let outputs = Outputs::of(&picture.output)?;
+        for path in outputs.paths().chain(picture.report.as_deref()) {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            folder.map_or(Ok(()), std::fs::create_dir_all).map_err(|cause| Error::write(path, cause))?;
+            crate::render::writable(path)?;
+        }
+        // Its own document comes at the end, and is the only one.
+        let console = Console { json: false, quiet: self.args.console.quiet || self.args.console.json };
+        Ok(Task {
+            outputs,
+            report: picture.report.clone(),
+            checkpoint: Some(INTERVAL),
+            skip_complete: !self.args.again,
+            strict: self.args.strict,
+            progress: self.args.progress,
+            console,
+        })
+    }
+
+    /// Has what is wanted in `stage`: kept from before, loaded ahead, or loaded now.
+    fn load(&mut self, wanted: &Wanted) -> Result<()> {
+        if self.stage.as_ref().is_none_or(|(of, _)| of != wanted) {
+            // Two scenes are enough at a time: the old one goes before another is begun.
+            self.stage = None;
+            let ahead = self.loading.take().filter(|loading| loading.wanted == *wanted);
+            let loading = ahead.unwrap_or_else(|| Loading::begin(wanted.clone()));
+            self.stage = Some((wanted.clone(), loading.end()));
+        }
+        match &self.stage {
+            Some((_, Err(error))) => Err(Error::new(error.kind, error.chain())),
+            _ => Ok(()),
+        }
+    }
+
+    fn load_ahead(&mut self, next: Option<&Wanted>) {
+        if let (None, Some(next)) = (&self.loading, next) {
+            self.loading = Some(Loading::begin(next.clone()));
+        }
+    }
+}
+
+impl Loading {
+    fn begin(wanted: Wanted) -> Self {
+        let Wanted { scene, surroundings, options } = wanted.clone();
+        Loading { wanted, thread: std::thread::spawn(move || Stage::open(&scene, surroundings, &options)) }
+    }
+
+    fn end(self) -> Result<Stage> {
+        self.thread.join().unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error while loading, told above")))
+    }
+}
+
+/// The settings that the scene's camera completes.
+fn settings(choices: &Choices, stage: &Stage) -> Result<Settings> {
+    choices.settings(stage.scene.aspect(choices.camera.as_deref())?)
+}
+
+fn row(
+    picture: &Picture,
+    outcome: &'static str,
+    result: std::result::Result<Option<&Report>, &Error>,
+    seconds: f64,
+    load: f64,
+) -> Row {
+    let report = result.ok().flatten();
+    Row {
+        output: picture.output.display().to_string(),
+        scene: picture.scene.display().to_string(),
+        outcome,
+        exit_code: result.err().map_or(0, |e| e.kind.exit_code()),
+        seconds,
+        load_seconds: load,
+        relmse: report.and_then(|r| r.error()).map(|e| e.relmse.value),
+        pixel_hash: report.map(|r| r.pixel_hash().to_owned()),
+        problem: result.err().map(Error::chain),
+    }
+}
+
+/// What a picture may fail of, the worst first: a stop above all, since another run goes on; then what another run does not mend.
+const KINDS: [Kind; 8] = [
+    Kind::Interrupted,
+    Kind::Internal,
+    Kind::Usage,
+    Kind::Scene,
+    Kind::Memory,
+    Kind::Output,
+    Kind::NonFinite,
+    Kind::TargetMissed,
+];
+
+/// The worst that any picture failed of.
+fn worst(rows: &[Row]) -> Option<Kind> {
+    KINDS.into_iter().find(|kind| rows.iter().any(|row| row.exit_code == kind.exit_code()))
+}
+
+/// A line a picture, and how it ended.
+fn tell(summary: &Summary, console: Console) -> Result<()> {
+    console.document(summary)?;
+    for row in &summary.pictures {
+        let error = row.relmse.map_or_else(String::new, |relmse| format!("relMSE {relmse:.3e}"));
+        let what = row.problem.as_deref().unwrap_or(&error);
+        console.line(&format!("{:<9} {:>9.2} s  {}  {what}", row.outcome, row.seconds, row.output))?;
+    }
+    let count = |outcome: &str| summary.pictures.iter().filter(|row| row.outcome == outcome).count();
+    let all = summary.pictures.len();
+    let [rendered, complete] = ["rendered", "complete"].map(count);
+    let bad = all - rendered - complete;
+    console.line(&format!("{rendered} rendered, {complete} complete before, {bad} not, in {:.2} s", summary.seconds))?;
+    worst(&summary.pictures)
+        .map_or(Ok(()), |kind| Err(Error::new(kind, format!("{bad} of {all} pictures were not rendered as wanted"))))
+}

@@ -1,0 +1,140 @@
+//! `--status json`: the state of a render as objects, a line each, for programs that watch it.
+
+use super::console;
+use crate::error::{Error, Kind, Result};
+use crate::film::{Film, ImageError};
+use crate::integrator::Guards;
+use crate::render::{Progress, Provenance, Selection, machine};
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+/// Least time between lines.
+const INTERVAL: Duration = Duration::from_secs(1);
+
+/// Ways to tell it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum StatusFormat {
+    /// JSON objects, a line each
+    Json,
+}
+
+/// What is told of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Event {
+    /// The first pass is about to begin.
+    Begin,
+    /// Some passes are done.
+    Progress,
+    /// All are.
+    Complete,
+    /// A signal came; the film is saved next.
+    Stopped,
+}
+
+/// One line.
+#[derive(Serialize)]
+struct Line<'a> {
+    event: Event,
+    scene: &'a str,
+    camera: &'a str,
+    method: &'a serde_json::Value,
+    shard: Option<String>,
+    /// Passes in the film.
+    passes: u64,
+    /// Of those wanted, floored.
+    percent: Option<u64>,
+    /// Of this session.
+    seconds: f64,
+    eta_seconds: Option<f64>,
+    error: Option<Interval>,
+    rays_per_second: f64,
+    rss_bytes: Option<u64>,
+    guards: Guards,
+}
+
+/// A relative mean squared error with its 95 % interval.
+#[derive(Serialize)]
+struct Interval {
+    relmse: f64,
+    low: f64,
+    high: f64,
+}
+
+/// Tells the state of one render.
+pub(super) struct Status {
+    scene: String,
+    camera: String,
+    method: serde_json::Value,
+    shard: Option<String>,
+    begun: Instant,
+    next: Instant,
+    /// Rays of earlier sessions.
+    earlier: u64,
+}
+
+impl Status {
+    pub(super) fn new(format: StatusFormat, provenance: &Provenance) -> Self {
+        let StatusFormat::Json = format;
+        let settings = &provenance.settings;
+        let shard = match provenance.plan.selection {
+            Selection::All => None,
+            Selection::Shard { index, count } => Some(format!("{index}/{count}")),
+            Selection::Range { start, end } => Some(format!("{start}..{end}")),
+        };
+        Status {
+            scene: crate::render::picture_name(&provenance.scene.path),
+            camera: settings.camera.clone().unwrap_or_else(|| "0".into()),
+            method: serde_json::json!(settings.method),
+            shard,
+            begun: Instant::now(),
+            next: Instant::now(),
+            earlier: provenance.work.passes.rays.total(),
+        }
+    }
+
+    /// Whether it is time for another line.
+    pub(super) fn is_due(&self) -> bool {
+        Instant::now() >= self.next
+    }
+
+    /// Tells how far a render is.
+    pub(super) fn tell(&mut self, progress: &Progress<'_>, error: Option<&ImageError>) -> Result<()> {
+        self.next = Instant::now() + INTERVAL;
+        let pace = progress.pace;
+        let line = self.line(Event::Progress, progress.film, progress.provenance, error);
+        print(&Line { percent: Some(pace.percent()), eta_seconds: Some(pace.remaining().as_secs_f64()), ..line })
+    }
+
+    /// Tells how a render begins and ends.
+    pub(super) fn tell_of(&self, event: Event, film: &Film, provenance: &Provenance, error: Option<&ImageError>) -> Result<()> {
+        let line = self.line(event, film, provenance, error);
+        print(&Line { percent: (event == Event::Complete).then_some(100), ..line })
+    }
+
+    fn line<'a>(&'a self, event: Event, film: &Film, provenance: &Provenance, error: Option<&ImageError>) -> Line<'a> {
+        let seconds = self.begun.elapsed().as_secs_f64();
+        let work = &provenance.work.passes;
+        let rays = work.rays.total().saturating_sub(self.earlier);
+        Line {
+            event,
+            scene: &self.scene,
+            camera: &self.camera,
+            method: &self.method,
+            shard: self.shard.clone(),
+            passes: film.passes().len(),
+            percent: None,
+            seconds,
+            eta_seconds: None,
+            error: error.map(|e| Interval { relmse: e.relmse.value, low: e.relmse.low, high: e.relmse.high }),
+            rays_per_second: if seconds > 0.0 { rays as f64 / seconds } else { 0.0 },
+            rss_bytes: machine::resident_memory(),
+            guards: work.guards,
+        }
+    }
+}
+
+fn print(line: &Line<'_>) -> Result<()> {
+    let text = serde_json::to_string(line).map_err(|e| Error::new(Kind::Internal, "cannot write JSON").because(e))?;
+    console::print(&text)
+}

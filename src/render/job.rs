@@ -1,0 +1,255 @@
+//! Batch files: many pictures of many scenes, named by a pattern.
+//!
+//! ```toml
+//! output = "out/{scene}.{camera}.{frame:04}.{method}.exr"
+//!
+//! [settings]              # as in render.toml, for all pictures
+//! spp = 64
+//!
+//! [[render]]              # each of its scenes by each camera and each method
+//! scenes = ["cup.glb", "bowl.glb"]
+//! cameras = ["front", "side"]
+//! methods = ["path", "bdpt"]
+//! settings.size = "640x480"
+//! ```
+//!
+//! Paths in a batch file are seen from its folder. What is said nearer to a picture wins: the command line over everything, then
+//! `[[render]]`, then `[settings]`, then the `render.toml` beside the scene.
+
+use super::{Choices, picture_name};
+use crate::error::{Error, Result};
+use crate::integrator::Method;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Pictures of a batch at most.
+const MOST_PICTURES: usize = 1_000_000;
+
+/// A batch file.
+#[derive(Debug, Clone, Default, serde::Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Job {
+    /// Pattern of the output's path: see [`name`].
+    pub output: Option<String>,
+    /// Pattern of the report's path, if there are to be any.
+    pub report: Option<String>,
+    /// Choices for all pictures.
+    pub settings: Choices,
+    /// What is rendered.
+    pub render: Vec<Request>,
+}
+
+/// Pictures that are asked for together.
+#[derive(Debug, Clone, Default, serde::Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Request {
+    /// Scene files.
+    pub scenes: Vec<PathBuf>,
+    /// Cameras by name or number; the settings' own if there are none.
+    pub cameras: Vec<String>,
+    /// Methods; the settings' own if there are none.
+    pub methods: Vec<Method>,
+    /// Choices for these.
+    pub settings: Choices,
+    /// In place of the job's.
+    pub output: Option<String>,
+}
+
+/// A picture to be rendered.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// What was chosen for it.
+    pub choices: Choices,
+    /// Where it goes.
+    pub output: PathBuf,
+    /// Where its report goes.
+    pub report: Option<PathBuf>,
+}
+
+impl Job {
+    /// Reads a batch file.
+    ///
+    /// # Errors
+    /// A usage error with the path, and the line where there is one.
+    pub fn read(path: &Path) -> Result<Job> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|cause| Error::usage(format!("cannot read {}", path.display())).because(cause))?;
+        super::text::toml(&text).map_err(|e| e.context(path.display()))
+    }
+
+    /// All its pictures in their order, the batch file being in `folder`. `over` wins over what the file says.
+    ///
+    /// # Errors
+    /// Nothing to render, a pattern with an unknown field, two pictures of one name, a `render.toml` that cannot be read.
+    pub fn pictures(&self, folder: &Path, over: &Choices) -> Result<Vec<Picture>> {
+        let mut pictures = Vec::new();
+        for (index, request) in self.render.iter().enumerate() {
+            if request.scenes.is_empty() {
+                return Err(Error::usage(format!("[[render]] number {} has no scenes", index + 1)));
+            }
+            for scene in &request.scenes {
+                let scene = folder.join(scene);
+                let near = over.clone().or(seen_from(&request.settings, folder)).or(seen_from(&self.settings, folder));
+                let choices = near.or(Choices::beside(&scene)?);
+                self.pictures_of(&scene, &choices, request, folder, &mut pictures)?;
+            }
+        }
+        if pictures.is_empty() {
+            return Err(Error::usage("there is nothing to render: write [[render]] with scenes = [\"…\"]"));
+        }
+        distinct(&pictures)?;
+        Ok(pictures)
+    }
+
+    fn pictures_of(
+        &self,
+        scene: &Path,
+        choices: &Choices,
+        request: &Request,
+        folder: &Path,
+        pictures: &mut Vec<Picture>,
+    ) -> Result<()> {
+        let output = request.output.as_ref().or(self.output.as_ref()).map_or(DEFAULT_OUTPUT, String::as_str);
+        for camera in each(&request.cameras, choices.camera.clone()) {
+            for method in each(&request.methods, choices.method) {
+                if pictures.len() == MOST_PICTURES {
+                    return Err(Error::usage(format!("more than {MOST_PICTURES} pictures in one batch: split it")));
+                }
+                let choices = Choices { camera: camera.clone(), method, ..choices.clone() };
+                let fields = fields(scene, &choices);
+                let at = |pattern: &str| name(pattern, &fields).map(|name| folder.join(name)).map_err(Error::usage);
+                let (output, report) = (at(output)?, self.report.as_deref().map(at).transpose()?);
+                pictures.push(Picture { scene: scene.to_owned(), choices, output, report });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where pictures go if nothing is said.
+const DEFAULT_OUTPUT: &str = "{scene}.{camera}.{method}.exr";
+
+/// All of `values`, or `usual` alone if there are none.
+fn each<T: Clone>(values: &[T], usual: Option<T>) -> Vec<Option<T>> {
+    if values.is_empty() { vec![usual] } else { values.iter().cloned().map(Some).collect() }
+}
+
+/// The choices with their relative paths seen from `folder`.
+fn seen_from(choices: &Choices, folder: &Path) -> Choices {
+    Choices { env: choices.env.clone().map(|env| env.seen_from(folder)), ..choices.clone() }
+}
+
+/// What a pattern may name of a picture.
+fn fields(scene: &Path, choices: &Choices) -> HashMap<&'static str, String> {
+    let method = serde_json::json!(choices.method.unwrap_or_default());
+    // Camera names come from files and may hold anything.
+    let camera = choices.camera.as_deref().unwrap_or("0").replace(|c: char| c == '/' || c == '\\' || c.is_control(), "_");
+    HashMap::from([
+        ("scene", picture_name(scene)),
+        ("camera", camera),
+        ("method", method.as_str().unwrap_or_default().to_owned()),
+        ("seed", choices.seed.unwrap_or(0).to_string()),
+    ])
+}
+
+/// Fills in a pattern: `{field}`, or `{field:04}` for a number with zeros before it; `{{` is a brace.
+///
+/// # Errors
+/// A field that is not there, a brace that is not closed.
+pub fn name(pattern: &str, fields: &HashMap<&'static str, String>) -> std::result::Result<String, String> {
+    let (mut out, mut rest) = (String::new(), pattern);
+    while let Some(at) = rest.find(['{', '}']) {
+        out.push_str(&rest[..at]);
+        let brace = &rest[at..=at];
+        rest = &rest[at + 1..];
+        if let Some(after) = rest.strip_prefix(brace) {
+            out.push_str(brace);
+            rest = after;
+            continue;
+        }
+        let end = rest.find('}').filter(|_| brace == "{").ok_or_else(|| format!("'{pattern}': a brace is not matched"))?;
+        out.push_str(&field(&rest[..end], fields).map_err(|what| format!("'{pattern}': {what}"))?);
+        rest = &rest[end + 1..];
+    }
+    out.push_str(rest);
+    Ok(out)
+}
+
+/// One field with its width.
+fn field(text: &str, fields: &HashMap<&'static str, String>) -> std::result::Result<String, String> {
+    let (name, width) = text.split_once(':').map_or((text, None), |(name, width)| (name, Some(width)));
+    let value = fields.get(name).ok_or_else(|| {
+        let mut known: Vec<&str> = fields.keys().copied().collect();
+        known.sort_unstable();
+        format!("there is no field '{name}': write one of {}", known.join(", "))
+    })?;
+    let Some(width) = width else { return Ok(value.clone()) };
+    let wide = width.strip_prefix('0').and_then(|w| w.parse::<usize>().ok()).filter(|w| *w <= 16);
+    let wide = wide.ok_or_else(|| format!("'{width}' is not a width: write one such as 04"))?;
+    Ok(format!("{value:0>wide$}"))
+}
+
+/// Refuses two pictures in one file.
+fn distinct(pictures: &[Picture]) -> Result<()> {
+    let mut places = HashMap::new();
+    for picture in pictures {
+        for path in std::iter::once(&picture.output).chain(&picture.report) {
+            if places.insert(path, &picture.scene).is_some() {
+                let what = "two pictures go there: put {scene}, {camera}, {frame} or {method} into its name";
+                return Err(Error::usage(format!("{}: {what}", path.display())));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fields() -> HashMap<&'static str, String> {
+        HashMap::from([("scene", "cup".to_owned()), ("frame", "7".to_owned())])
+    }
+
+    #[test]
+    fn patterns_are_filled_in() {
+        assert_eq!(name("out/{scene}.{frame:04}.exr", &fields()).unwrap(), "out/cup.0007.exr");
+        assert_eq!(name("{{{scene}}}", &fields()).unwrap(), "{cup}");
+        for wrong in ["{scene", "scene}", "{who}", "{frame:4}", "{frame:0x}", "{frame:099}", "{"] {
+            assert!(name(wrong, &fields()).is_err(), "{wrong}");
+        }
+    }
+
+    fn pictures(text: &str) -> Result<Vec<Picture>> {
+        let job: Job = super::super::text::toml(text)?;
+        job.pictures(Path::new("jobs"), &Choices::default())
+    }
+
+    #[test]
+    fn a_request_is_every_scene_by_every_camera_and_method() {
+        let text = "output = '{scene}.{camera}.{method}.exr'\nsettings.spp = 4\n[[render]]\nscenes = ['a.glb', 'b.glb']\n\
+                    cameras = ['0', 'x/y']\nmethods = ['path', 'mlt']\nsettings.spp = 8\n[[render]]\nscenes = ['c.glb']";
+        let all = pictures(text).unwrap();
+        assert_eq!(all.len(), 9);
+        assert_eq!(all[3].output, Path::new("jobs/a.x_y.mlt.exr"));
+        assert_eq!(all[3].choices.camera.as_deref(), Some("x/y"));
+        assert_eq!((all[3].choices.spp, all[8].choices.spp), (Some(8), Some(4)));
+        assert_eq!(all[8].output, Path::new("jobs/c.0.path.exr"));
+    }
+
+    #[test]
+    fn what_cannot_be_meant_is_refused() {
+        for (text, why) in [
+            ("", "nothing to render"),
+            ("[[render]]", "no scenes"),
+            ("output = 'x.exr'\n[[render]]\nscenes = ['a.glb', 'b.glb']", "two pictures"),
+            ("output = '{film}.exr'\n[[render]]\nscenes = ['a.glb']", "no field 'film'"),
+            ("[[render]]\nscenes = ['a.glb']\nspp = 4", "line 3"),
+        ] {
+            let error = pictures(text).unwrap_err().chain();
+            assert!(error.contains(why), "{error}");
+        }
+    }
+}
