@@ -4,7 +4,7 @@
 use crate::deep::deep;
 use crate::references::load;
 use etendue::film::{Film, Filter, ImageError, Layout, PassFilm, Plane};
-use etendue::integrator::{self, Method, Options};
+use etendue::integrator::{self, Method, MetropolisOptions, Options};
 use etendue::parallel::Cancel;
 use etendue::render::target::{self, Check};
 use etendue::sampling::SamplerKind;
@@ -61,11 +61,13 @@ struct Subject {
     method: Method,
     filter: Filter,
     spp: u64,
+    /// See [`MetropolisOptions::limit`].
+    limit: Option<f64>,
 }
 
 /// A subject by path tracing, whose pixels have their own samples with any filter.
 const fn path(scene: &'static str, spp: u64) -> Subject {
-    Subject { scene, method: Method::Path, filter: Filter::Box, spp }
+    Subject { scene, method: Method::Path, filter: Filter::Box, spp, limit: None }
 }
 
 /// The view of a scene that is rendered over and over.
@@ -79,8 +81,9 @@ impl Study<'_> {
     fn run(&self, seed: u64) -> Run {
         let Subject { method, filter, spp, .. } = self.subject;
         let replicates = method.replicates();
+        let metropolis = MetropolisOptions { limit: self.subject.limit, ..MetropolisOptions::default() };
         let layout = Layout::new(SIDE, SIDE, None, &[]);
-        let options = Options { seed, sampler: self.sampler, filter, replicates, ..Options::new(&layout) };
+        let options = Options { seed, sampler: self.sampler, filter, replicates, metropolis, ..Options::new(&layout) };
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
         let prelude = integrator::prelude(self.scene, &camera, &Options { seed: PILOT, ..options }, &layout);
         let mut film = Film::new(layout.clone(), replicates, seed, prelude.units);
@@ -291,12 +294,16 @@ const DEEP: &[Subject] = &[
     path("veach-mis", 64),
 ];
 
-/// Chains serve the whole picture: replicates alone are independent.
+/// Everything left to chains, which serve the whole picture: replicates alone are independent.
+const fn chains(method: Method, scene: &'static str, spp: u64) -> Subject {
+    Subject { method, limit: Some(0.0), ..path(scene, spp) }
+}
+
 const CHAINS: &[Subject] = &[
-    Subject { method: Method::Pssmlt, ..path("cornell-box", 32) },
-    Subject { method: Method::Mmlt, ..path("cornell-box", 32) },
-    Subject { method: Method::Mlt, ..path("cornell-box", 32) },
-    Subject { method: Method::Mlt, ..path("modified-cornell", 64) },
+    chains(Method::Pssmlt, "cornell-box", 32),
+    chains(Method::Mmlt, "cornell-box", 32),
+    chains(Method::Mlt, "cornell-box", 32),
+    chains(Method::Mlt, "modified-cornell", 64),
 ];
 
 fn expect_coverage(subjects: impl IntoIterator<Item = Subject>, samplers: &[SamplerKind], count: u64) {
