@@ -3,7 +3,7 @@ CARGO ?= cargo
 export PATH := $(PATH):$(HOME)/.cargo/bin
 SHELL := bash
 
-.PHONY: help setup build demo test test-deep kill-matrix kill-matrix-quarter bench reports fuzz scenes doc deny
+.PHONY: help setup build demo test test-deep test-farm kill-matrix kill-matrix-quarter bench reports fuzz scenes doc deny
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 22
@@ -35,6 +35,12 @@ test: setup ## format, lints, architecture, all tests with and without Embree, d
 
 test-deep: setup scenes ## all tests, those that render for minutes included
 	ETENDUE_TEST_DEEP=1 $(CARGO) test --locked --workspace
+
+# Needs root, Debian's munge, slurmctld, slurmd and slurm-client, and PyPI for openjd-cli (farm/README.md). ETENDUE names the binary.
+test-farm: ## farm/: shards killed and requeued under a real Slurm, and run by openjd-cli (see farm/README.md)
+	tests/farm/opencue.sh
+	tests/farm/openjd.sh
+	tests/farm/slurm.sh
 
 kill-matrix: setup ## plant every defect of src/defects.rs and see a test fail for each
 	$(CARGO) test --locked --workspace $(DEFECTS) --test kill_matrix -- --all
