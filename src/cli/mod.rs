@@ -8,6 +8,7 @@ mod compare;
 mod console;
 mod finish;
 mod info;
+mod init;
 mod merge;
 mod progress;
 mod render;
@@ -45,6 +46,8 @@ enum Command {
     /// Render all pictures of a batch file
     #[command(after_help = batch::AFTER)]
     Batch(Box<batch::Args>),
+    /// Write a render.toml in which every setting is explained
+    Init(init::Args),
     /// Say what is in a scene, what of it is ignored and what rendering it takes
     Info(info::Args),
     /// Make one image or film of several films of the same picture
@@ -105,6 +108,7 @@ fn execute(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(*args),
         Command::Batch(args) => batch::run(*args),
+        Command::Init(args) => init::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Bench(command) => bench::run(command),

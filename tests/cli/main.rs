@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod backends;
+mod batch;
 mod bench_methods;
 mod bench_rays;
 mod compare;

@@ -1,0 +1,152 @@
+//! Batches: many pictures, whatever becomes of each.
+
+use crate::run::{Place, Ran, cornell};
+use crate::signals::signal;
+use std::io::{BufRead, BufReader};
+use std::process::Child;
+
+/// A batch file in `place`: the Cornell box by path and bdpt, then `more`.
+fn job(place: &Place, settings: &str, more: &str) {
+    let scene = cornell_path();
+    let text = format!(
+        "output = '{{scene}}.{{method}}.exr'\n[settings]\nsize = '16x16'\n{settings}\n\
+         [[render]]\nscenes = ['{scene}']\nmethods = ['path', 'bdpt']\n{more}"
+    );
+    std::fs::write(place.path("job.toml"), text).unwrap();
+}
+
+fn cornell_path() -> String {
+    format!("{}/scenes/cornell-box/scene.gltf", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn summary(ran: &Ran) -> serde_json::Value {
+    serde_json::from_str(&ran.stdout()).unwrap_or_else(|e| panic!("{e}: {}\n{}", ran.stdout(), ran.stderr()))
+}
+
+fn outcomes(summary: &serde_json::Value) -> Vec<String> {
+    summary["pictures"].as_array().unwrap().iter().map(|row| row["outcome"].as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn a_batch_renders_what_single_runs_do_and_nothing_twice() {
+    let place = Place::new();
+    job(&place, "spp = 8", "");
+    let first = place.run("batch job.toml --json");
+    assert_eq!(first.code(), 0, "{}", first.stderr());
+    let first = summary(&first);
+    assert_eq!(outcomes(&first), ["rendered", "rendered"]);
+    let single = place.pixels(&format!("render {} --size 16x16 --spp 8 -m bdpt -o single.exr", cornell_path()));
+    assert_eq!(first["pictures"][1]["pixel_hash"], *single);
+    let second = place.run("batch job.toml --json");
+    assert_eq!(outcomes(&summary(&second)), ["complete", "complete"]);
+    // Another seed is another picture.
+    let third = place.run("batch job.toml --json --seed 1");
+    assert_eq!(outcomes(&summary(&third)), ["rendered", "rendered"]);
+    assert_eq!(outcomes(&summary(&place.run("batch job.toml --json --seed 1 --again"))), ["rendered", "rendered"]);
+    let left: Vec<_> = std::fs::read_dir(place.path(".")).unwrap().map(|f| f.unwrap().file_name()).collect();
+    assert!(!left.iter().any(|name| name.to_string_lossy().ends_with(".film")), "{left:?}");
+}
+
+#[test]
+fn what_fails_does_not_stop_the_others() {
+    let place = Place::new();
+    std::fs::write(place.path("bad.gltf"), "{").unwrap();
+    job(&place, "spp = 4", "[[render]]\nscenes = ['bad.gltf', 'none.gltf']\n[[render]]\nscenes = ['bad.gltf']\noutput = 'x/y/last.exr'");
+    let ran = place.run("batch job.toml --json");
+    ran.fails(3, "3 of 5 pictures");
+    let summary = summary(&ran);
+    assert_eq!(outcomes(&summary), ["rendered", "rendered", "failed", "failed", "failed"]);
+    assert_eq!(summary["exit_code"], 3);
+    assert!(summary["pictures"][3]["problem"].as_str().unwrap().contains("none.gltf"));
+}
+
+#[test]
+fn mistakes_are_told_before_the_first_picture() {
+    let place = Place::new();
+    for (settings, more, what) in [
+        ("spp = 4\nshiny = true", "", "shiny"),
+        ("spp = 4", "[[render]]\nscenes = ['a.gltf']\noutput = '{film}.exr'", "no field 'film'"),
+        ("spp = 4", "[[render]]\nscenes = ['a.gltf']\noutput = 'a.jpg'", ".exr, .png or .film"),
+        ("spp = 4\nclamp = -1.0", "", "clamp"),
+    ] {
+        job(&place, settings, more);
+        place.run("batch job.toml").fails(2, what);
+    }
+    place.run("batch nothing.toml").fails(2, "nothing.toml");
+    assert_eq!(std::fs::read_dir(place.path(".")).unwrap().count(), 1, "nothing was left behind");
+}
+
+/// Waits until the child has begun its picture number `n`.
+fn until_picture(child: &mut Child, n: usize) -> BufReader<std::process::ChildStderr> {
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    while !said.contains(&format!("{n} of ")) || said.matches("etendue: rendering").count() < n {
+        assert!(stderr.read_line(&mut said).unwrap() > 0, "{said}");
+    }
+    stderr
+}
+
+#[test]
+fn a_stopped_batch_goes_on_where_it_was() {
+    let place = Place::new();
+    job(&place, "spp = 1048576", "");
+    let mut child = place.start("batch job.toml --json --progress none");
+    let stderr = until_picture(&mut child, 1);
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    signal(&child, "USR1");
+    drop(stderr);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(75));
+    let stopped: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(outcomes(&stopped), ["stopped", "not-begun"]);
+    let held = place.report("merge cornell-box.path.film --allow-gaps -o held.exr")["render"]["spp"].as_u64().unwrap();
+    let goal = held.div_ceil(4).next_power_of_two() * 4;
+    job(&place, &format!("spp = {goal}"), "");
+    let text = std::fs::read_to_string(place.path("job.toml")).unwrap().replace("'path', 'bdpt'", "'path'");
+    std::fs::write(place.path("job.toml"), text).unwrap();
+    let ended = summary(&place.run("batch job.toml --json"));
+    let whole = place.pixels(&format!("render {} --size 16x16 --spp {goal} -o whole.exr", cornell_path()));
+    assert_eq!(ended["pictures"][0]["pixel_hash"], *whole);
+    assert!(!place.path("cornell-box.path.film").exists());
+}
+
+#[test]
+fn a_render_takes_what_an_earlier_one_left() {
+    let place = Place::new();
+    let line = format!("render {} --spp 8 -o x.exr --skip-complete", cornell());
+    let whole = place.pixels(&line);
+    let before = std::fs::metadata(place.path("x.exr")).unwrap().modified().unwrap();
+    let again = place.run(&line);
+    assert!(again.stdout().contains("complete already"), "{}", again.stdout());
+    assert_eq!(std::fs::metadata(place.path("x.exr")).unwrap().modified().unwrap(), before);
+    // A film of its first passes is gone on with, and gone when the image is there.
+    std::fs::remove_file(place.path("x.exr")).unwrap();
+    place.run(&format!("render {} --passes 0..3 -o x.film", cornell()));
+    let ran = place.run(&line);
+    assert!(ran.stderr().contains("going on after 3 samples"), "{}", ran.stderr());
+    assert!(!place.path("x.film").exists());
+    assert_eq!(place.pixels(&line.replace("x.exr", "y.exr")), whole);
+    // One of another picture is not.
+    std::fs::remove_file(place.path("x.exr")).unwrap();
+    place.run(&format!("render {} --passes 0..3 --seed 7 -o x.film", cornell()));
+    let ran = place.run(&line);
+    assert!(!ran.stderr().contains("going on"), "{}", ran.stderr());
+    assert!(place.path("x.film").exists());
+}
+
+#[test]
+fn programs_are_told_how_far_it_is() {
+    let place = Place::new();
+    let openjd = place.run(&format!("render {} --spp 8 -o x.exr --progress openjd", cornell())).stdout();
+    let told: Vec<u64> = openjd.lines().filter_map(|l| l.strip_prefix("openjd_progress: ")?.parse().ok()).collect();
+    assert!(told.windows(2).all(|w| w[0] < w[1]) && told.last() == Some(&100), "{openjd}");
+    let alf = place.run(&format!("render {} --spp 8 -o x.exr --progress alf", cornell())).stdout();
+    assert!(alf.contains("ALF_PROGRESS 100%"), "{alf}");
+    let status = place.run(&format!("render {} --spp 8 -o x.exr --status json --shard 1/2", cornell())).stdout();
+    let events: Vec<serde_json::Value> = status.lines().filter_map(|l| serde_json::from_str(l).ok()).collect();
+    let of = |name: &str| events.iter().filter(|e| e["event"] == name).count();
+    assert_eq!((of("begin"), of("complete")), (1, 1), "{status}");
+    let last = events.last().unwrap();
+    assert_eq!((&last["passes"], &last["shard"], &last["percent"]), (&4.into(), &"1/2".into(), &100.into()));
+    assert!(last["rays_per_second"].as_f64().unwrap() > 0.0 && last["rss_bytes"].as_u64().unwrap() > 1 << 20);
+}
