@@ -39,7 +39,7 @@ enum Command {
     /// Render a glTF scene to an image
     Render(Box<render::Args>),
     /// Say what is in a scene, what of it is ignored and what rendering it takes
-    Info(info::Args),
+    Info(Box<info::Args>),
     /// Make one image or film of several films of the same picture
     Merge(merge::Args),
     /// Say how far two images are apart, and whether they could have the same mean
@@ -96,7 +96,7 @@ fn command() -> clap::Command {
 fn execute(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(*args),
-        Command::Info(args) => info::run(args),
+        Command::Info(args) => info::run(*args),
         Command::Compare(args) => compare::run(args),
         Command::Bench(command) => bench::run(command),
         Command::Merge(args) => merge::run(args),

@@ -1,8 +1,44 @@
-//! Frames of an animation: lists of them as people write them, `1-240x2,300`.
+//! Frames of an animation: which one a picture shows, and lists of them as people write them, `1-240x2,300`.
 
 use std::collections::HashSet;
 use std::fmt;
 use std::str::FromStr;
+
+/// A frame of the scene's animations.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Frame {
+    /// Its number; frame 0 is at time 0.
+    pub number: u32,
+    /// Frames per second.
+    pub fps: f64,
+}
+
+impl Frame {
+    /// Its time in seconds.
+    pub fn seconds(self) -> f64 {
+        f64::from(self.number) / self.fps
+    }
+
+    /// What is doubtful about it, where the animations end at that time in seconds, or there are none.
+    pub(super) fn doubt(self, end: Option<f64>) -> Option<String> {
+        let (number, seconds) = (self.number, self.seconds());
+        match end {
+            None => Some(format!("frame {number} was asked for, and no node is animated: the scene is shown as it stands")),
+            // Files have times in f32: the last frame is not past its own key.
+            Some(end) if f64::from(seconds as f32) > end => {
+                let what = format!("frame {number}, at {seconds:.3} s, is past the end of the animation, at {end:.3} s");
+                Some(format!("{what}: the scene is shown as it ends"))
+            }
+            Some(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} at {} per second", self.number, self.fps)
+    }
+}
 
 /// Numbers of frames, each once, in the order in which they were written: `1-240`, every second one `1-240x2`, or several
 /// of either `1,3,7-9`. At least one and at most [`Frames::MOST`].
@@ -205,5 +241,16 @@ mod tests {
                 prop_assert!((1..=Frames::MOST).contains(&frames.numbers().len()));
             }
         }
+    }
+
+    #[test]
+    fn frames_that_show_nothing_new_are_doubtful() {
+        let frame = |number, fps| Frame { number, fps };
+        assert_eq!(frame(36, 24.0).seconds(), 1.5);
+        assert_eq!(frame(36, 24.0).doubt(Some(1.5)), None);
+        // 1/24 s is rounded up and 5/24 s down.
+        assert!((1..100).all(|n| frame(n, 24.0).doubt(Some(f64::from((f64::from(n) / 24.0) as f32))).is_none()));
+        assert!(frame(37, 24.0).doubt(Some(1.5)).unwrap().contains("frame 37, at 1.542 s, is past the end"));
+        assert!(frame(0, 24.0).doubt(None).unwrap().contains("no node is animated"));
     }
 }

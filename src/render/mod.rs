@@ -34,7 +34,7 @@ pub use aov::Aov;
 pub use checkpoint::Checkpoint;
 pub use choices::{Choices, Look};
 pub use conditions::Conditions;
-pub use frames::Frames;
+pub use frames::{Frame, Frames};
 pub use outputs::{Outputs, picture_name, writable};
 pub use plan::{Plan, Selection, Stop, round_spp};
 pub use progress::{Observer, Progress};
