@@ -123,6 +123,13 @@ class Everything:
         moves = self.accessor(5126, "VEC3", 2, struct.pack("<6f", 0, 0, 1, 0, 0, 2))
         turns = self.accessor(5120, "VEC4", 2, struct.pack("<8b", 0, 0, 0, 127, 0, 127, 0, 0), normalized=True)
         instancing = {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": moves, "SCALE": moves, "ROTATION": turns}}}
+        f = lambda *numbers: struct.pack(f"<{len(numbers)}f", *numbers)
+        times = self.accessor(5126, "SCALAR", 2, f(0, 0.5), min=[0], max=[0.5])
+        spline = self.accessor(5126, "VEC3", 6, f(0, 0, 0, 1, 2, 3, 1, 0, 0, 0, 1, 0, 3, 2, 1, 0, 0, 0))
+        channel = lambda sampler, path: {"sampler": sampler, "target": {"node": 0, "path": path}}
+        animations = [{"samplers": [{"input": times, "output": spline, "interpolation": "CUBICSPLINE"},
+                                    {"input": times, "output": turns}, {"input": times, "output": moves, "interpolation": "STEP"}],
+                       "channels": [channel(0, "translation"), channel(1, "rotation"), channel(2, "scale")]}]
         images = [self.image("RGB", "PNG"), self.image("I;16", "PNG"), self.image("L", "JPEG")]
         lights = [{"type": "point", "intensity": 3}, {"type": "directional", "color": [1, 0, 0]},
                   {"type": "spot", "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.4}}]
@@ -141,7 +148,7 @@ class Everything:
             "samplers": [{"magFilter": 9728, "minFilter": 9987, "wrapS": 33071, "wrapT": 33648}, {"minFilter": 9984, "wrapS": 10497}],
             "images": images, "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "aspectRatio": 1.5, "znear": 0.1}},
                                           {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 2, "znear": 0, "zfar": 9}}],
-            "accessors": self.accessors, "bufferViews": self.views, "buffers": [{"byteLength": len(self.binary)}],
+            "animations": animations, "accessors": self.accessors, "bufferViews": self.views, "buffers": [{"byteLength": len(self.binary)}],
         }
 
     def write(self):

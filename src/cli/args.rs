@@ -30,7 +30,7 @@ impl SceneArgs {
     /// pool.
     pub(super) fn stage(&self, choices: &Choices, threads: usize) -> Result<(Stage, Settings)> {
         let early = choices.settings(None)?;
-        let stage = Stage::open(&self.scene, choices.surroundings()?, &early.build_options(threads))?;
+        let stage = Stage::open(&self.scene, choices.surroundings()?, early.frame, &early.build_options(threads))?;
         let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
         Ok((stage, settings))
     }

@@ -9,7 +9,7 @@ use super::{Console, console, startup};
 use crate::error::{Error, Kind, Result};
 use crate::render::checkpoint::INTERVAL;
 use crate::render::job::{Job, Picture};
-use crate::render::{Choices, Outputs, Provenance, Report, Selection, Settings, Stage, Surroundings};
+use crate::render::{Choices, Frame, Outputs, Provenance, Report, Selection, Settings, Stage, Surroundings};
 use crate::scene::BuildOptions;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -30,6 +30,12 @@ pub(super) const AFTER: &str = r#"A batch file:
   cameras = ["front", "side"]
   methods = ["path", "bdpt"]
   settings.size = "640x480"
+
+  [[render]]
+  scenes = ["walk.glb"]
+  frames = "1-240x2"                             # or "7", "1,3,7-9": frames of the scene's animation
+  settings.fps = 24.0
+  output = "out/walk.{frame:04}.exr"
 
 What is complete is not rendered again, and what was stopped goes on. The exit code is the worst of all pictures'."#;
 
@@ -86,6 +92,7 @@ struct Summary {
 struct Wanted {
     scene: PathBuf,
     surroundings: Option<Surroundings>,
+    frame: Option<Frame>,
     options: BuildOptions,
 }
 
@@ -95,32 +102,53 @@ struct Loading {
     thread: JoinHandle<Result<Stage>>,
 }
 
-/// Renders them all.
+/// How the pictures of a batch are rendered.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Means {
+    /// Whether what is complete is rendered again.
+    pub(super) again: bool,
+    /// What is an error.
+    pub(super) strict: StrictArgs,
+    /// On how many threads.
+    pub(super) threads: ThreadArgs,
+    /// How progress is told.
+    pub(super) progress: ProgressArgs,
+    /// How talkative it is.
+    pub(super) console: Console,
+}
+
+/// Renders what the file says.
 pub(super) fn run(args: Args) -> Result<()> {
     let job = Job::read(&args.job)?;
     let pictures = job.pictures(args.job.parent().unwrap_or(Path::new("")), &args.choices)?;
-    // Mistakes of any picture are told before the first.
-    let threads = startup::start_threads(args.threads.threads)?;
-    let wanted = pictures.iter().map(|picture| wanted(picture, threads)).collect::<Result<Vec<_>>>()?;
-    for picture in &pictures {
-        args.strict.check(&picture.choices.plan(Selection::All)?)?;
-        Outputs::of(&picture.output)?;
-    }
     if args.dry_run {
         return pictures.iter().try_for_each(|picture| args.console.line(&picture.output.display().to_string()));
     }
+    let Args { again, strict, threads, progress, console, .. } = args;
+    render_all(&pictures, Means { again, strict, threads, progress, console })
+}
+
+/// Renders them all.
+pub(super) fn render_all(pictures: &[Picture], means: Means) -> Result<()> {
+    // Mistakes of any picture are told before the first.
+    let threads = startup::start_threads(means.threads.threads)?;
+    let wanted = pictures.iter().map(|picture| wanted(picture, threads)).collect::<Result<Vec<_>>>()?;
+    for picture in pictures {
+        means.strict.check(&picture.choices.plan(Selection::All)?)?;
+        Outputs::of(&picture.output)?;
+    }
     let signals = Signals::heed()?;
     let begun = Instant::now();
-    let mut batch = Batch { args: &args, signals: &signals, stage: None, loading: None };
+    let mut batch = Batch { means, signals: &signals, stage: None, loading: None };
     let mut rows = Vec::new();
     for (index, picture) in pictures.iter().enumerate() {
         let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
-        args.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
+        means.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
         rows.push(batch.picture(picture, &wanted[index], next));
     }
     let exit_code = worst(&rows).map_or(0, Kind::exit_code);
     let summary = Summary { exit_code, pictures: rows, seconds: begun.elapsed().as_secs_f64() };
-    tell(&summary, args.console)
+    tell(&summary, means.console)
 }
 
 /// What a picture needs loaded.
@@ -128,12 +156,13 @@ fn wanted(picture: &Picture, threads: usize) -> Result<Wanted> {
     let named = |e: Error| e.context(picture.output.display());
     let (choices, scene) = (&picture.choices, picture.scene.clone());
     let settings = choices.settings(None).map_err(named)?;
-    Ok(Wanted { scene, surroundings: choices.surroundings().map_err(named)?, options: settings.build_options(threads) })
+    let (frame, options) = (settings.frame, settings.build_options(threads));
+    Ok(Wanted { scene, surroundings: choices.surroundings().map_err(named)?, frame, options })
 }
 
 /// A batch in work.
 struct Batch<'a> {
-    args: &'a Args,
+    means: Means,
     signals: &'a Signals,
     /// What is loaded, and what for.
     stage: Option<(Wanted, Result<Stage>)>,
@@ -169,7 +198,7 @@ impl Batch<'_> {
         let Some((_, Ok(stage))) = &self.stage else {
             return Err(Error::new(Kind::Internal, "the scene is gone"));
         };
-        let (choices, strict) = (&picture.choices, self.args.strict);
+        let (choices, strict) = (&picture.choices, self.means.strict);
         let settings = settings(choices, stage)?;
         if strict.strict {
             stage.refuse_ignored()?;
@@ -189,14 +218,14 @@ impl Batch<'_> {
             crate::render::writable(path)?;
         }
         // Its own document comes at the end, and is the only one.
-        let console = Console { json: false, quiet: self.args.console.quiet || self.args.console.json };
+        let console = Console { json: false, quiet: self.means.console.quiet || self.means.console.json };
         Ok(Task {
             outputs,
             report: picture.report.clone(),
             checkpoint: Some(INTERVAL),
-            skip_complete: !self.args.again,
-            strict: self.args.strict,
-            progress: self.args.progress,
+            skip_complete: !self.means.again,
+            strict: self.means.strict,
+            progress: self.means.progress,
             console,
         })
     }
@@ -225,8 +254,8 @@ impl Batch<'_> {
 
 impl Loading {
     fn begin(wanted: Wanted) -> Self {
-        let Wanted { scene, surroundings, options } = wanted.clone();
-        Loading { wanted, thread: std::thread::spawn(move || Stage::open(&scene, surroundings, &options)) }
+        let Wanted { scene, surroundings, frame, options } = wanted.clone();
+        Loading { wanted, thread: std::thread::spawn(move || Stage::open(&scene, surroundings, frame, &options)) }
     }
 
     fn end(self) -> Result<Stage> {

@@ -45,7 +45,8 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// Instance and material numbers are not in films: they come from the scene, which must be the same.
 fn ids(provenance: &Provenance) -> Result<images::Ids> {
     let (path, surroundings, settings) = (&provenance.scene.path, provenance.scene.surroundings.clone(), &provenance.settings);
-    let stage = Stage::open(path, surroundings, &settings.build_options(rayon::current_num_threads()))?;
+    let options = settings.build_options(rayon::current_num_threads());
+    let stage = Stage::open(path, surroundings, settings.frame, &options)?;
     if stage.scene.hash() != provenance.scene.hash {
         return Err(Error::usage(format!("{} is not the scene of these films any more", path.display())));
     }

@@ -49,7 +49,7 @@ enum Command {
     /// Write a render.toml in which every setting is explained
     Init(init::Args),
     /// Say what is in a scene, what of it is ignored and what rendering it takes
-    Info(info::Args),
+    Info(Box<info::Args>),
     /// Make one image or film of several films of the same picture
     Merge(merge::Args),
     /// Say how far two images are apart, and whether they could have the same mean
@@ -109,7 +109,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Render(args) => render::run(*args),
         Command::Batch(args) => batch::run(*args),
         Command::Init(args) => init::run(args),
-        Command::Info(args) => info::run(args),
+        Command::Info(args) => info::run(*args),
         Command::Compare(args) => compare::run(args),
         Command::Bench(command) => bench::run(command),
         Command::Merge(args) => merge::run(args),

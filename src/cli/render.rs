@@ -1,12 +1,15 @@
 //! `etendue render`: scene in, image out.
 
 use super::args::{KeepArgs, OutputArgs, SceneArgs, StrictArgs, ThreadArgs};
+use super::batch::{self, Means};
 use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::techniques::TechniqueArgs;
 use super::{Console, startup};
 use crate::error::Result;
-use crate::render::{Choices, Ended, Plan, Provenance, Selection, picture_name};
+use crate::render::job::{Job, Request};
+use crate::render::{Choices, Ended, Frames, Plan, Provenance, Selection, picture_name};
+use std::path::Path;
 
 /// Arguments of `render`.
 #[derive(Debug, clap::Args)]
@@ -15,6 +18,10 @@ pub(super) struct Args {
     scene: SceneArgs,
     #[command(flatten)]
     share: Share,
+    /// Render these frames of the scene's animations, e.g. 1-240, 1-240x2 or 1,3,7-9, each into a file of its own: {frame:04} in the
+    /// output's name is its number. What is complete is not rendered again
+    #[arg(long, value_name = "LIST", conflicts_with_all = ["frame", "shard", "passes", "techniques", "film", "png", "checkpoint"])]
+    frames: Option<Frames>,
     #[command(flatten)]
     output: OutputArgs,
     #[command(flatten)]
@@ -55,6 +62,9 @@ fn range(text: &str) -> std::result::Result<Selection, String> {
 
 /// Renders.
 pub(super) fn run(args: Args) -> Result<()> {
+    if let Some(frames) = args.frames.clone() {
+        return run_frames(frames, args);
+    }
     let console = args.console;
     let choices = args.scene.choices()?;
     let selection = args.share.shard.or(args.share.passes).unwrap_or_default();
@@ -82,6 +92,22 @@ pub(super) fn run(args: Args) -> Result<()> {
         ended = args.techniques.write(files, &session, &signals.cancel, console)?;
     }
     task.finish(&session, &stage, ended).map(drop)
+}
+
+/// Renders frames as a batch.
+fn run_frames(frames: Frames, args: Args) -> Result<()> {
+    let Args { scene: SceneArgs { scene, no_config, choices }, output, strict, threads, progress, console, .. } = args;
+    let pattern = |path: std::path::PathBuf| path.to_string_lossy().into_owned();
+    let request = Request { scenes: vec![scene], frames: Some(frames), settings: choices, ..Request::default() };
+    let job = Job {
+        output: Some(output.output.map_or_else(|| "{scene}.{frame:04}.exr".into(), pattern)),
+        report: output.report.map(pattern),
+        render: vec![request],
+        no_config,
+        ..Job::default()
+    };
+    let pictures = job.pictures(Path::new(""), &Choices::default())?;
+    batch::render_all(&pictures, Means { again: false, strict, threads, progress, console })
 }
 
 /// Says what the user would not expect in the picture.

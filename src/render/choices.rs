@@ -2,7 +2,7 @@
 //! same names mean the same in both places and the command line wins field by field.
 
 use super::plan::round_spp;
-use super::{Aov, Budget, Environment, Plan, Selection, Settings, Size, Stop, Surroundings, Window};
+use super::{Aov, Budget, Environment, Frame, Plan, Selection, Settings, Size, Stop, Surroundings, Window};
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
@@ -14,6 +14,9 @@ use std::path::Path;
 
 /// Samples per pixel where nothing is said about when the render is done.
 const DEFAULT_SPP: u32 = 64;
+
+/// Frames per second where nothing is said, as in films and in Blender.
+const DEFAULT_FPS: f64 = 24.0;
 
 /// Where only an error target is given a render that cannot reach it ends here all the same.
 const MOST_SPP_UNASKED: u32 = 1 << 16;
@@ -45,6 +48,12 @@ pub struct Choices {
     /// Camera by name or number from 0 [default: the first]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
+    /// Frame of the scene's animations; frame 0 is at time 0 [default: the scene as it stands]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub frame: Option<u32>,
+    /// Frames per second, for --frame [default: 24]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
+    pub fps: Option<f64>,
     /// Longest light path, in scattering events [default: unlimited, ended by roulette]
     #[arg(long, value_name = "EVENTS")]
     pub depth: Option<u32>,
@@ -172,6 +181,8 @@ impl Choices {
             size: self.size.or(fallback.size),
             crop: self.crop.or(fallback.crop),
             camera: self.camera.or(fallback.camera),
+            frame: self.frame.or(fallback.frame),
+            fps: self.fps.or(fallback.fps),
             depth: self.depth.or(fallback.depth),
             filter: self.filter.or(fallback.filter),
             sampler: self.sampler.or(fallback.sampler),
@@ -216,6 +227,7 @@ impl Choices {
             height,
             crop: self.crop.map(|w| within(w.0, width, height)).transpose()?,
             camera: self.camera.clone(),
+            frame: self.frame()?,
             depth: self.depth,
             filter: self.filter.unwrap_or_default(),
             sampler: self.sampler.unwrap_or_default(),
@@ -230,6 +242,15 @@ impl Choices {
             heuristic: self.heuristic.unwrap_or_default(),
             metropolis: self.metropolis()?,
         })
+    }
+
+    /// The frame chosen, if any.
+    fn frame(&self) -> Result<Option<Frame>> {
+        let fps = self.fps.unwrap_or(DEFAULT_FPS);
+        if !(fps > 0.0 && fps.is_finite()) {
+            return Err(Error::usage("fps must be above zero"));
+        }
+        Ok(self.frame.map(|number| Frame { number, fps }))
     }
 
     /// What is said about chains.
@@ -368,6 +389,21 @@ mod tests {
         let target = Choices::parse("target-error = 0.01").unwrap();
         assert_eq!(stop(&target), Stop { target_error: Some(0.01), ..Stop::after(65536) });
         assert_eq!(stop(&Choices::default()), Stop::after(64));
+    }
+
+    #[test]
+    fn frames_have_a_rate_and_are_none_without_a_number() {
+        let frame = |text: &str| Choices::parse(text).unwrap().settings(None).map(|settings| settings.frame);
+        assert_eq!(frame("fps = 30").unwrap(), None);
+        assert_eq!(frame("frame = 12").unwrap(), Some(Frame { number: 12, fps: 24.0 }));
+        assert_eq!(frame("frame = 0\nfps = 29.97").unwrap(), Some(Frame { number: 0, fps: 29.97 }));
+        for text in ["fps = 0", "fps = -24.0", "fps = nan", "frame = 1\nfps = inf"] {
+            assert!(frame(text).unwrap_err().to_string().contains("fps must be above zero"), "{text}");
+        }
+        assert!(Choices::parse("frame = -1").is_err() && Choices::parse("frame = 1.5").is_err());
+        let line = Choices { frame: Some(3), ..Choices::default() };
+        let both = line.or(Choices::parse("frame = 1\nfps = 30").unwrap());
+        assert_eq!(both.settings(None).unwrap().frame, Some(Frame { number: 3, fps: 30.0 }));
     }
 
     #[test]

@@ -11,12 +11,16 @@
 //! cameras = ["front", "side"]
 //! methods = ["path", "bdpt"]
 //! settings.size = "640x480"
+//!
+//! [[render]]
+//! scenes = ["walk.glb"]
+//! frames = "1-240"
 //! ```
 //!
 //! Paths in a batch file are seen from its folder. What is said nearer to a picture wins: the command line over everything, then
 //! `[[render]]`, then `[settings]`, then the `render.toml` beside the scene.
 
-use super::{Choices, picture_name};
+use super::{Choices, Frames, picture_name};
 use crate::error::{Error, Result};
 use crate::integrator::Method;
 use std::collections::HashMap;
@@ -37,6 +41,8 @@ pub struct Job {
     pub settings: Choices,
     /// What is rendered.
     pub render: Vec<Request>,
+    /// Whether the `render.toml` beside each scene is left alone.
+    pub no_config: bool,
 }
 
 /// Pictures that are asked for together.
@@ -49,6 +55,8 @@ pub struct Request {
     pub cameras: Vec<String>,
     /// Methods; the settings' own if there are none.
     pub methods: Vec<Method>,
+    /// Frames of the scenes' animations; the settings' own if there are none.
+    pub frames: Option<Frames>,
     /// Choices for these.
     pub settings: Choices,
     /// In place of the job's.
@@ -92,7 +100,8 @@ impl Job {
             for scene in &request.scenes {
                 let scene = folder.join(scene);
                 let near = over.clone().or(seen_from(&request.settings, folder)).or(seen_from(&self.settings, folder));
-                let choices = near.or(Choices::beside(&scene)?);
+                let beside = if self.no_config { Choices::default() } else { Choices::beside(&scene)? };
+                let choices = near.or(beside);
                 self.pictures_of(&scene, &choices, request, folder, &mut pictures)?;
             }
         }
@@ -112,16 +121,19 @@ impl Job {
         pictures: &mut Vec<Picture>,
     ) -> Result<()> {
         let output = request.output.as_ref().or(self.output.as_ref()).map_or(DEFAULT_OUTPUT, String::as_str);
-        for camera in each(&request.cameras, choices.camera.clone()) {
-            for method in each(&request.methods, choices.method) {
-                if pictures.len() == MOST_PICTURES {
-                    return Err(Error::usage(format!("more than {MOST_PICTURES} pictures in one batch: split it")));
+        let frames: Vec<u32> = request.frames.iter().flat_map(Frames::iter).collect();
+        for frame in each(&frames, choices.frame) {
+            for camera in each(&request.cameras, choices.camera.clone()) {
+                for method in each(&request.methods, choices.method) {
+                    if pictures.len() == MOST_PICTURES {
+                        return Err(Error::usage(format!("more than {MOST_PICTURES} pictures in one batch: split it")));
+                    }
+                    let choices = Choices { frame, camera: camera.clone(), method, ..choices.clone() };
+                    let fields = fields(scene, &choices);
+                    let at = |pattern: &str| name(pattern, &fields).map(|name| folder.join(name)).map_err(Error::usage);
+                    let (output, report) = (at(output)?, self.report.as_deref().map(at).transpose()?);
+                    pictures.push(Picture { scene: scene.to_owned(), choices, output, report });
                 }
-                let choices = Choices { camera: camera.clone(), method, ..choices.clone() };
-                let fields = fields(scene, &choices);
-                let at = |pattern: &str| name(pattern, &fields).map(|name| folder.join(name)).map_err(Error::usage);
-                let (output, report) = (at(output)?, self.report.as_deref().map(at).transpose()?);
-                pictures.push(Picture { scene: scene.to_owned(), choices, output, report });
             }
         }
         Ok(())
@@ -150,6 +162,7 @@ fn fields(scene: &Path, choices: &Choices) -> HashMap<&'static str, String> {
         ("scene", picture_name(scene)),
         ("camera", camera),
         ("method", method.as_str().unwrap_or_default().to_owned()),
+        ("frame", choices.frame.unwrap_or(0).to_string()),
         ("seed", choices.seed.unwrap_or(0).to_string()),
     ])
 }

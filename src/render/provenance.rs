@@ -128,6 +128,11 @@ impl Provenance {
     /// Says what differs.
     pub fn same_picture(&self, other: &Provenance) -> Result<()> {
         let (a, b) = (&self.program, &other.program);
+        // Before the scenes, which differ too where something moves.
+        if self.settings.frame != other.settings.frame {
+            let [a, b] = [self, other].map(|p| p.settings.frame.map_or("none".into(), |frame| frame.to_string()));
+            return Err(differ("frames", &a, &b));
+        }
         if self.scene.hash != other.scene.hash {
             return Err(differ("scenes", &self.scene.hash, &other.scene.hash));
         }

@@ -1,7 +1,7 @@
 //! What decides the pixels of a pass. How many passes there are, on how many threads and into which file does not, so
 //! that films of different runs can be continued and merged.
 
-use super::Aov;
+use super::{Aov, Frame};
 use crate::accel::{Backend, Build};
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{Method, MetropolisOptions, Options};
@@ -23,6 +23,9 @@ pub struct Settings {
     pub crop: Option<Crop>,
     /// Camera by name or number; `None` for the first.
     pub camera: Option<String>,
+    /// The frame of the scene's animations; `None` for the scene as it stands, which is hashed as before there were frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Frame>,
     /// Longest path in scattering events; `None` for no limit.
     pub depth: Option<u32>,
     /// Pixel filter.
@@ -123,8 +126,18 @@ mod tests {
             Settings { build: Build::Fast, ..base.clone() },
             Settings { backend: other, ..base.clone() },
             Settings { aovs: vec![Aov::Depth], ..base.clone() },
+            Settings { frame: Some(Frame { number: 0, fps: 24.0 }), ..base.clone() },
         ];
         assert!(changed.iter().all(|s| s.hash() != base.hash()));
+    }
+
+    #[test]
+    fn settings_without_a_frame_are_as_they_always_were() {
+        let (rest, frame) = (settings(), Some(Frame { number: 3, fps: 0.1 }));
+        assert!(serde_json::json!(rest).get("frame").is_none());
+        let moved = Settings { frame, ..rest };
+        let back: Settings = serde_json::from_value(serde_json::json!(moved)).unwrap();
+        assert_eq!((back.frame, back.hash()), (frame, moved.hash()));
     }
 
     #[test]

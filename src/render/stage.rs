@@ -1,7 +1,7 @@
 //! A scene loaded and built, with what that took.
 
-use super::Surroundings;
 use super::machine::Stopwatch;
+use super::{Frame, Surroundings};
 use crate::error::{Error, Result};
 use crate::io::gltf;
 use crate::scene::{BuildOptions, Scene, SceneInfo};
@@ -26,14 +26,16 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Loads and builds the scene at `path`, with `surroundings` instead of its own if given. Call it from outside the
-    /// rayon pool, which the caller has set up with as many threads as `options` say.
+    /// Loads and builds the scene at `path`, at `frame` of its animations and with `surroundings` instead of its own if given.
+    /// Call it from outside the rayon pool, which the caller has set up with as many threads as `options` say.
     ///
     /// # Errors
     /// A scene or an environment that cannot be read or is invalid.
-    pub fn open(path: &Path, surroundings: Option<Surroundings>, options: &BuildOptions) -> Result<Stage> {
+    pub fn open(path: &Path, surroundings: Option<Surroundings>, frame: Option<Frame>, options: &BuildOptions) -> Result<Stage> {
         let loading = Stopwatch::start();
-        let mut description = gltf::load(path)?;
+        let mut description = gltf::load_at(path, frame.map(Frame::seconds))?;
+        let doubt = frame.and_then(|frame| frame.doubt(description.animation_end));
+        description.warnings.extend(doubt);
         if let Some(surroundings) = &surroundings {
             surroundings.surround(&mut description)?;
         }

@@ -100,10 +100,9 @@ fn the_landscape_has_the_right_mean() {
     let shared = std::env::var_os("ETENDUE_SHARED").map_or(project("../shared"), PathBuf::from);
     let Some(reference) = reference(&shared.join("peers/references/S7.exr"), 1.54e-4) else { return };
     let path = project("scenes/landscape/scene.gltf");
-    let surroundings = Choices::beside(&path).and_then(|choices| choices.surroundings()).expect("its environment");
-    let stage =
-        Stage::open(&path, surroundings, &BuildOptions { backend: Default::default(), build: Default::default(), threads: 2 })
-            .expect("a valid scene: run `make scenes`");
+    let choices = Choices::beside(&path).expect("its settings");
+    let (surroundings, settings) = (choices.surroundings().expect("its environment"), choices.settings(None).expect("valid"));
+    let stage = Stage::open(&path, surroundings, None, &settings.build_options(2)).expect("a valid scene: run `make scenes`");
     for method in [Method::Path, Method::PathNee] {
         let picture = render(&stage.scene, Shot { depth: Some(64), ..Shot::new(method, 256, 256) });
         let ratio = picture.overall().mean / reference.overall().mean - 1.0;

@@ -51,7 +51,11 @@ fn a_batch_renders_what_single_runs_do_and_nothing_twice() {
 fn what_fails_does_not_stop_the_others() {
     let place = Place::new();
     std::fs::write(place.path("bad.gltf"), "{").unwrap();
-    job(&place, "spp = 4", "[[render]]\nscenes = ['bad.gltf', 'none.gltf']\n[[render]]\nscenes = ['bad.gltf']\noutput = 'x/y/last.exr'");
+    job(
+        &place,
+        "spp = 4",
+        "[[render]]\nscenes = ['bad.gltf', 'none.gltf']\n[[render]]\nscenes = ['bad.gltf']\noutput = 'x/y/last.exr'",
+    );
     let ran = place.run("batch job.toml --json");
     ran.fails(3, "3 of 5 pictures");
     let summary = summary(&ran);

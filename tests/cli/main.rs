@@ -9,6 +9,7 @@ mod bench_rays;
 mod compare;
 mod end_to_end;
 mod environments;
+mod frames;
 mod run;
 mod signals;
 mod targets;

@@ -191,7 +191,7 @@ const REFUSED: [&str; 6] = [
     "light/unknown_type.gltf",
 ];
 
-fn is_valid(case: &Path) -> bool {
+pub(crate) fn is_valid(case: &Path) -> bool {
     let report = PathBuf::from(format!("{}.report.json", case.display()));
     let Ok(text) = std::fs::read(report) else { return false };
     let report: Value = serde_json::from_slice(&text).expect("a report");

@@ -1,5 +1,6 @@
 //! Reading scene files: real ones, small ones made here, and broken ones.
 
+mod animation;
 mod bounds;
 mod corpus;
 mod defects;

@@ -80,6 +80,11 @@ impl File {
         load_bytes("scene.glb", &self.glb())
     }
 
+    /// What the loader says to this file at that time.
+    pub(crate) fn load_at(&self, seconds: f64) -> Result<Description> {
+        load_bytes_at("scene.glb", &self.glb(), Some(seconds))
+    }
+
     /// The only primitive of this file, if it is valid.
     pub(crate) fn primitive(&self) -> Primitive {
         let mut description = self.load().expect("a valid file");
@@ -126,10 +131,15 @@ pub(crate) fn glb(json: &[u8], binary: Option<&[u8]>) -> Vec<u8> {
 
 /// What the loader says to a file of that name and contents, alone in its folder.
 pub(crate) fn load_bytes(name: &str, bytes: &[u8]) -> Result<Description> {
+    load_bytes_at(name, bytes, None)
+}
+
+/// The same at a time of its animations.
+pub(crate) fn load_bytes_at(name: &str, bytes: &[u8], seconds: Option<f64>) -> Result<Description> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).expect("a written file");
-    gltf::load(&path)
+    gltf::load_at(&path, seconds)
 }
 
 /// The sentence of an error of class scene, checked to be one line that names the file.

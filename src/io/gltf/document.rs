@@ -39,8 +39,8 @@ pub(super) struct Document {
     pub(super) budget: Budget,
     /// The directory that relative URIs start from.
     pub(super) base: PathBuf,
-    /// Whether the file has animations.
-    pub(super) animated: bool,
+    /// The file's animations as it has them, unchecked, apart from `raw`; null if there are none.
+    pub(super) animations: Value,
 }
 
 impl Document {
@@ -53,15 +53,15 @@ impl Document {
         let mut raw: Value = serde_json::from_slice(text).map_err(|e| Error::scene("the JSON is not valid").because(e))?;
         check_version(&raw["asset"])?;
         check_required(&raw["extensionsRequired"])?;
-        let animated = forget_animations(&mut raw);
         allow_empty_scenes(&mut raw);
         write_integers_as_such(&mut raw);
+        let animations = set_animations_aside(&mut raw);
         let mut root = Root::deserialize(&raw).map_err(|e| Error::scene("the glTF is not valid").because(located(e, text)))?;
         forget_skins(&mut root);
         validate(&root)?;
         let buffers = buffer::read_all(&root, base, binary)?;
         let size = file.len() + buffer::size(&buffers);
-        Ok(Document { root, raw, buffers, size, budget: Budget::of(size), base: base.to_path_buf(), animated })
+        Ok(Document { root, raw, buffers, size, budget: Budget::of(size), base: base.to_path_buf(), animations })
     }
 
     /// The bytes of a buffer view.
@@ -130,10 +130,9 @@ fn allow_empty_scenes(raw: &mut Value) {
     }
 }
 
-/// Drops animations, so that defects in what is not shown do not keep the file from being shown. Whether there were any.
-fn forget_animations(raw: &mut Value) -> bool {
-    let animations = raw.as_object_mut().and_then(|root| root.remove("animations"));
-    animations.is_some_and(|a| a.as_array().is_some_and(|a| !a.is_empty()))
+/// Takes animations out, so that defects in what is not shown do not keep the file from being shown.
+fn set_animations_aside(raw: &mut Value) -> Value {
+    raw.as_object_mut().and_then(|root| root.remove("animations")).unwrap_or_default()
 }
 
 /// Drops skins for the same reason.

@@ -1,5 +1,6 @@
 //! The node hierarchy, flattened to nodes with world transforms in f64. Iterative: a chain of nodes may be of any length.
 
+use super::animation::{Moved, Pose};
 use super::document::{Document, name_or, numbers};
 use super::notes::Notes;
 use crate::error::{Error, Result};
@@ -14,12 +15,12 @@ pub(super) struct Placement {
     pub(super) transform: DAffine3,
 }
 
-/// The nodes of the scene, parents before children, in file order. Parts whose transform is singular are left out, and
-/// a note says so.
+/// The nodes of the scene in that pose, parents before children, in file order. Parts whose transform is singular are left
+/// out, and a note says so.
 ///
 /// # Errors
 /// A scene error that names the node if one has two parents or is its own ancestor, or a transform is not valid.
-pub(super) fn placements(document: &Document, notes: &mut Notes) -> Result<Vec<Placement>> {
+pub(super) fn placements(document: &Document, pose: &Pose, notes: &mut Notes) -> Result<Vec<Placement>> {
     let name = |node: usize| name_or(&document.root.nodes[node].name, "node", node);
     let mut seen = vec![false; document.root.nodes.len()];
     let mut stack: Vec<(usize, DAffine3)> = roots(document)?.into_iter().rev().map(|n| (n, DAffine3::IDENTITY)).collect();
@@ -28,7 +29,7 @@ pub(super) fn placements(document: &Document, notes: &mut Notes) -> Result<Vec<P
         if std::mem::replace(&mut seen[node], true) {
             return Err(Error::scene(format!("node '{}' is its own ancestor, or a root below another root", name(node))));
         }
-        let local = local_transform(&document.raw["nodes"][node]);
+        let local = local_transform(&document.raw["nodes"][node], pose.of(node));
         let transform = parent * local.map_err(|e| e.context(format!("node '{}'", name(node))))?;
         if !transform.is_finite() {
             return Err(Error::scene(format!("node '{}' has a transform that is not finite", name(node))));
@@ -73,13 +74,18 @@ fn parents(document: &Document) -> Result<Vec<Option<usize>>> {
     Ok(parents)
 }
 
-fn local_transform(node: &Value) -> Result<DAffine3> {
+/// A node's transform; what moves of it has no matrix.
+fn local_transform(node: &Value, moved: Option<&Moved>) -> Result<DAffine3> {
     if let Some(matrix) = numbers::<16>(&node["matrix"]) {
         return affine(&DMat4::from_cols_array(&matrix));
     }
-    let translation = numbers(&node["translation"]).map_or(DVec3::ZERO, DVec3::from);
-    let scale = numbers(&node["scale"]).map_or(DVec3::ONE, DVec3::from);
-    let rotation = numbers(&node["rotation"]).map_or(Some(DQuat::IDENTITY), unit_quaternion);
+    let own = |key: &str, default: DVec3| numbers(&node[key]).map_or(default, DVec3::from);
+    let translation = moved.and_then(|m| m.translation).unwrap_or_else(|| own("translation", DVec3::ZERO));
+    let scale = moved.and_then(|m| m.scale).unwrap_or_else(|| own("scale", DVec3::ONE));
+    let rotation = match moved.and_then(|m| m.rotation) {
+        Some(rotation) => Some(rotation),
+        None => numbers(&node["rotation"]).map_or(Some(DQuat::IDENTITY), unit_quaternion),
+    };
     let rotation = rotation.ok_or_else(|| Error::scene("the rotation is not a unit quaternion"))?;
     Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
 }

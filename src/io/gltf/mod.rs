@@ -7,9 +7,11 @@
 //! Lights keep their numbers: glTF's candela (point, spot) become W/sr and its lux (directional) W/m², one to one and
 //! per lane, as users of other path tracers expect.
 //!
-//! Limits: the scene as modelled, without animation, skinning or morphing; two texture coordinate sets; no mipmaps.
+//! Animations of nodes are played to a time and stop there. Limits: meshes as modelled, without skinning or morphing; two
+//! texture coordinate sets; no mipmaps.
 
 mod accessor;
+mod animation;
 mod budget;
 mod buffer;
 mod camera;
@@ -30,6 +32,7 @@ mod vertex;
 
 use crate::error::{Error, Result};
 use crate::scene::description::{Description, Instance, Material, Mesh};
+use animation::Pose;
 use document::{Document, name_or};
 use graph::Placement;
 use notes::Notes;
@@ -37,13 +40,22 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// Reads the scene in `path`: the default scene, else the first one, else all root nodes. Only what it uses is loaded.
+/// It is as it stands, whatever animations the file has.
 ///
 /// # Errors
 /// A scene error, in one sentence that begins with the path, if the file or one that it refers to cannot be read, is not
 /// valid, or requires an extension that is not supported.
 pub fn load(path: &Path) -> Result<Description> {
+    load_at(path, None)
+}
+
+/// Reads the scene in `path` as [`load`] does, as it is at that time in seconds of its animations if one is given.
+///
+/// # Errors
+/// As [`load`], and with a time if an animation is not valid.
+pub fn load_at(path: &Path, seconds: Option<f64>) -> Result<Description> {
     let bytes = resource::read_file(path, u64::MAX)?;
-    parse(&bytes, path.parent().unwrap_or(Path::new(""))).map_err(|e| e.context(path.display()))
+    parse_at(&bytes, path.parent().unwrap_or(Path::new("")), seconds).map_err(|e| e.context(path.display()))
 }
 
 /// Reads the scene in the contents of a `.gltf` or `.glb` file, whose relative URIs start from `base`, as [`load`] does.
@@ -51,19 +63,39 @@ pub fn load(path: &Path) -> Result<Description> {
 /// # Errors
 /// As [`load`], without the path.
 pub fn parse(file: &[u8], base: &Path) -> Result<Description> {
-    Document::parse(file, base).and_then(|document| describe(&document))
+    parse_at(file, base, None)
 }
 
-fn describe(document: &Document) -> Result<Description> {
+/// Reads the scene in the contents of a file as [`parse`] does, at a time as [`load_at`] does.
+///
+/// # Errors
+/// As [`load_at`], without the path.
+pub fn parse_at(file: &[u8], base: &Path, seconds: Option<f64>) -> Result<Description> {
+    Document::parse(file, base).and_then(|document| describe(&document, seconds))
+}
+
+fn describe(document: &Document, seconds: Option<f64>) -> Result<Description> {
     let mut loader = Loader { document, notes: Notes::default(), meshes: HashMap::new(), materials: Materials::default() };
     loader.notes.about_file(document);
-    let mut out = Description::default();
-    for placement in graph::placements(document, &mut loader.notes)? {
+    let pose = pose(document, seconds, &mut loader.notes)?;
+    let mut out = Description { animation_end: pose.end, ..Description::default() };
+    for placement in graph::placements(document, &pose, &mut loader.notes)? {
         loader.place(&placement, &mut out)?;
     }
     let (materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
     afford_lights(document, &out, &materials)?;
     Ok(Description { materials, images, ignored: loader.notes.into_sentences(), ..out })
+}
+
+/// Where nodes are at that time; where they stand in the file without one.
+fn pose(document: &Document, seconds: Option<f64>, notes: &mut Notes) -> Result<Pose> {
+    match seconds {
+        Some(seconds) => animation::pose(document, seconds, notes),
+        None => {
+            notes.about_rest(document);
+            Ok(Pose::default())
+        }
+    }
 }
 
 /// What a part of a mesh at a place takes in a scene: an object and an instance in the ray-tracing structure.

@@ -23,8 +23,12 @@ impl Notes {
         for extension in document.root.extensions_used.iter().filter(|e| !READ_EXTENSIONS.contains(&e.as_str())) {
             self.add(format!("the extension {extension} is not read"));
         }
-        if document.animated {
-            self.add("animations are not played: the scene is shown as it stands");
+    }
+
+    /// Notes that the file has animations, where none is to be played.
+    pub(super) fn about_rest(&mut self, document: &Document) {
+        if document.animations.as_array().is_some_and(|animations| !animations.is_empty()) {
+            self.add("animations are not played, as no frame is asked for: the scene is shown as it stands");
         }
     }
 
