@@ -64,7 +64,6 @@ pub(super) struct Args {
 
 /// What became of a picture.
 #[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "kebab-case")]
 struct Row {
     output: String,
     scene: String,
@@ -77,6 +76,14 @@ struct Row {
     relmse: Option<f64>,
     pixel_hash: Option<String>,
     problem: Option<String>,
+}
+
+impl Row {
+    fn line(&self) -> String {
+        let error = self.relmse.map_or_else(String::new, |relmse| format!("relMSE {relmse:.3e}"));
+        let what = self.problem.as_deref().unwrap_or(&error);
+        format!("{:<9} {:>9.2} s  {}  {what}", self.outcome, self.seconds, self.output)
+    }
 }
 
 /// What all pictures came to.
@@ -144,7 +151,9 @@ pub(super) fn render_all(pictures: &[Picture], means: Means) -> Result<()> {
     for (index, picture) in pictures.iter().enumerate() {
         let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
         means.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
-        rows.push(batch.picture(picture, &wanted[index], next));
+        let row = batch.picture(picture, &wanted[index], next);
+        means.console.line(&row.line())?;
+        rows.push(row);
     }
     let exit_code = worst(&rows).map_or(0, Kind::exit_code);
     let summary = Summary { exit_code, pictures: rows, seconds: begun.elapsed().as_secs_f64() };
@@ -217,8 +226,7 @@ impl Batch<'_> {
             folder.map_or(Ok(()), std::fs::create_dir_all).map_err(|cause| Error::write(path, cause))?;
             crate::render::writable(path)?;
         }
-        // Its own document comes at the end, and is the only one.
-        let console = Console { json: false, quiet: self.means.console.quiet || self.means.console.json };
+        let console = Console { silent: true, ..self.means.console };
         Ok(Task {
             outputs,
             report: picture.report.clone(),
@@ -306,14 +314,9 @@ fn worst(rows: &[Row]) -> Option<Kind> {
     KINDS.into_iter().find(|kind| rows.iter().any(|row| row.exit_code == kind.exit_code()))
 }
 
-/// A line a picture, and how it ended.
+/// How it all ended.
 fn tell(summary: &Summary, console: Console) -> Result<()> {
     console.document(summary)?;
-    for row in &summary.pictures {
-        let error = row.relmse.map_or_else(String::new, |relmse| format!("relMSE {relmse:.3e}"));
-        let what = row.problem.as_deref().unwrap_or(&error);
-        console.line(&format!("{:<9} {:>9.2} s  {}  {what}", row.outcome, row.seconds, row.output))?;
-    }
     let count = |outcome: &str| summary.pictures.iter().filter(|row| row.outcome == outcome).count();
     let all = summary.pictures.len();
     let [rendered, complete] = ["rendered", "complete"].map(count);

@@ -13,6 +13,9 @@ pub(super) struct Console {
     /// No progress and no notes, only errors
     #[arg(long, short)]
     pub(super) quiet: bool,
+    /// Results are told by whoever asked for them.
+    #[arg(skip)]
+    pub(super) silent: bool,
 }
 
 impl Console {
@@ -30,12 +33,12 @@ impl Console {
 
     /// Prints a line of the result, unless a JSON document takes its place.
     pub(super) fn line(self, text: &str) -> Result<()> {
-        if self.json { Ok(()) } else { print(text) }
+        if self.json || self.silent { Ok(()) } else { print(text) }
     }
 
     /// Prints the JSON document of the result, if that was asked for.
     pub(super) fn document(self, document: &impl serde::Serialize) -> Result<()> {
-        if self.json { print(&pretty(document)?) } else { Ok(()) }
+        if self.json && !self.silent { print(&pretty(document)?) } else { Ok(()) }
     }
 }
 
