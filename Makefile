@@ -3,7 +3,7 @@ CARGO ?= cargo
 export PATH := $(PATH):$(HOME)/.cargo/bin
 SHELL := bash
 
-.PHONY: help setup build demo test test-deep test-farm kill-matrix kill-matrix-quarter bench reports fuzz scenes doc deny
+.PHONY: help setup build demo test test-deep test-farm kill-matrix kill-matrix-quarter bench reports fuzz scenes doc deb deny
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 22
@@ -67,6 +67,12 @@ scenes: ## write the files of scenes/ anew
 
 doc: setup ## the documentation of the code, target/doc/etendue/index.html
 	$(CARGO) doc --locked --workspace --no-deps --document-private-items
+
+deb: build ## a Debian package in target/debian (needs cargo-deb)
+	@mkdir -p target/man target/completions
+	target/release/etendue man target/man
+	target/release/etendue completions bash > target/completions/etendue
+	$(CARGO) deb --no-build
 
 deny: ## licences, advisories and sources of the dependencies (needs cargo-deny)
 	$(CARGO) deny --locked check

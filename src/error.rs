@@ -21,7 +21,7 @@ pub enum Kind {
     Differ,
     /// The memory budget does not suffice: exit code 33.
     Memory,
-    /// Stopped by a signal with a valid checkpoint on disk; running again resumes: exit code 75.
+    /// Stopped by a signal; running again resumes from the film, if there was one to save: exit code 75.
     Interrupted,
 }
 

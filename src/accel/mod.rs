@@ -65,6 +65,18 @@ impl Backend {
     }
 }
 
+/// The version of Embree that the loader found; `None` where the program was built without it.
+///
+/// # Errors
+/// (inside) An Embree that this program cannot use, and why.
+pub fn embree_version() -> Option<Result<String>> {
+    #[cfg(feature = "embree")]
+    let version = Some(embree::version());
+    #[cfg(not(feature = "embree"))]
+    let version = None;
+    version
+}
+
 impl Default for Backend {
     fn default() -> Self {
         Backend::AVAILABLE[0]

@@ -6,10 +6,13 @@ mod batch;
 mod bench;
 mod compare;
 mod console;
+mod doctor;
+mod film;
 mod finish;
 mod info;
 mod init;
 mod merge;
+mod pages;
 mod progress;
 mod render;
 mod resume;
@@ -59,6 +62,16 @@ enum Command {
     Bench(bench::Command),
     /// Go on with a film that was stopped, or add samples to it
     Resume(resume::Args),
+    /// Say what is in a film, how far it is and how noisy
+    Status(film::StatusArgs),
+    /// Write a film's picture whenever the film has changed, until it is complete
+    Watch(film::WatchArgs),
+    /// Say what this machine and this build offer, and what is missing
+    Doctor(doctor::Args),
+    /// Print completions for a shell
+    Completions(pages::CompletionArgs),
+    /// Write manual pages
+    Man(pages::ManArgs),
     /// Compare all methods and backends on a scene
     #[command(long_about = verify::LONG, after_help = verify::AFTER)]
     Verify(Box<verify::Args>),
@@ -77,7 +90,7 @@ Examples:
 Exit codes:
   0 done   1 internal error   2 usage   3 scene invalid   4 output cannot be written
   5 target not reached (with --require-target)   6 non-finite samples (with --fail-on-nonfinite)
-  7 a difference found (compare, verify)   33 out of memory   75 stopped, with a film to resume";
+  7 a difference found (compare, verify)   33 out of memory   75 stopped: run again";
 
 /// Runs the program on the process's arguments.
 pub fn run() -> ExitCode {
@@ -114,6 +127,11 @@ fn execute(command: Command) -> Result<()> {
         Command::Bench(command) => bench::run(command),
         Command::Merge(args) => merge::run(args),
         Command::Resume(args) => resume::run(args),
+        Command::Status(args) => film::status(&args),
+        Command::Watch(args) => film::watch(&args),
+        Command::Doctor(args) => doctor::run(args),
+        Command::Completions(args) => pages::completions(&args),
+        Command::Man(args) => pages::man(&args),
         Command::Verify(args) => verify::run(*args),
     }
 }

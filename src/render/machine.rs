@@ -69,6 +69,12 @@ pub fn available_memory() -> Option<u64> {
     Some(cgroup_room().map_or(free, |room| room.min(free)))
 }
 
+/// What the system does about huge pages: `always`, `madvise` or `never`; `None` where it does not say.
+pub fn huge_pages() -> Option<String> {
+    let text = std::fs::read_to_string("/sys/kernel/mm/transparent_hugepage/enabled").ok()?;
+    Some(text.split_once('[')?.1.split_once(']')?.0.to_owned())
+}
+
 /// What the tightest control group (version 2) around this process has left, if one has a limit.
 fn cgroup_room() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;

@@ -1,22 +1,18 @@
 //! Batches: many pictures, whatever becomes of each.
 
-use crate::run::{Place, Ran, cornell};
+use crate::run::{Place, Ran, cornell, cornell_file};
 use crate::signals::signal;
 use std::io::{BufRead, BufReader};
 use std::process::Child;
 
 /// A batch file in `place`: the Cornell box by path and bdpt, then `more`.
 fn job(place: &Place, settings: &str, more: &str) {
-    let scene = cornell_path();
+    let scene = cornell_file();
     let text = format!(
         "output = '{{scene}}.{{method}}.exr'\n[settings]\nsize = '16x16'\n{settings}\n\
          [[render]]\nscenes = ['{scene}']\nmethods = ['path', 'bdpt']\n{more}"
     );
     std::fs::write(place.path("job.toml"), text).unwrap();
-}
-
-fn cornell_path() -> String {
-    format!("{}/scenes/cornell-box/scene.gltf", env!("CARGO_MANIFEST_DIR"))
 }
 
 fn summary(ran: &Ran) -> serde_json::Value {
@@ -35,7 +31,7 @@ fn a_batch_renders_what_single_runs_do_and_nothing_twice() {
     assert_eq!(first.code(), 0, "{}", first.stderr());
     let first = summary(&first);
     assert_eq!(outcomes(&first), ["rendered", "rendered"]);
-    let single = place.pixels(&format!("render {} --size 16x16 --spp 8 -m bdpt -o single.exr", cornell_path()));
+    let single = place.pixels(&format!("render {} --size 16x16 --spp 8 -m bdpt -o single.exr", cornell_file()));
     assert_eq!(first["pictures"][1]["pixel_hash"], *single);
     let second = place.run("batch job.toml --json");
     assert_eq!(outcomes(&summary(&second)), ["complete", "complete"]);
@@ -111,7 +107,7 @@ fn a_stopped_batch_goes_on_where_it_was() {
     let text = std::fs::read_to_string(place.path("job.toml")).unwrap().replace("'path', 'bdpt'", "'path'");
     std::fs::write(place.path("job.toml"), text).unwrap();
     let ended = summary(&place.run("batch job.toml --json"));
-    let whole = place.pixels(&format!("render {} --size 16x16 --spp {goal} -o whole.exr", cornell_path()));
+    let whole = place.pixels(&format!("render {} --size 16x16 --spp {goal} -o whole.exr", cornell_file()));
     assert_eq!(ended["pictures"][0]["pixel_hash"], *whole);
     assert!(!place.path("cornell-box.path.film").exists());
 }
@@ -177,4 +173,24 @@ fn settings_are_explained_where_they_are_wanted() {
     assert!(text.contains("# spp = 64") && text.contains("# One of path-naive, path-nee, path"), "{text}");
     place.run("init").fails(2, "--force");
     assert_eq!(place.run("init --force").code(), 0);
+}
+
+/// What a person asks about a film, a machine and the command line gets an answer.
+#[test]
+fn films_and_machines_are_described() {
+    let place = Place::new();
+    place.run(&format!("render {} --spp 8 --shard 0/2 -o x.film", cornell()));
+    let status = place.run("status x.film").stdout();
+    assert!(status.contains("4 of 4, 100 %") && status.contains("32x32, path"), "{status}");
+    assert_eq!(place.run("status none.film").code(), 3);
+    let watched = place.run("watch x.film --every 10ms");
+    assert!(watched.stdout().contains("image: x.png") && place.path("x.png").exists(), "{}", watched.stderr());
+    let doctor = place.report("doctor");
+    assert!(doctor["threads"].as_u64().unwrap() > 0 && doctor["problems"].as_array().unwrap().is_empty(), "{doctor}");
+    assert!(
+        place.run("completions bash").stdout().contains("etendue__subcmd__batch")
+            || place.run("completions bash").stdout().contains("etendue__batch")
+    );
+    assert_eq!(place.run("man pages").code(), 0);
+    assert!(std::fs::read_to_string(place.path("pages/etendue-render.1")).unwrap().contains("skip\\-complete"));
 }

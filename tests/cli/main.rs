@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "../support/deep.rs"]
+mod deep;
+
 mod backends;
 mod batch;
 mod bench_methods;
@@ -9,7 +12,9 @@ mod bench_rays;
 mod compare;
 mod end_to_end;
 mod environments;
+mod faults;
 mod frames;
+mod one_hash;
 mod run;
 mod signals;
 mod targets;

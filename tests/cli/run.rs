@@ -74,8 +74,12 @@ impl Ran {
     }
 }
 
+/// The Cornell box's file.
+pub(crate) fn cornell_file() -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.gltf").display().to_string()
+}
+
 /// The Cornell box, small enough for a test.
 pub(crate) fn cornell() -> String {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.gltf");
-    format!("{} --size 32x32", scene.display())
+    format!("{} --size 32x32", cornell_file())
 }

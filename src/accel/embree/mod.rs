@@ -84,6 +84,14 @@ impl Scene {
     }
 }
 
+/// The version of the library that the loader found.
+///
+/// # Errors
+/// It cannot be used.
+pub fn version() -> Result<String> {
+    Ok(Device::new(1)?.version())
+}
+
 impl Intersector for Scene {
     /// Embree wants `ray.t_min` ≥ 0. A ray that is not finite or has no direction gets some answer.
     #[inline]

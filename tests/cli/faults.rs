@@ -1,0 +1,97 @@
+//! What goes wrong on farms: kills at any moment, full disks, damaged films.
+
+use crate::deep::deep;
+use crate::run::{Place, cornell_file};
+use crate::signals::signal;
+use std::process::Command;
+use std::thread::sleep;
+use std::time::Duration;
+
+/// Numbers that are all over the place and the same in each run.
+fn moments(count: u64, most: u64) -> impl Iterator<Item = Duration> {
+    (0..count).map(move |i| Duration::from_micros(i.wrapping_mul(0x9e37_79b9_7f4a_7c15) % (1000 * most)))
+}
+
+/// The old picture stays whole until the new one is, and the film that is there always goes on.
+#[test]
+fn kills_at_any_moment_lose_nothing() {
+    let place = Place::new();
+    let line = format!("render {} -m bdpt --spp 256 --size 64x64 -o x.exr --skip-complete --checkpoint 10ms", cornell_file());
+    let whole = place.pixels(&line.replace("x.exr", "whole.exr"));
+    std::fs::write(place.path("x.exr"), "old").unwrap();
+    let (mut films, mut kills) = (0, 0);
+    for moment in moments(if deep() { 200 } else { 12 }, 250) {
+        let mut child = place.start(&line);
+        sleep(moment);
+        signal(&child, "KILL");
+        if child.wait().unwrap().success() {
+            continue;
+        }
+        kills += 1;
+        assert_eq!(std::fs::read(place.path("x.exr")).unwrap(), b"old");
+        if place.path("x.film").exists() {
+            films += 1;
+            let status = place.run("status x.film");
+            assert_eq!(status.code(), 0, "{}", status.stderr());
+        }
+        // From the beginning once in a while, so that films do not all become complete.
+        if kills % 5 == 0 {
+            std::fs::remove_file(place.path("x.film")).ok();
+        }
+    }
+    println!("{kills} kills, {films} times with a film");
+    assert!(films > 0, "no kill found a film");
+    assert_eq!(place.pixels(&line.replace("--skip-complete ", "")), whole);
+    std::fs::remove_file(place.path("x.exr")).ok();
+    let resumed = place.run(&line);
+    assert_eq!(resumed.code(), 0, "{}", resumed.stderr());
+    assert_eq!(place.run(&line).stdout().lines().next().map(|l| l.starts_with("complete already")), Some(true));
+    let temporary = std::fs::read_dir(place.path(".")).unwrap().filter(|f| {
+        let name = f.as_ref().unwrap().file_name();
+        name.to_string_lossy().starts_with(".etendue-")
+    });
+    println!("{} temporary files left by kills", temporary.count());
+}
+
+/// A limit of file sizes is a full disk as far as a program can tell.
+#[test]
+fn a_full_disk_is_told_and_old_files_stay() {
+    let place = Place::new();
+    for (file, options) in [("x.exr", "-o x.exr"), ("x.film", "-o x.film"), ("x.png", "-o x.png")] {
+        std::fs::write(place.path(file), "old").unwrap();
+        let render = format!("{} render {} --size 256x256 --spp 4 {options}", env!("CARGO_BIN_EXE_etendue"), cornell_file());
+        let limited = format!("trap '' XFSZ; ulimit -f 8; exec {render}");
+        let ran = Command::new("bash").args(["-c", &limited]).current_dir(place.path(".")).output().unwrap();
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert_eq!(ran.status.code(), Some(4), "{said}");
+        assert!(said.contains("cannot write") && said.contains(file), "{said}");
+        assert_eq!(std::fs::read(place.path(file)).unwrap(), b"old", "{file}");
+    }
+    let left: Vec<_> = std::fs::read_dir(place.path(".")).unwrap().map(|f| f.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 3, "{left:?}");
+}
+
+/// Each byte of a film's head changed, and the film cut anywhere, is an invalid input and never a picture.
+#[test]
+fn damaged_films_are_refused() {
+    let place = Place::new();
+    place.run(&format!("render {} --spp 4 --size 8x8 -o x.film", cornell_file()));
+    let film = std::fs::read(place.path("x.film")).unwrap();
+    let refused = |bytes: &[u8], what: &str| {
+        std::fs::write(place.path("y.film"), bytes).unwrap();
+        let ran = place.run("merge y.film -o y.exr");
+        assert_eq!(ran.code(), 3, "{what}: {}", ran.stderr());
+        assert!(!place.path("y.exr").exists(), "{what}");
+    };
+    let step = if deep() { 1 } else { 7 };
+    for at in (0..film.len().min(64)).step_by(step) {
+        let mut bytes = film.clone();
+        bytes[at] ^= 0x40;
+        refused(&bytes, &format!("byte {at}"));
+    }
+    let cuts = if deep() { 50 } else { 8 };
+    for cut in 0..cuts {
+        let length = film.len() * cut / cuts;
+        refused(&film[..length], &format!("cut after {length} bytes"));
+    }
+}
