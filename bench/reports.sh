@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The example pages in docs/reports/: error against time of all methods with all backends, and rays per second. For an otherwise
-# idle machine; about a quarter of an hour. JSON, CSV and references stay in bench/out/reports/.
+# idle machine; about twenty minutes. JSON, CSV and references stay in bench/out/reports/.
 #
 #   BUDGET=20s             for each curve, all its repetitions together
 #   REFERENCE_BUDGET=300s  for each reference at most; one that is cut short shows as a warning, and its page is not worth keeping
@@ -30,6 +30,15 @@ with_reference() {
 with_reference cornell-box 8192
 with_reference veach-mis 4096
 page modified-cornell modified-cornell -- --methods path,bdpt --backends embree --reference scenes/modified-cornell/reference.exr
+# with_chains SCENE: samples do not find the light of these in any time for a reference, so that chains make it; what they agree with bdpt in is
+# tested (tests/agreement/chains.rs).
+with_chains() {
+  local image=bench/out/reports/$1-128.exr
+  "$etendue" render "scenes/$1/scene.gltf" --no-config -m mlt --size 128x128 --filter box --depth 64 --time 120s --seed 77 --quiet -o "$image"
+  page "$1" "$1" -- --size 128x128 --filter box --depth 64 --methods bdpt,mmlt,mlt --backends embree --reference "$image"
+}
+BUDGET=${BUDGET:-25s} with_chains door-2cm
+BUDGET=${BUDGET:-25s} with_chains caustic-pool
 BUDGET=${BUDGET:-7s} page spheres sphere-lamp sphere-cap -- --size 48x48
 
 "$etendue" bench rays scenes/{cornell-box,modified-cornell,landscape}/scene.gltf --size 256x256 --filter box --depth 64 \

@@ -4,7 +4,7 @@ use super::Console;
 use super::progress::ProgressArgs;
 use super::task::Task;
 use crate::error::{Error, Result};
-use crate::render::{Budget, Choices, Outputs, Plan, Selection, Settings, Stage};
+use crate::render::{Budget, Bytes, Choices, Outputs, Plan, Selection, Settings, Stage};
 use std::path::{Path, PathBuf};
 
 /// The scene and where its settings come from.
@@ -129,4 +129,8 @@ pub(super) struct ThreadArgs {
     /// Number of threads [default: what Slurm, OpenCue or cgroups grant, else all cores]
     #[arg(long, short = 'j')]
     pub(super) threads: Option<usize>,
+    /// Memory that the process may take, e.g. 4G: what would take more is refused with exit code 33 [default: what is free, within
+    /// cgroup limits]
+    #[arg(long, value_name = "SIZE")]
+    pub(super) memory: Option<Bytes>,
 }

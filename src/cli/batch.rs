@@ -138,7 +138,7 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// Renders them all.
 pub(super) fn render_all(pictures: &[Picture], means: Means) -> Result<()> {
     // Mistakes of any picture are told before the first.
-    let threads = startup::start_threads(means.threads.threads)?;
+    let threads = startup::start_threads(means.threads)?;
     let wanted = pictures.iter().map(|picture| wanted(picture, threads)).collect::<Result<Vec<_>>>()?;
     for picture in pictures {
         means.strict.check(&picture.choices.plan(Selection::All)?)?;

@@ -68,7 +68,7 @@ pub(super) fn run(args: Args) -> Result<()> {
         maps::check_ending(path)?;
         writable(path)?;
     }
-    startup::start_threads(args.threads.threads)?;
+    startup::start_threads(args.threads)?;
     let pair = Pair::read(&args.image, &args.reference)?;
     let comparison = pair.compare(args.level, args.epsilon);
     console.document(&comparison)?;

@@ -48,7 +48,7 @@ pub(super) fn run(args: Args) -> Result<()> {
         program: Program::current(),
         processor: processor.model,
         missing_instructions: missing,
-        threads: startup::start_threads(args.threads.threads)?,
+        threads: startup::start_threads(args.threads)?,
         available_memory_bytes: machine::available_memory(),
         huge_pages: machine::huge_pages(),
         backends: Backend::AVAILABLE.iter().map(|backend| backend.name()).collect(),

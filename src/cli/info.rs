@@ -47,7 +47,7 @@ struct Memory {
 /// Describes.
 pub(super) fn run(args: Args) -> Result<()> {
     let choices = args.scene.choices()?;
-    let threads = startup::start_threads(args.threads.threads)?;
+    let threads = startup::start_threads(args.threads)?;
     let (stage, settings) = args.scene.stage(&choices, threads)?;
     let document = Document {
         path: stage.path.display().to_string(),

@@ -78,7 +78,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let techniques = args.techniques.files(early.method, &outputs)?;
     say_rounding(console, &choices, plan, early.replicates);
     let signals = Signals::heed()?;
-    let threads = startup::start_threads(args.threads.threads)?;
+    let threads = startup::start_threads(args.threads)?;
     let (stage, settings) = args.scene.stage(&choices, threads)?;
     let provenance = Provenance::new(&stage, settings, plan, look);
     warn(console, &provenance);

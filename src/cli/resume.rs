@@ -49,7 +49,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let outputs = outputs(&args)?;
     args.output.check(&outputs)?;
     let signals = Signals::heed()?;
-    let threads = startup::start_threads(args.threads.threads)?;
+    let threads = startup::start_threads(args.threads)?;
     let path = args.scene.clone().unwrap_or_else(|| provenance.scene.path.clone());
     let surroundings = surroundings(provenance.scene.surroundings.take(), args.env.clone())?;
     let stage = Stage::open(&path, surroundings, provenance.settings.frame, &provenance.settings.build_options(threads))?;

@@ -1,9 +1,10 @@
 //! What happens before and around a subcommand: is this the right processor, what to say about a panic or a command
 //! line that cannot be read.
 
+use super::args::ThreadArgs;
 use crate::error::{Error, Kind, Result};
 use crate::render::Program;
-use crate::render::machine::{Processor, threads};
+use crate::render::machine::{Processor, limit_memory, threads};
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
@@ -46,9 +47,10 @@ pub(super) fn check_processor() -> Result<()> {
     Err(Error::new(Kind::Internal, format!("{what}: build it with RUSTFLAGS=\"-C target-cpu=native\"")))
 }
 
-/// Decides the number of threads and gives them to rayon, once for the whole process.
-pub(super) fn start_threads(asked: Option<usize>) -> Result<usize> {
-    let threads = threads(asked, |name| std::env::var(name).ok())?;
+/// Decides how much memory there is and the number of threads, and gives these to rayon, once for the whole process.
+pub(super) fn start_threads(asked: ThreadArgs) -> Result<usize> {
+    asked.memory.iter().for_each(|bytes| limit_memory(bytes.0));
+    let threads = threads(asked.threads, |name| std::env::var(name).ok())?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("render-{i}"));
     pool.build_global().map_err(|cause| Error::new(Kind::Internal, "cannot start the render threads").because(cause))?;
     Ok(threads)

@@ -88,7 +88,7 @@ pub(super) fn run(args: Args) -> Result<()> {
         writable(&folder.with_extension("exr"))?;
     }
     let request = Request { methods: args.who.methods.clone(), backends: args.who.backends.clone() };
-    let threads = startup::start_threads(args.threads.threads)?;
+    let threads = startup::start_threads(args.threads)?;
     let stages = request.backends().into_iter().map(|b| stage(&args.scene, &choices, b, threads)).collect::<Result<Vec<_>>>()?;
     let lineup = request.lineup(&stages[0].scene)?;
     let mut candidates = candidates(&stages, &lineup.methods, &choices)?;

@@ -1,7 +1,8 @@
 //! What the machine offers and what this process has used of it.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Wall-clock and processor time since a moment.
@@ -62,11 +63,35 @@ pub fn resident_memory() -> Option<u64> {
     kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
 }
 
-/// Memory that can still be had, in bytes: what is free, within the limits of the control groups. `None` where the system
-/// does not say.
+/// What `--memory` grants this process, in bytes; 0 where nothing was said.
+static BUDGET: AtomicU64 = AtomicU64::new(0);
+
+/// Grants this process so many bytes in all.
+pub fn limit_memory(bytes: u64) {
+    BUDGET.store(bytes, Ordering::Relaxed);
+}
+
+/// Memory that can still be had, in bytes: what is free, within the limits of the control groups and of [`limit_memory`]. `None` where
+/// the system does not say.
 pub fn available_memory() -> Option<u64> {
     let free = kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
-    Some(cgroup_room().map_or(free, |room| room.min(free)))
+    let granted = Some(BUDGET.load(Ordering::Relaxed)).filter(|&bytes| bytes > 0);
+    let left = granted.map(|bytes| bytes.saturating_sub(resident_memory().unwrap_or(0)));
+    Some([cgroup_room(), left].into_iter().flatten().fold(free, u64::min))
+}
+
+/// Refuses what would take more memory than is to be had, before the kernel does; `cure` says what would take less.
+///
+/// # Errors
+/// [`Kind::Memory`] with both figures.
+pub fn affordable(what: &str, need: u64, cure: &str) -> Result<()> {
+    match available_memory() {
+        Some(available) if need > available => {
+            let (need, available) = (need as f64 / 1e9, available as f64 / 1e9);
+            Err(Error::new(Kind::Memory, format!("{what} would take {need:.2} GB and {available:.2} GB are to be had: {cure}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What the system does about huge pages: `always`, `madvise` or `never`; `None` where it does not say.

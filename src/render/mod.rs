@@ -47,4 +47,4 @@ pub use session::{Ended, Session};
 pub use settings::Settings;
 pub use stage::Stage;
 pub use surroundings::{Environment, Surroundings};
-pub use text::{Budget, Size, Window, megabytes};
+pub use text::{Budget, Bytes, Size, Window, megabytes};

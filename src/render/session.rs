@@ -1,6 +1,6 @@
 //! One process's part in a render: passes, one after the other and each over all threads, into a film.
 
-use super::machine::{Stopwatch, available_memory};
+use super::machine::{self, Stopwatch};
 use super::{Checkpoint, Observer, Pace, Progress, Provenance, Stage, checkpoint, provenance, target};
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, Layout, PassFilm};
@@ -198,15 +198,8 @@ fn admits(done: u64, used: Duration, budget: Duration) -> bool {
 
 /// Refuses what would not fit into memory.
 fn affordable(what: &str, bytes_per_pixel: usize, pixels: usize) -> Result<()> {
-    let need = bytes_per_pixel as u64 * pixels as u64;
-    match available_memory() {
-        Some(available) if need > available => {
-            let (need, available) = (need as f64 / 1e9, available as f64 / 1e9);
-            let cure = "use a smaller size, a crop, fewer replicates or fewer layers";
-            Err(Error::new(Kind::Memory, format!("{what} would take {need:.1} GB and {available:.1} GB are free: {cure}")))
-        }
-        _ => Ok(()),
-    }
+    let cure = "use a smaller size, a crop, fewer replicates or fewer layers";
+    machine::affordable(what, bytes_per_pixel as u64 * pixels as u64, cure)
 }
 
 #[cfg(test)]

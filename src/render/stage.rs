@@ -1,6 +1,6 @@
 //! A scene loaded and built, with what that took.
 
-use super::machine::Stopwatch;
+use super::machine::{self, Stopwatch};
 use super::{Frame, Surroundings};
 use crate::error::{Error, Result};
 use crate::io::gltf;
@@ -39,6 +39,11 @@ impl Stage {
         if let Some(surroundings) = &surroundings {
             surroundings.surround(&mut description)?;
         }
+        let triangles =
+            description.meshes.iter().flat_map(|mesh| &mesh.primitives).map(|p| p.triangles.len() as u64).sum::<u64>();
+        let need = triangles * options.backend.building_bytes();
+        machine::affordable("building the scene", need, "give it more with --memory, or use embree")
+            .map_err(|e| e.context(path.display()))?;
         let building = Stopwatch::start();
         let load_seconds = loading.wall().as_secs_f64();
         let scene = Scene::build(description, options).map_err(|e| e.context(path.display()))?;

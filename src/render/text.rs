@@ -27,6 +27,27 @@ pub struct Window(pub Crop);
 #[serde(try_from = "String")]
 pub struct Budget(pub Duration);
 
+/// An amount of memory such as `512M`, `4G` or `1.5T`: powers of 1,000, or of 1,024 with an `i` (`4Gi`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bytes(pub u64);
+
+impl FromStr for Bytes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("'{text}' is not an amount of memory such as 512M or 4G");
+        let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+        let number: f64 = text[..digits].parse().map_err(|_| wrong())?;
+        let (unit, base) = match text[digits..].trim().trim_end_matches('B') {
+            unit if unit.ends_with('i') => (&unit[..unit.len() - 1], 1024.0_f64),
+            unit => (unit, 1000.0),
+        };
+        let power = ["", "K", "M", "G", "T"].iter().position(|u| u.eq_ignore_ascii_case(unit)).ok_or_else(wrong)?;
+        let bytes = number * base.powi(power as i32);
+        if bytes >= 1.0 && bytes < 1e18 { Ok(Bytes(bytes as u64)) } else { Err(wrong()) }
+    }
+}
+
 /// What a TOML text says.
 ///
 /// # Errors
@@ -110,6 +131,23 @@ fn numbers<T: FromStr>(text: &str) -> Option<Vec<T>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn amounts_of_memory_are_read() {
+        for (text, bytes) in [
+            ("512M", 512_000_000),
+            ("4G", 4_000_000_000),
+            ("1.5Ki", 1536),
+            ("4GiB", 4 << 30),
+            ("100", 100),
+            ("2 GB", 2_000_000_000),
+        ] {
+            assert_eq!(text.parse(), Ok(Bytes(bytes)), "{text}");
+        }
+        for wrong in ["", "G", "-4G", "4X", "4G5", "nan", "1e3", "0", "9999999T"] {
+            assert!(wrong.parse::<Bytes>().is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn sizes_are_read_with_and_without_height() {

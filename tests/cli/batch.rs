@@ -194,3 +194,12 @@ fn films_and_machines_are_described() {
     assert_eq!(place.run("man pages").code(), 0);
     assert!(std::fs::read_to_string(place.path("pages/etendue-render.1")).unwrap().contains("skip\\-complete"));
 }
+
+/// A budget is kept before the kernel has to.
+#[test]
+fn what_takes_too_much_memory_is_refused_in_time() {
+    let place = Place::new();
+    place.run(&format!("render {} --memory 1M -o x.exr", cornell())).fails(33, "GB are to be had");
+    place.run(&format!("render {} --memory plenty -o x.exr", cornell())).fails(2, "'plenty' is not an amount of memory");
+    assert_eq!(place.run(&format!("render {} --spp 4 --memory 2G -o x.exr", cornell())).code(), 0);
+}

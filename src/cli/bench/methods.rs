@@ -55,7 +55,7 @@ pub(in crate::cli) struct Args {
 /// Measures.
 pub(super) fn run(args: &Args) -> Result<()> {
     check(args)?;
-    let threads = startup::start_threads(args.threads.threads)?;
+    let threads = startup::start_threads(args.threads)?;
     let subjects = (0..args.scenes.len()).map(|at| subject(args, at, threads)).collect::<Result<Vec<_>>>()?;
     let report = methods::run(&request(args), &subjects, &mut |text| args.console.note(text))?;
     for scene in report.scenes.iter().filter(|scene| scene.is_reference_poor()) {

@@ -4,6 +4,7 @@ use super::{command, scene_name, unique};
 use crate::accel::equivalence::Tally;
 use crate::accel::{Backend, Build};
 use crate::cli::args::SceneArgs;
+use crate::cli::args::ThreadArgs;
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
 use crate::render::Choices;
@@ -68,7 +69,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     check(args)?;
     let request = request(args)?;
     let most = request.threads.iter().copied().max();
-    let threads = startup::start_threads(most)?;
+    let threads = startup::start_threads(ThreadArgs { threads: most, memory: None })?;
     if let Some(address) = &args.replay {
         return replay(args, &request, address, threads);
     }
