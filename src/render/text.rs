@@ -44,7 +44,7 @@ impl FromStr for Bytes {
         };
         let power = ["", "K", "M", "G", "T"].iter().position(|u| u.eq_ignore_ascii_case(unit)).ok_or_else(wrong)?;
         let bytes = number * base.powi(power as i32);
-        if bytes >= 1.0 && bytes < 1e18 { Ok(Bytes(bytes as u64)) } else { Err(wrong()) }
+        if (1.0..1e18).contains(&bytes) { Ok(Bytes(bytes as u64)) } else { Err(wrong()) }
     }
 }
 
