@@ -22,6 +22,7 @@ mod status;
 mod task;
 mod techniques;
 mod verify;
+mod view;
 
 use crate::error::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};

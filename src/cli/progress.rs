@@ -1,6 +1,7 @@
 //! Running a session with signals heard and progress shown: a bar on a terminal, a line now and then elsewhere.
 
 use super::status::{Event, Status, StatusFormat};
+use super::view::{self, View};
 use super::{Console, console};
 use crate::error::Result;
 use crate::film::ImageError;
@@ -9,6 +10,7 @@ use crate::parallel::Cancel;
 use crate::render::{Checkpoint, Ended, Observer, Progress, Session};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
 /// How progress is told.
@@ -21,6 +23,9 @@ pub(super) struct ProgressArgs {
     /// Tell the state of the render on stdout, an object a line
     #[arg(long, value_enum, value_name = "FORMAT")]
     status: Option<StatusFormat>,
+    /// Show the picture as it becomes in tev, which listens there, e.g. localhost:14158
+    #[arg(long, value_name = "HOST:PORT", value_parser = view::address)]
+    view: Option<SocketAddr>,
 }
 
 /// Ways to show progress.
@@ -51,7 +56,8 @@ pub(super) fn run(
     console.note(&format!("rendering {}x{}{amount}", settings.width, settings.height));
     let status = told.status.map(|format| Status::new(format, session.provenance()));
     let error = ErrorSoFar::of(settings.method);
-    let mut watcher = Watcher { meter: Meter::styled(told.progress, console), error, status };
+    let view = told.view.and_then(|address| View::open(address, session.provenance(), session.film(), console));
+    let mut watcher = Watcher { meter: Meter::styled(told.progress, console), error, status, view };
     watcher.begin(session)?;
     let ended = session.run(cancel, &mut watcher, checkpoint)?;
     watcher.end(session, ended)?;
@@ -63,6 +69,7 @@ struct Watcher {
     meter: Meter,
     error: ErrorSoFar,
     status: Option<Status>,
+    view: Option<View>,
 }
 
 impl Watcher {
@@ -74,6 +81,9 @@ impl Watcher {
         if ended == Ended::Complete {
             self.meter.show(1.0, Duration::ZERO, String::new);
         }
+        self.view.iter_mut().for_each(|view| {
+            view.show(session.film());
+        });
         let event = if ended == Ended::Complete { Event::Complete } else { Event::Stopped };
         let error = session.film().image_error(session.provenance().settings.method.independent());
         self.status.as_ref().map_or(Ok(()), |status| status.tell_of(event, session.film(), session.provenance(), error.as_ref()))
@@ -82,7 +92,9 @@ impl Watcher {
 
 impl Observer for Watcher {
     fn pass(&mut self, progress: &Progress<'_>) {
-        let Watcher { meter, error, status } = self;
+        let Watcher { meter, error, status, view } = self;
+        // A viewer that has gone is not missed.
+        *view = view.take().and_then(|mut view| (!view.is_due() || view.show(progress.film)).then_some(view));
         if let Some(status) = status.as_mut().filter(|status| status.is_due()) {
             // Whoever reads it may be gone; the render goes on.
             let _ = status.tell(progress, error.update(progress));

@@ -203,3 +203,28 @@ fn what_takes_too_much_memory_is_refused_in_time() {
     place.run(&format!("render {} --memory plenty -o x.exr", cornell())).fails(2, "'plenty' is not an amount of memory");
     assert_eq!(place.run(&format!("render {} --spp 4 --memory 2G -o x.exr", cornell())).code(), 0);
 }
+
+/// A viewer is told of the picture and shown it; where nobody listens the render is the same.
+#[test]
+fn viewers_are_shown_the_picture() {
+    let place = Place::new();
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let seen = std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        std::io::Read::read_to_end(&mut listener.accept().unwrap().0, &mut bytes).unwrap();
+        bytes
+    });
+    let line = format!("render {} --spp 4 -o x.exr --view 127.0.0.1:{port}", cornell());
+    let shown = place.pixels(&line);
+    let bytes = seen.join().unwrap();
+    // Each packet begins with its length; the first makes an image (4) and the others fill it, a number a pixel and channel.
+    let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
+    assert_eq!(bytes[4], 4);
+    assert!(String::from_utf8_lossy(&bytes[..length]).contains("cornell-box"));
+    assert!(bytes.len() > length + 32 * 32 * 3 * 4, "{} bytes", bytes.len());
+    let alone = place.run(&format!("{line} --json"));
+    assert!(alone.stderr().contains("nobody looks"), "{}", alone.stderr());
+    assert!(alone.stdout().contains(&shown));
+    place.run(&format!("render {} --view nowhere", cornell())).fails(2, "'nowhere' is not a place");
+}
