@@ -3,7 +3,7 @@ CARGO ?= cargo
 export PATH := $(PATH):$(HOME)/.cargo/bin
 SHELL := bash
 
-.PHONY: help setup build demo test test-deep test-farm kill-matrix kill-matrix-quarter bench reports fuzz scenes doc deb deny
+.PHONY: help setup build demo test test-deep test-farm kill-matrix kill-matrix-part bench reports fuzz scenes doc deb deny
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 22
@@ -21,7 +21,7 @@ demo: build ## render scenes/cornell-box to out/cornell-box.exr and .png
 # Dependencies are compiled once for clippy and once for the tests, and only étendue itself is built again without Embree:
 # --workspace everywhere, since without it the features of shared dependencies change and all of them are built anew.
 # The build without Embree is the one that defects can be planted in: the ordinary build has none, and nothing is built for the
-# kill matrix alone. Its quarter of the day runs among the tests (tests/kill_matrix).
+# kill matrix alone. Its sixth of the day runs among the tests (tests/kill_matrix).
 DEFECTS := --no-default-features --features defects
 
 test: setup ## format, lints, architecture, all tests with and without Embree, documentation
@@ -45,7 +45,7 @@ test-farm: ## farm/: shards killed and requeued under a real Slurm, and run by o
 kill-matrix: setup ## plant every defect of src/defects.rs and see a test fail for each
 	$(CARGO) test --locked --workspace $(DEFECTS) --test kill_matrix -- --all
 
-kill-matrix-quarter: setup ## the quarter of it whose turn it is today (ETENDUE_KILL_QUARTER=0 to 3 chooses)
+kill-matrix-part: setup ## the sixth of it whose turn it is today (ETENDUE_KILL_PART=0 to 5 chooses)
 	$(CARGO) test --locked --workspace $(DEFECTS) --test kill_matrix
 
 bench: build ## time to error against other renderers, ray rates, start-up time (see bench/versus.sh)

@@ -4,7 +4,7 @@
 use super::args::{StrictArgs, ThreadArgs};
 use super::progress::ProgressArgs;
 use super::signals::Signals;
-use super::task::Task;
+use super::task::{Task, warn};
 use super::{Console, console, startup};
 use crate::error::{Error, Kind, Result};
 use crate::render::checkpoint::INTERVAL;
@@ -214,6 +214,7 @@ impl Batch<'_> {
         }
         let task = self.task(picture)?;
         let provenance = Provenance::new(stage, settings, choices.plan(Selection::All)?, choices.look()?);
+        warn(task.console, &provenance);
         let Some(mut session) = task.begin(stage, provenance)? else { return Ok(None) };
         let ended = task.render(&mut session, self.signals)?;
         task.finish(&session, stage, ended).map(Some)

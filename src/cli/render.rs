@@ -5,7 +5,7 @@ use super::batch::{self, Means};
 use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::techniques::TechniqueArgs;
-use super::{Console, startup};
+use super::{Console, startup, task};
 use crate::error::Result;
 use crate::render::job::{Job, Request};
 use crate::render::{Choices, Ended, Frames, Plan, Provenance, Selection, picture_name};
@@ -81,7 +81,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let threads = startup::start_threads(args.threads)?;
     let (stage, settings) = args.scene.stage(&choices, threads)?;
     let provenance = Provenance::new(&stage, settings, plan, look);
-    warn(console, &provenance);
+    task::warn(console, &provenance);
     if args.strict.strict {
         stage.refuse_ignored()?;
     }
@@ -108,17 +108,6 @@ fn run_frames(frames: Frames, args: Args) -> Result<()> {
     };
     let pictures = job.pictures(Path::new(""), &Choices::default())?;
     batch::render_all(&pictures, Means { again: false, strict, threads, progress, console })
-}
-
-/// Says what the user would not expect in the picture.
-fn warn(console: Console, provenance: &Provenance) {
-    let scene = &provenance.scene;
-    scene.warnings.iter().for_each(|text| console.warn(text));
-    scene.ignored.iter().for_each(|text| console.warn(&format!("ignored: {text}")));
-    scene.blind_spots.iter().for_each(|text| console.warn(text));
-    if let Some(limit) = provenance.settings.clamp {
-        console.warn(&format!("--clamp {limit}: the image is biased, and says so"));
-    }
 }
 
 /// Says that another number of samples is rendered than was asked for.

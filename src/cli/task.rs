@@ -75,3 +75,14 @@ impl Task {
         }
     }
 }
+
+/// Says what the user would not expect in the picture.
+pub(super) fn warn(console: Console, provenance: &Provenance) {
+    let scene = &provenance.scene;
+    scene.warnings.iter().for_each(|text| console.warn(text));
+    scene.ignored.iter().for_each(|text| console.warn(&format!("ignored: {text}")));
+    scene.blind_spots.iter().for_each(|text| console.warn(text));
+    if let Some(limit) = provenance.settings.clamp {
+        console.warn(&format!("--clamp {limit}: the image is biased, and says so"));
+    }
+}

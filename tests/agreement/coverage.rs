@@ -301,8 +301,8 @@ const fn chains(method: Method, scene: &'static str, spp: u64) -> Subject {
 
 const CHAINS: &[Subject] = &[
     chains(Method::Pssmlt, "cornell-box", 32),
-    chains(Method::Mmlt, "cornell-box", 512),
-    chains(Method::Mlt, "cornell-box", 512),
+    chains(Method::Mmlt, "cornell-box", 128),
+    chains(Method::Mlt, "cornell-box", 128),
 ];
 
 fn expect_coverage(subjects: impl IntoIterator<Item = Subject>, samplers: &[SamplerKind], count: u64) {

@@ -1,8 +1,8 @@
 //! The kill matrix: every planted defect (src/defects.rs) against every killer (killers.rs). It measures the tests and not the
 //! code: a defect that no test notices is a test that is missing.
 //!
-//! Without arguments, as `cargo test --features defects` runs it, it takes the quarter of the defects whose turn it is today, or
-//! the one of `ETENDUE_KILL_QUARTER` (0 to 3); `--all` takes all, `--defect NAME` one, `--list` says what they are. It fails if a
+//! Without arguments, as `cargo test --features defects` runs it, it takes the sixth of the defects whose turn it is today, or
+//! the one of `ETENDUE_KILL_PART` (0 to 5); `--all` takes all, `--defect NAME` one, `--list` says what they are. It fails if a
 //! defect survives, if a killer fails without a defect, is not there, or takes more than [`run::LIMIT`] seconds of a processor.
 
 // What it prints is what it is for.
@@ -17,7 +17,7 @@ use etendue::defects::Defect;
 use std::process::ExitCode;
 
 /// Into how many parts the defects are dealt.
-const PARTS: u64 = 4;
+const PARTS: u64 = 6;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -26,7 +26,7 @@ fn main() -> ExitCode {
         ["--list"] => list(),
         ["--all"] => judge(Defect::ALL.to_vec()),
         ["--defect", name] => named(name).and_then(|defect| judge(vec![defect])),
-        [] => quarter().and_then(judge),
+        [] => part().and_then(judge),
         // A filter or a flag that was meant for the tests of other binaries.
         _ => Ok(()),
     };
@@ -49,12 +49,12 @@ fn named(name: &str) -> Result<Defect, String> {
 }
 
 /// The defects whose turn it is.
-fn quarter() -> Result<Vec<Defect>, String> {
-    let turn = match std::env::var("ETENDUE_KILL_QUARTER") {
-        Ok(text) => text.parse().ok().filter(|&q| q < PARTS).ok_or("ETENDUE_KILL_QUARTER is 0, 1, 2 or 3")?,
+fn part() -> Result<Vec<Defect>, String> {
+    let turn = match std::env::var("ETENDUE_KILL_PART") {
+        Ok(text) => text.parse().ok().filter(|&part| part < PARTS).ok_or("ETENDUE_KILL_PART is 0 to 5")?,
         Err(_) => std::time::UNIX_EPOCH.elapsed().map_err(|e| e.to_string())?.as_secs() / 86_400 % PARTS,
     };
-    println!("quarter {turn} of 0 to {} (ETENDUE_KILL_QUARTER={turn} repeats it)", PARTS - 1);
+    println!("part {turn} of 0 to {} (ETENDUE_KILL_PART={turn} repeats it)", PARTS - 1);
     Ok((turn as usize..Defect::ALL.len()).step_by(PARTS as usize).map(|i| Defect::ALL[i]).collect())
 }
 
