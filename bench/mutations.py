@@ -2,7 +2,7 @@
 """Mutations per second and core, and the share of their time that ray queries take, for each kernel of the Metropolis methods.
 
 For each kernel a render in which it is tried three times for each bidirectional mutation (mlt), or alone. What is not chains is measured by
-a render of one step a pass and taken out; what the bidirectional mutation takes is taken out by the counts in the report. The share is that
+a render of the light that they are not for and taken out; what the bidirectional mutation takes is taken out by the counts in the report. The share is that
 of the processor's samples in libembree4 and in what étendue asks it by (perf, cpu-clock), chains and all. One thread; an idle machine.
 
     bench/mutations.py SCENE… [--etendue target/release/etendue] [--size 256x256] [--spp 16]

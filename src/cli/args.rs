@@ -31,7 +31,7 @@ impl SceneArgs {
     pub(super) fn stage(&self, choices: &Choices, threads: usize) -> Result<(Stage, Settings)> {
         let early = choices.settings(None)?;
         let stage = Stage::open(&self.scene, choices.surroundings()?, early.frame, &early.build_options(threads))?;
-        let settings = choices.settings(stage.scene.aspect(early.camera.as_deref())?)?;
+        let settings = stage.settings(choices)?;
         Ok((stage, settings))
     }
 }

@@ -9,7 +9,7 @@ use super::{Console, console, startup};
 use crate::error::{Error, Kind, Result};
 use crate::render::checkpoint::INTERVAL;
 use crate::render::job::{Job, Picture};
-use crate::render::{Choices, Frame, Outputs, Provenance, Report, Selection, Settings, Stage, Surroundings};
+use crate::render::{Choices, Frame, Outputs, Provenance, Report, Selection, Stage, Surroundings};
 use crate::scene::BuildOptions;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -72,6 +72,7 @@ struct Row {
     /// Its exit code, had it been rendered alone.
     exit_code: u8,
     seconds: f64,
+    /// Of its scene, which other pictures may share.
     load_seconds: f64,
     relmse: Option<f64>,
     pixel_hash: Option<String>,
@@ -152,7 +153,8 @@ pub(super) fn render_all(pictures: &[Picture], means: Means) -> Result<()> {
         let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
         means.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
         let row = batch.picture(picture, &wanted[index], next);
-        means.console.line(&row.line())?;
+        // Whoever reads it may be gone; the others are rendered all the same, and the summary says so.
+        let _ = means.console.line(&row.line());
         rows.push(row);
     }
     let exit_code = worst(&rows).map_or(0, Kind::exit_code);
@@ -208,7 +210,7 @@ impl Batch<'_> {
             return Err(Error::new(Kind::Internal, "the scene is gone"));
         };
         let (choices, strict) = (&picture.choices, self.means.strict);
-        let settings = settings(choices, stage)?;
+        let settings = stage.settings(choices)?;
         if strict.strict {
             stage.refuse_ignored()?;
         }
@@ -270,11 +272,6 @@ impl Loading {
     fn end(self) -> Result<Stage> {
         self.thread.join().unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error while loading, told above")))
     }
-}
-
-/// The settings that the scene's camera completes.
-fn settings(choices: &Choices, stage: &Stage) -> Result<Settings> {
-    choices.settings(stage.scene.aspect(choices.camera.as_deref())?)
 }
 
 fn row(

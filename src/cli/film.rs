@@ -2,9 +2,8 @@
 
 use super::Console;
 use crate::error::{Error, Result};
-use crate::film::{Film, Plane};
-use crate::io::png;
-use crate::render::{Budget, Provenance, checkpoint};
+use crate::film::Film;
+use crate::render::{Budget, Provenance, checkpoint, images};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -74,7 +73,7 @@ pub(super) fn watch(args: &WatchArgs) -> Result<()> {
         if changed.is_some() && changed != seen {
             let (provenance, film) = checkpoint::restore(&args.film_file)?;
             seen = changed;
-            picture(&path, &provenance, &film)?;
+            images::write_png(&path, &provenance, &film)?;
             args.console.note(&format!("{} samples per pixel: {}", film.passes().len(), path.display()));
             if provenance.plan.is_met_by(film.passes()) {
                 return args.console.line(&format!("image: {}", path.display()));
@@ -86,13 +85,6 @@ pub(super) fn watch(args: &WatchArgs) -> Result<()> {
 
 fn changed(path: &Path) -> Option<SystemTime> {
     std::fs::metadata(path).and_then(|file| file.modified()).ok()
-}
-
-fn picture(path: &Path, provenance: &Provenance, film: &Film) -> Result<()> {
-    let (crop, look) = (film.layout().crop, provenance.look);
-    let alpha = provenance.settings.transparent.then(|| film.mean(Plane::Alpha));
-    let (width, height) = (crop.x1 - crop.x0, crop.y1 - crop.y0);
-    png::write(path, width, height, &film.mean(Plane::Color), alpha.as_deref(), look.exposure, look.curve)
 }
 
 impl Document {

@@ -58,9 +58,9 @@ pub(super) fn run(
     let error = ErrorSoFar::of(settings.method);
     let view = told.view.and_then(|address| View::open(address, session.provenance(), session.film(), console));
     let mut watcher = Watcher { meter: Meter::styled(told.progress, console), error, status, view };
-    watcher.begin(session)?;
+    watcher.tell(Event::Begin, session);
     let ended = session.run(cancel, &mut watcher, checkpoint)?;
-    watcher.end(session, ended)?;
+    watcher.end(session, ended);
     Ok(ended)
 }
 
@@ -73,20 +73,22 @@ struct Watcher {
 }
 
 impl Watcher {
-    fn begin(&mut self, session: &Session<'_>) -> Result<()> {
-        self.status.as_ref().map_or(Ok(()), |status| status.tell_of(Event::Begin, session.film(), session.provenance(), None))
+    /// Tells programs of an end of the session.
+    fn tell(&self, event: Event, session: &Session<'_>) {
+        let Some(status) = &self.status else { return };
+        let error = session.film().image_error(session.provenance().settings.method.independent());
+        status.tell_of(event, session.film(), session.provenance(), error.as_ref());
     }
 
-    fn end(&mut self, session: &Session<'_>, ended: Ended) -> Result<()> {
-        if ended == Ended::Complete {
+    fn end(&mut self, session: &Session<'_>, ended: Ended) {
+        let event = if ended == Ended::Complete { Event::Complete } else { Event::Stopped };
+        if event == Event::Complete {
             self.meter.show(1.0, Duration::ZERO, String::new);
         }
         self.view.iter_mut().for_each(|view| {
             view.show(session.film());
         });
-        let event = if ended == Ended::Complete { Event::Complete } else { Event::Stopped };
-        let error = session.film().image_error(session.provenance().settings.method.independent());
-        self.status.as_ref().map_or(Ok(()), |status| status.tell_of(event, session.film(), session.provenance(), error.as_ref()))
+        self.tell(event, session);
     }
 }
 
@@ -96,8 +98,7 @@ impl Observer for Watcher {
         // A viewer that has gone is not missed.
         *view = view.take().and_then(|mut view| (!view.is_due() || view.show(progress.film)).then_some(view));
         if let Some(status) = status.as_mut().filter(|status| status.is_due()) {
-            // Whoever reads it may be gone; the render goes on.
-            let _ = status.tell(progress, error.update(progress));
+            status.tell(progress, error.update(progress));
         }
         let what = || {
             let relmse = error.update(progress).map(|e| format!(", relMSE {:.2e}", e.relmse.value)).unwrap_or_default();

@@ -1,7 +1,6 @@
 //! `--status json`: the state of a render as objects, a line each, for programs that watch it.
 
 use super::console;
-use crate::error::{Error, Kind, Result};
 use crate::film::{Film, ImageError};
 use crate::integrator::Guards;
 use crate::render::{Progress, Provenance, Selection, machine};
@@ -99,17 +98,17 @@ impl Status {
     }
 
     /// Tells how far a render is.
-    pub(super) fn tell(&mut self, progress: &Progress<'_>, error: Option<&ImageError>) -> Result<()> {
+    pub(super) fn tell(&mut self, progress: &Progress<'_>, error: Option<&ImageError>) {
         self.next = Instant::now() + INTERVAL;
         let pace = progress.pace;
         let line = self.line(Event::Progress, progress.film, progress.provenance, error);
-        print(&Line { percent: Some(pace.percent()), eta_seconds: Some(pace.remaining().as_secs_f64()), ..line })
+        print(&Line { percent: Some(pace.percent()), eta_seconds: Some(pace.remaining().as_secs_f64()), ..line });
     }
 
     /// Tells how a render begins and ends.
-    pub(super) fn tell_of(&self, event: Event, film: &Film, provenance: &Provenance, error: Option<&ImageError>) -> Result<()> {
+    pub(super) fn tell_of(&self, event: Event, film: &Film, provenance: &Provenance, error: Option<&ImageError>) {
         let line = self.line(event, film, provenance, error);
-        print(&Line { percent: (event == Event::Complete).then_some(100), ..line })
+        print(&Line { percent: (event == Event::Complete).then_some(100), ..line });
     }
 
     fn line<'a>(&'a self, event: Event, film: &Film, provenance: &Provenance, error: Option<&ImageError>) -> Line<'a> {
@@ -134,7 +133,7 @@ impl Status {
     }
 }
 
-fn print(line: &Line<'_>) -> Result<()> {
-    let text = serde_json::to_string(line).map_err(|e| Error::new(Kind::Internal, "cannot write JSON").because(e))?;
-    console::print(&text)
+/// Whoever reads it may be gone, which must not cost the render.
+fn print(line: &Line<'_>) {
+    let _ = serde_json::to_string(line).map(|text| console::print(&text));
 }

@@ -62,29 +62,6 @@ impl Frames {
     pub fn numbers(&self) -> &[u32] {
         &self.0
     }
-
-    /// The numbers one by one.
-    pub fn iter(&self) -> std::iter::Copied<std::slice::Iter<'_, u32>> {
-        self.0.iter().copied()
-    }
-}
-
-impl IntoIterator for Frames {
-    type Item = u32;
-    type IntoIter = std::vec::IntoIter<u32>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.into_iter()
-    }
-}
-
-impl<'a> IntoIterator for &'a Frames {
-    type Item = u32;
-    type IntoIter = std::iter::Copied<std::slice::Iter<'a, u32>>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
-    }
 }
 
 /// `first` to `last`, each `step`.
@@ -182,7 +159,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn numbers(text: &str) -> Vec<u32> {
-        text.parse::<Frames>().unwrap().into_iter().collect()
+        text.parse::<Frames>().unwrap().numbers().to_vec()
     }
 
     #[test]
@@ -240,7 +217,7 @@ mod tests {
             let text: Vec<_> = parts.iter().map(|(first, more, step)| format!("{first}-{}x{step}", first + more)).collect();
             let frames: Frames = text.join(",").parse().unwrap();
             prop_assert_eq!(frames.to_string().parse::<Frames>().unwrap(), frames.clone());
-            let distinct: HashSet<u32> = frames.iter().collect();
+            let distinct: HashSet<&u32> = frames.numbers().iter().collect();
             prop_assert_eq!(distinct.len(), frames.numbers().len());
         }
 

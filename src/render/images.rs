@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::film::{Film, Plane};
 use crate::io::exr::{self, Layer};
 use crate::io::png;
+use std::path::Path;
 
 /// Instance and material numbers at the pixel centres.
 pub type Ids = [Vec<f32>; 2];
@@ -25,13 +26,18 @@ pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, layers: &[
     if let Some(path) = &outputs.exr {
         exr::write(path, layout.width, layout.height, settings.crop, layers, &report.attributes())?;
     }
-    if let Some(path) = &outputs.png {
-        let crop = layout.crop;
-        let alpha = settings.transparent.then(|| film.mean(Plane::Alpha));
-        let (width, height, look) = (crop.x1 - crop.x0, crop.y1 - crop.y0, provenance.look);
-        png::write(path, width, height, &film.mean(Plane::Color), alpha.as_deref(), look.exposure, look.curve)?;
-    }
-    Ok(())
+    outputs.png.as_ref().map_or(Ok(()), |path| write_png(path, provenance, film))
+}
+
+/// Writes the image to look at.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_png(path: &Path, provenance: &Provenance, film: &Film) -> Result<()> {
+    let (crop, look) = (film.layout().crop, provenance.look);
+    let alpha = provenance.settings.transparent.then(|| film.mean(Plane::Alpha));
+    let (width, height) = (crop.x1 - crop.x0, crop.y1 - crop.y0);
+    png::write(path, width, height, &film.mean(Plane::Color), alpha.as_deref(), look.exposure, look.curve)
 }
 
 /// All layers of the EXR image: colour, alpha if asked for, the standard error of colour, the extra ones.

@@ -121,8 +121,8 @@ impl Job {
         pictures: &mut Vec<Picture>,
     ) -> Result<()> {
         let output = request.output.as_ref().or(self.output.as_ref()).map_or(DEFAULT_OUTPUT, String::as_str);
-        let frames: Vec<u32> = request.frames.iter().flat_map(Frames::iter).collect();
-        for frame in each(&frames, choices.frame) {
+        let frames = request.frames.as_ref().map_or(&[][..], Frames::numbers);
+        for frame in each(frames, choices.frame) {
             for camera in each(&request.cameras, choices.camera.clone()) {
                 for method in each(&request.methods, choices.method) {
                     if pictures.len() == MOST_PICTURES {

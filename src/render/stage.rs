@@ -1,7 +1,7 @@
 //! A scene loaded and built, with what that took.
 
 use super::machine::{self, Stopwatch};
-use super::{Frame, Surroundings};
+use super::{Choices, Frame, Settings, Surroundings};
 use crate::error::{Error, Result};
 use crate::io::gltf;
 use crate::scene::{BuildOptions, Scene, SceneInfo};
@@ -57,6 +57,14 @@ impl Stage {
             threads: options.threads,
             scene,
         })
+    }
+
+    /// The settings that were chosen, with what the scene's camera decides.
+    ///
+    /// # Errors
+    /// A camera that is not there, values out of range.
+    pub fn settings(&self, choices: &Choices) -> Result<Settings> {
+        choices.settings(self.scene.aspect(choices.camera.as_deref())?)
     }
 
     /// Refuses a scene that uses what étendue ignores.

@@ -171,6 +171,7 @@ impl Part {
             Met::Outside => false,
         }
     }
+
     /// The light that its last edge found, at a surface or outside the scene; it is taken away together with that edge's direction.
     pub(super) fn found_light(&mut self, scene: &Scene, is_surface: bool) -> Option<(Emitter, DVec3)> {
         let w = self.directions.pop()?;
