@@ -1,4 +1,5 @@
-//! Film files whose checksum is right: a header in JSON, a NUL, and the body before compression; or any bytes at all.
+//! Film files whose checksum is right: a header in JSON, a NUL, and the blocks before compression, each with its length before it;
+//! or any bytes at all.
 
 #![no_main]
 
@@ -18,10 +19,15 @@ fn read(bytes: &[u8]) {
     }
 }
 
-fn forged(header: &[u8], body: &[u8]) -> Vec<u8> {
-    let prefix = [&b"\x89ETFILM\n"[..], &2u32.to_le_bytes(), &(header.len() as u32).to_le_bytes(), header].concat();
-    let mut film = prefix;
-    film.extend(zstd::encode_all(body, 1).expect("compression in memory"));
+fn forged(header: &[u8], mut blocks: &[u8]) -> Vec<u8> {
+    let mut film = [&b"\x89ETFILM\n"[..], &3u32.to_le_bytes(), &(header.len() as u32).to_le_bytes(), header].concat();
+    while let Some((length, rest)) = blocks.split_first_chunk() {
+        let (block, others) = rest.split_at(rest.len().min(u32::from_le_bytes(*length) as usize));
+        let frame = zstd::encode_all(block, 1).expect("compression in memory");
+        film.extend((frame.len() as u32).to_le_bytes());
+        film.extend(frame);
+        blocks = others;
+    }
     let hash = blake3::hash(&film);
     film.extend(hash.as_bytes());
     film

@@ -69,7 +69,7 @@ impl Task {
     /// Removes the film beside the image if it is one of this picture.
     fn forget(&self, session: &Session<'_>) {
         let Some(path) = self.outputs.checkpoint() else { return };
-        let is_ours = checkpoint::restore(&path).is_ok_and(|(other, _)| session.provenance().same_picture(&other).is_ok());
+        let is_ours = checkpoint::open(&path).is_ok_and(|(other, _)| session.provenance().same_picture(&other).is_ok());
         if is_ours && std::fs::remove_file(&path).is_err() {
             self.console.warn(&format!("cannot remove {}, which the image does not need", path.display()));
         }

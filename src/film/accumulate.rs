@@ -6,21 +6,16 @@
 
 use super::peaks::Peaks;
 use super::sums::{Spill, Sums, add_rounded};
-use super::{Layout, PassFilm, PassSet, Plane, Units};
+use super::{Head, Layout, PassFilm, PassSet, Plane, Units};
 use crate::defects::{Defect, planted};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::sampling::mix64;
 use rayon::prelude::*;
 
 /// Exact sums over passes of every plane, for each replicate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    layout: Layout,
-    replicates: u32,
-    seed: u64,
-    units: Units,
-    passes: PassSet,
-    dropped: u64,
+    head: Head,
     /// By replicate; values are pixel-interleaved like those of a pass.
     sums: Vec<Sums>,
     peaks: Peaks,
@@ -41,27 +36,13 @@ impl Film {
     /// If there is no replicate, or a unit is not a power of two within 2^±[`Units::MAX_EXPONENT`].
     pub fn new(layout: Layout, replicates: u32, seed: u64, units: Units) -> Self {
         assert!(replicates > 0 && units.exponents().is_some(), "{replicates} replicates, {units:?}");
-        let values = layout.pixels() * layout.channels();
-        let sums = (0..replicates).map(|_| Sums::new(values)).collect();
-        let peaks = Peaks::new(layout.pixels());
-        Film { layout, replicates, seed, units, passes: PassSet::new(), dropped: 0, sums, peaks }
+        Film::empty(Head { layout, replicates, seed, units, passes: PassSet::new(), dropped: 0 })
     }
 
-    /// A film from what a file holds; `None` where the parts do not fit together.
-    pub(crate) fn from_parts(
-        layout: Layout,
-        seed: u64,
-        units: Units,
-        passes: PassSet,
-        dropped: u64,
-        sums: Vec<Sums>,
-        peaks: Peaks,
-    ) -> Option<Self> {
-        let replicates = u32::try_from(sums.len()).ok().filter(|&r| r > 0)?;
-        let values = layout.pixels() * layout.channels();
-        let fits = units.exponents().is_some() && sums.iter().all(|s| s.low().len() == values);
-        let fits = fits && peaks.packed().len() == layout.pixels();
-        fits.then_some(Film { layout, replicates, seed, units, passes, dropped, sums, peaks })
+    /// A film whose sums are zero, whatever passes `head` says that it holds.
+    pub(crate) fn empty(head: Head) -> Self {
+        let sums = (0..head.replicates).map(|_| Sums::new(head.values())).collect();
+        Film { peaks: Peaks::new(head.layout.pixels()), sums, head }
     }
 
     /// Adds a pass to its replicate, pass mod R. Committing a pass that the film holds is a defect of the caller; a
@@ -70,23 +51,23 @@ impl Film {
     /// # Panics
     /// If the pass has another layout or the index `u64::MAX`.
     pub fn commit(&mut self, pass: u64, values: &PassFilm) {
-        assert!(*values.layout() == self.layout, "a pass of another layout");
-        let is_new = self.passes.insert(pass);
+        assert!(*values.layout() == self.head.layout, "a pass of another layout");
+        let is_new = self.head.passes.insert(pass);
         debug_assert!(is_new, "pass {pass} was committed twice");
         if !is_new || values.values().is_empty() {
             return;
         }
         let channels = self.channels();
-        let key = mix64(self.seed ^ mix64(pass.wrapping_add(0x6669_6c6d)));
-        let row = (self.layout.crop.x1 - self.layout.crop.x0) as usize * channels.len();
-        let layout = &self.layout;
-        let turn = if planted(Defect::ReplicatesInTurn) { pass / u64::from(self.replicates) } else { pass };
-        let sums = &mut self.sums[(turn % u64::from(self.replicates)) as usize];
+        let key = mix64(self.head.seed ^ mix64(pass.wrapping_add(0x6669_6c6d)));
+        let row = (self.head.layout.crop.x1 - self.head.layout.crop.x0) as usize * channels.len();
+        let layout = &self.head.layout;
+        let turn = if planted(Defect::ReplicatesInTurn) { pass / u64::from(self.head.replicates) } else { pass };
+        let sums = &mut self.sums[(turn % u64::from(self.head.replicates)) as usize];
         let rows = sums.low_mut().par_chunks_mut(row).zip(values.values().par_chunks(row)).enumerate();
         let spill = rows.map(|(y, (sums, values))| add_row(sums, values, y, layout, &channels, key));
         let spill = spill.reduce(Spill::default, Spill::join);
         debug_assert!(spill.dropped == 0, "pass {pass} has {} values that are not finite or too large", spill.dropped);
-        self.dropped += spill.dropped;
+        self.head.dropped += spill.dropped;
         sums.carry(spill.carries);
         self.peaks.add(pass, values.values(), channels.len());
     }
@@ -94,26 +75,9 @@ impl Film {
     /// Adds all passes of another film of the same render.
     ///
     /// # Errors
-    /// If the films differ in layout, replicates, seed or units, or hold a pass in common; this film is then unchanged.
+    /// See [`Head::admits`]; this film is then unchanged.
     pub fn merge(&mut self, other: &Film) -> Result<()> {
-        let refuse = |what: String| Err(Error::scene(format!("the films cannot be merged: {what}")));
-        if self.layout != other.layout {
-            return refuse("they differ in image size, crop or planes".into());
-        }
-        if self.replicates != other.replicates {
-            return refuse(format!("one has {} replicates, the other {}", self.replicates, other.replicates));
-        }
-        if self.seed != other.seed {
-            return refuse(format!("one has seed {}, the other {}", self.seed, other.seed));
-        }
-        if self.units != other.units {
-            return refuse("their sums are in different units".into());
-        }
-        if let Some(pass) = self.passes.first_common(&other.passes) {
-            return refuse(format!("both hold pass {pass} (one has {}, the other {})", self.passes, other.passes));
-        }
-        self.passes.union(&other.passes);
-        self.dropped += other.dropped;
+        self.head.absorb(&other.head)?;
         self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| a.merge(b));
         self.peaks.merge(&other.peaks);
         Ok(())
@@ -123,16 +87,16 @@ impl Film {
     /// row by row within the crop, channels interleaved. [`Plane::Invalid`] is the sum; depth and position are divided by the
     /// coverage, 0 where there is none. Zeros while there are no passes; empty if the plane is not in the layout.
     pub fn mean(&self, plane: Plane) -> Vec<f32> {
-        let Some(offset) = self.layout.offset(plane) else { return Vec::new() };
-        let (stride, unit) = (self.layout.channels(), self.units.of(plane));
-        let coverage = self.layout.offset(Plane::Alpha).filter(|_| matches!(plane, Plane::Depth | Plane::Position));
+        let Some(offset) = self.head.layout.offset(plane) else { return Vec::new() };
+        let (stride, unit) = (self.head.layout.channels(), self.head.units.of(plane));
+        let coverage = self.head.layout.offset(Plane::Alpha).filter(|_| matches!(plane, Plane::Depth | Plane::Position));
         let divisor = |pixel: usize| match (plane, coverage) {
             (Plane::Invalid, _) => 1.0,
-            (_, Some(alpha)) => self.total(pixel * stride + alpha) * self.units.of(Plane::Alpha),
-            _ => self.passes.len() as f64,
+            (_, Some(alpha)) => self.total(pixel * stride + alpha) * self.head.units.of(Plane::Alpha),
+            _ => self.head.passes.len() as f64,
         };
         let channels = plane.channels();
-        let mut mean = vec![0.0; self.layout.pixels() * channels];
+        let mut mean = vec![0.0; self.head.layout.pixels() * channels];
         mean.par_chunks_mut(channels).enumerate().with_min_len(1024).for_each(|(pixel, out)| {
             let divisor = divisor(pixel);
             if divisor > 0.0 {
@@ -150,51 +114,61 @@ impl Film {
     /// # Panics
     /// If there is no such replicate.
     pub fn mean_of(&self, replicate: u32) -> Vec<f64> {
-        let (sums, stride) = (&self.sums[replicate as usize], self.layout.channels());
+        let (sums, stride) = (&self.sums[replicate as usize], self.head.layout.channels());
         // Colour is the first plane of every layout. A sum of no passes is zero whatever it is divided by.
-        let scale = self.units.of(Plane::Color) / self.passes_of(replicate).max(1) as f64;
-        let pixels = 0..self.layout.pixels();
+        let scale = self.head.units.of(Plane::Color) / self.passes_of(replicate).max(1) as f64;
+        let pixels = 0..self.head.layout.pixels();
         pixels.flat_map(|p| (0..Plane::Color.channels()).map(move |c| sums.value(p * stride + c) * scale)).collect()
     }
 
     /// Which passes it holds.
     pub fn passes(&self) -> &PassSet {
-        &self.passes
+        &self.head.passes
     }
 
     /// How many replicates passes are dealt to.
     pub fn replicates(&self) -> u32 {
-        self.replicates
+        self.head.replicates
     }
 
     /// How many passes a replicate has.
     pub fn passes_of(&self, replicate: u32) -> u64 {
-        self.passes.count_congruent(u64::from(replicate), u64::from(self.replicates))
+        self.head.passes.count_congruent(u64::from(replicate), u64::from(self.head.replicates))
     }
 
     /// Which pixels and planes it holds.
     pub fn layout(&self) -> &Layout {
-        &self.layout
+        &self.head.layout
     }
 
     /// The units of its sums.
     pub fn units(&self) -> Units {
-        self.units
+        self.head.units
     }
 
     /// The render's seed.
     pub fn seed(&self) -> u64 {
-        self.seed
+        self.head.seed
     }
 
     /// How many values were not finite or too large, and count as zero. 0 unless an integrator has a defect.
     pub fn dropped(&self) -> u64 {
-        self.dropped
+        self.head.dropped
     }
 
     /// Memory of sums and largest samples, in bytes per pixel.
     pub fn bytes_per_pixel(layout: &Layout, replicates: u32) -> usize {
         layout.channels() * replicates as usize * size_of::<i64>() + size_of::<u64>()
+    }
+
+    /// All but the sums.
+    pub fn head(&self) -> &Head {
+        &self.head
+    }
+
+    /// All but the sums, for who adds those of other passes.
+    pub(crate) fn head_mut(&mut self) -> &mut Head {
+        &mut self.head
     }
 
     /// The sums by replicate.
@@ -207,6 +181,16 @@ impl Film {
         &self.peaks
     }
 
+    /// The sums by replicate.
+    pub(crate) fn sums_mut(&mut self) -> &mut [Sums] {
+        &mut self.sums
+    }
+
+    /// The largest sample of each pixel.
+    pub(crate) fn peaks_mut(&mut self) -> &mut Peaks {
+        &mut self.peaks
+    }
+
     /// Units of the sum over all replicates.
     pub(super) fn total(&self, index: usize) -> f64 {
         Sums::total(self.sums.iter().map(|sums| (sums, index)))
@@ -214,10 +198,10 @@ impl Film {
 
     fn channels(&self) -> Vec<Channel> {
         let channel = |plane: Plane, c: usize| Channel {
-            scale: 4_294_967_296.0 / self.units.of(plane),
+            scale: 4_294_967_296.0 / self.head.units.of(plane),
             hash_factor: mix64(plane as u64 * 4 + c as u64 + 1) | 1,
         };
-        self.layout.planes().iter().flat_map(|&plane| (0..plane.channels()).map(move |c| channel(plane, c))).collect()
+        self.head.layout.planes().iter().flat_map(|&plane| (0..plane.channels()).map(move |c| channel(plane, c))).collect()
     }
 }
 

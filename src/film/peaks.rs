@@ -37,7 +37,7 @@ impl Peaks {
 
     /// Takes in all passes of another film of the same size.
     pub(crate) fn merge(&mut self, other: &Peaks) {
-        self.0.iter_mut().zip(&other.0).for_each(|(a, &b)| *a = (*a).max(b));
+        keep_largest(&mut self.0, &other.0);
     }
 
     /// The largest sample of a pixel; `None` where none was above zero.
@@ -52,11 +52,17 @@ impl Peaks {
         &self.0
     }
 
-    /// From what [`Peaks::packed`] gave; `None` unless every value is a finite one above zero.
-    pub(crate) fn from_packed(packed: Vec<u64>) -> Option<Self> {
-        let is_valid = |&packed: &u64| packed == 0 || (1..f32::INFINITY.to_bits()).contains(&((packed >> 32) as u32));
-        packed.iter().all(is_valid).then_some(Peaks(packed))
+    /// The same, for [`keep_largest`].
+    pub(crate) fn packed_mut(&mut self) -> &mut [u64] {
+        &mut self.0
     }
+}
+
+/// Takes the larger of each two packed samples; whether all of `others` are none or finite ones above zero.
+pub(crate) fn keep_largest(peaks: &mut [u64], others: &[u64]) -> bool {
+    let is_valid = |packed: u64| packed == 0 || (1..f32::INFINITY.to_bits()).contains(&((packed >> 32) as u32));
+    peaks.iter_mut().zip(others).for_each(|(peak, &other)| *peak = (*peak).max(other));
+    others.iter().all(|&other| is_valid(other))
 }
 
 #[cfg(test)]
@@ -89,9 +95,10 @@ mod tests {
     fn late_passes_and_bad_files_are_told_apart() {
         let late = peaks(&[(1 << 40, [1.0; 4])]);
         assert_eq!(late.at(0).map(|p| p.pass), Some(u32::MAX));
-        assert_eq!(Peaks::from_packed(late.packed().to_vec()), Some(late));
+        let mut read = Peaks::new(1);
+        assert!(keep_largest(read.packed_mut(), late.packed()) && read == late);
         for bad in [f32::NAN, f32::INFINITY, -1.0, 0.0] {
-            assert_eq!(Peaks::from_packed(vec![u64::from(bad.to_bits()) << 32 | 5]), None, "{bad}");
+            assert!(!keep_largest(read.packed_mut(), &[u64::from(bad.to_bits()) << 32 | 5]), "{bad}");
         }
     }
 }

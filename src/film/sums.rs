@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 
 /// Values at or beyond 2¹⁸⁰ units cannot be added: 2¹⁰ of them per sum would still fit.
 const LIMIT: f64 = f64::from_bits((1023 + 180) << 52);
+/// Values that a thread adds at a time.
+const PART: usize = 1 << 16;
 const TWO_32: f64 = 4_294_967_296.0;
 const TWO_62: f64 = 4_611_686_018_427_387_904.0;
 const TWO_64: f64 = 18_446_744_073_709_551_616.0;
@@ -42,18 +44,12 @@ impl Sums {
         Sums { low: vec![0; length], high: BTreeMap::new() }
     }
 
-    /// Sums from their two parts; `None` unless the table is canonical.
-    pub(crate) fn from_parts(low: Vec<i64>, high: BTreeMap<u64, i128>) -> Option<Self> {
-        let length = low.len() as u64;
-        high.iter().all(|(&index, &carry)| index < length && carry != 0).then_some(Sums { low, high })
-    }
-
     /// The low 64 bits of every sum.
     pub(crate) fn low(&self) -> &[i64] {
         &self.low
     }
 
-    /// The low 64 bits of every sum, for adding with [`add_rounded`].
+    /// The low 64 bits of every sum, for adding with [`add_rounded`] and [`add_all`].
     pub(crate) fn low_mut(&mut self) -> &mut [i64] {
         &mut self.low
     }
@@ -76,16 +72,9 @@ impl Sums {
 
     /// Adds all sums of another array of the same length.
     pub(crate) fn merge(&mut self, other: &Sums) {
-        let pairs = self.low.par_iter_mut().zip(&other.low).enumerate();
-        let carries: Vec<(u64, i128)> = pairs
-            .filter_map(|(index, (sum, &value))| {
-                let carry = add(sum, value);
-                (carry != 0).then_some((index as u64, carry))
-            })
-            .collect();
-        if !planted(Defect::MergeLosesCarry) {
-            self.carry(carries);
-        }
+        let parts = self.low.par_chunks_mut(PART).zip(other.low.par_chunks(PART)).enumerate();
+        let carries: Vec<_> = parts.flat_map_iter(|(part, (sums, values))| add_all(sums, values, part * PART)).collect();
+        self.carry(carries);
         self.carry(other.high.iter().map(|(&index, &high)| (index, high)));
     }
 
@@ -114,6 +103,14 @@ fn nearest(low: i128, high: i128) -> f64 {
             (high + carry) as f64 * TWO_64 + (low as i64) as f64
         }
     }
+}
+
+/// Adds `values`, the low 64 bits of other sums, to `sums`, whose first one has the index `first`; the carries by index.
+pub(crate) fn add_all(sums: &mut [i64], values: &[i64], first: usize) -> Vec<(u64, i128)> {
+    let pairs = sums.iter_mut().zip(values).zip(first as u64..);
+    let carries = pairs.map(|((sum, &value), index)| (index, add(sum, value)));
+    let keeps = !planted(Defect::MergeLosesCarry);
+    carries.filter(|&(_, carry)| carry != 0 && keeps).collect()
 }
 
 /// Adds `value` and gives the carry.

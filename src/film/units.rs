@@ -7,7 +7,8 @@ const UNIT_INTERVAL: f64 = 1.0 / 16_777_216.0;
 
 /// One integer step of radiance and of length. Colour uses `radiance`; depth and position use `length`; alpha, albedo and
 /// normal have 2⁻²⁴ and counts have 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "[i32; 2]", into = "[i32; 2]")]
 pub struct Units {
     /// Of colour; a power of two.
     pub radiance: f64,
@@ -50,6 +51,21 @@ impl Units {
             Plane::Alpha | Plane::Albedo | Plane::Normal => UNIT_INTERVAL,
             Plane::Invalid => 1.0,
         }
+    }
+}
+
+/// As their exponents, since JSON may round a float.
+impl From<Units> for [i32; 2] {
+    fn from(units: Units) -> Self {
+        units.exponents().unwrap_or_default()
+    }
+}
+
+impl TryFrom<[i32; 2]> for Units {
+    type Error = String;
+
+    fn try_from([radiance, length]: [i32; 2]) -> Result<Self, String> {
+        Units::from_exponents(radiance, length).ok_or_else(|| format!("units of 2^{radiance} and 2^{length} are out of range"))
     }
 }
 

@@ -1,8 +1,10 @@
 //! Films saved while rendering, so that a kill costs a minute at most.
 
-use super::{Provenance, film_file};
+use super::Provenance;
+use super::film_file::{self, FilmFile};
 use crate::error::{Error, Kind, Result};
 use crate::film::Film;
+use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -57,10 +59,19 @@ pub fn save(path: &Path, provenance: &Provenance, film: &Film) -> Result<()> {
 /// # Errors
 /// The file cannot be read, or is no film that this étendue understands.
 pub fn restore(path: &Path) -> Result<(Provenance, Film)> {
-    let (provenance, film) = film_file::read(path)?;
-    let provenance = serde_json::from_value(provenance).map_err(|cause| {
+    let (provenance, file) = open(path)?;
+    Ok((provenance, file.film()?))
+}
+
+/// Where the film at `path` came from, and the file itself, whose sums have not been read yet.
+///
+/// # Errors
+/// The file cannot be read, or is no film that this étendue understands.
+pub fn open(path: &Path) -> Result<(Provenance, FilmFile)> {
+    let file = FilmFile::open(path)?;
+    let provenance = Provenance::deserialize(file.provenance()).map_err(|cause| {
         let what = format!("{}: its provenance is not one this étendue understands", path.display());
         Error::new(Kind::Scene, what).because(cause)
     })?;
-    Ok((provenance, film))
+    Ok((provenance, file))
 }

@@ -28,9 +28,10 @@ pub fn merge(paths: &[PathBuf], gaps: Gaps) -> Result<(Provenance, Film)> {
             e.kind = Kind::Usage;
             e.context(format!("cannot merge {} with {}", path.display(), first.display()))
         };
-        let (other, other_film) = checkpoint::restore(path)?;
+        let (other, file) = checkpoint::open(path)?;
         provenance.same_picture(&other).map_err(named)?;
-        film.merge(&other_film).map_err(named)?;
+        film.head().admits(file.head()).map_err(named)?;
+        file.add_to(&mut film)?;
         provenance.work.absorb(other.work);
         total = total.max(other.plan.picture(film.passes(), other.settings.replicates));
     }

@@ -85,14 +85,21 @@ fn every_kept_film_image_stream_and_configuration_is_read_or_one_sentence() {
     assert!(kept("rays").iter().filter(|file| stream(file)).count() > 0, "none is read to its end");
 }
 
-/// A film with a right checksum from a header, a NUL and an unpacked body, as the fuzz target makes it.
+/// A film with a right checksum from a header, a NUL and unpacked blocks, each with its length before it, as the fuzz target makes it.
 fn forge(bytes: &[u8]) -> Vec<u8> {
     let at = bytes.iter().position(|&b| b == 0).unwrap_or(bytes.len());
-    let (header, body) = (&bytes[..at], bytes.get(at + 1..).unwrap_or_default());
-    let length = (header.len() as u32).to_le_bytes();
-    let packed = zstd::encode_all(body, 1).expect("compression in memory");
-    let film = [b"\x89ETFILM\n", &2u32.to_le_bytes()[..], &length, header, &packed].concat();
-    [&film[..], blake3::hash(&film).as_bytes()].concat()
+    let (header, mut blocks) = (&bytes[..at], bytes.get(at + 1..).unwrap_or_default());
+    let mut film = [b"\x89ETFILM\n", &3u32.to_le_bytes()[..], &(header.len() as u32).to_le_bytes(), header].concat();
+    while let Some((length, rest)) = blocks.split_first_chunk() {
+        let (block, others) = rest.split_at(rest.len().min(u32::from_le_bytes(*length) as usize));
+        let frame = zstd::encode_all(block, 1).expect("compression in memory");
+        film.extend((frame.len() as u32).to_le_bytes());
+        film.extend(frame);
+        blocks = others;
+    }
+    let hash = blake3::hash(&film);
+    film.extend(hash.as_bytes());
+    film
 }
 
 /// Whatever a person may name as the scene: models, meshes and textures of other formats, licences.
