@@ -9,7 +9,7 @@ use super::{Console, console, startup};
 use crate::error::{Error, Kind, Result};
 use crate::render::checkpoint::INTERVAL;
 use crate::render::job::{Job, Picture};
-use crate::render::{Choices, Frame, Outputs, Provenance, Report, Selection, Stage, Surroundings};
+use crate::render::{Choices, Ended, Frame, Outputs, Provenance, Rendered, Report, Selection, Stage, Surroundings};
 use crate::scene::BuildOptions;
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -147,16 +147,14 @@ pub(super) fn render_all(pictures: &[Picture], means: Means) -> Result<()> {
     }
     let signals = Signals::heed()?;
     let begun = Instant::now();
-    let mut batch = Batch { means, signals: &signals, stage: None, loading: None };
-    let mut rows = Vec::new();
+    let mut batch = Batch { means, signals: &signals, stage: None, loading: None, written: Written::default() };
     for (index, picture) in pictures.iter().enumerate() {
         let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
         means.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
-        let row = batch.picture(picture, &wanted[index], next);
-        // Whoever reads it may be gone; the others are rendered all the same, and the summary says so.
-        let _ = means.console.line(&row.line());
-        rows.push(row);
+        batch.picture(picture, &wanted[index], next);
     }
+    batch.written.wait();
+    let rows = batch.written.rows;
     let exit_code = worst(&rows).map_or(0, Kind::exit_code);
     let summary = Summary { exit_code, pictures: rows, seconds: begun.elapsed().as_secs_f64() };
     tell(&summary, means.console)
@@ -178,34 +176,64 @@ struct Batch<'a> {
     /// What is loaded, and what for.
     stage: Option<(Wanted, Result<Stage>)>,
     loading: Option<Loading>,
+    written: Written,
+}
+
+/// What is written, and what is being written.
+#[derive(Default)]
+struct Written {
+    rows: Vec<Row>,
+    next: Option<JoinHandle<Row>>,
+}
+
+impl Written {
+    /// Waits for the picture that is being written; whether there was one.
+    fn wait(&mut self) -> bool {
+        let row = self.next.take().and_then(|next| next.join().ok());
+        let waited = row.is_some();
+        self.rows.extend(row);
+        waited
+    }
+}
+
+/// What rendering a picture comes to.
+enum Made {
+    /// It was stopped before.
+    Nothing,
+    /// It was there.
+    Complete,
+    /// It is to be written.
+    Rendered(Task, Box<Rendered>, Ended),
 }
 
 impl Batch<'_> {
-    /// Renders a picture, whatever may happen, while `next` is loaded.
-    fn picture(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) -> Row {
-        let begun = Instant::now();
-        if self.signals.cancel.requested() {
-            return row(picture, "not-begun", Err(&Error::new(Kind::Interrupted, "stopped by a signal")), 0.0, 0.0);
-        }
-        let rendered = catch_unwind(AssertUnwindSafe(|| self.render(picture, wanted, next)));
-        let rendered = rendered.unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error, told above")));
-        let load =
-            self.stage.as_ref().and_then(|(_, stage)| stage.as_ref().ok()).map_or(0.0, |s| s.load_seconds + s.build_seconds);
-        let seconds = begun.elapsed().as_secs_f64();
-        match &rendered {
-            Ok(Some(report)) => row(picture, "rendered", Ok(Some(report)), seconds, load),
-            Ok(None) => row(picture, "complete", Ok(None), seconds, load),
-            Err(error) => {
-                console::error(&format!("{}: {}", picture.output.display(), error.chain()));
-                let outcome = if error.kind == Kind::Interrupted { "stopped" } else { "failed" };
-                row(picture, outcome, Err(error), seconds, load)
+    /// Renders a picture, whatever may happen, while the one before it is written and `next` is loaded.
+    fn picture(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) {
+        let mut entry = Entry { picture: picture.clone(), begun: Instant::now(), load_seconds: 0.0, console: self.means.console };
+        let stopped = self.signals.cancel.requested();
+        let made = if stopped { Ok(Made::Nothing) } else { surviving(|| self.render(picture, wanted, next)) };
+        let preparation = self.stage.as_ref().and_then(|(_, stage)| stage.as_ref().ok()).map(|stage| stage.preparation);
+        entry.load_seconds = preparation.map_or(0.0, |p| p.load_seconds + p.build_seconds);
+        self.written.wait();
+        let row = match made {
+            Ok(Made::Rendered(task, rendered, ended)) => {
+                self.written.next = Some(std::thread::spawn(move || match surviving(|| task.finish(&rendered, ended)) {
+                    Ok(report) => entry.row(Outcome::Rendered(&report)),
+                    Err(error) => entry.row(Outcome::Failed(&error)),
+                }));
+                return;
             }
-        }
+            Ok(Made::Complete) => entry.row(Outcome::Complete),
+            Ok(Made::Nothing) => entry.row(Outcome::NotBegun),
+            Err(error) => entry.row(Outcome::Failed(&error)),
+        };
+        self.written.rows.push(row);
     }
 
-    fn render(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) -> Result<Option<Report>> {
+    fn render(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) -> Result<Made> {
         self.load(wanted)?;
         self.load_ahead(next);
+        let task = self.task(picture)?;
         let Some((_, Ok(stage))) = &self.stage else {
             return Err(Error::new(Kind::Internal, "the scene is gone"));
         };
@@ -214,12 +242,16 @@ impl Batch<'_> {
         if strict.strict {
             stage.refuse_ignored()?;
         }
-        let task = self.task(picture)?;
         let provenance = Provenance::new(stage, settings, choices.plan(Selection::All)?, choices.look()?);
         warn(task.console, &provenance);
-        let Some(mut session) = task.begin(stage, provenance)? else { return Ok(None) };
+        let begun = match task.begin(stage, provenance.clone()) {
+            // The picture before takes memory until it is written.
+            Err(error) if error.kind == Kind::Memory && self.written.wait() => task.begin(stage, provenance),
+            begun => begun,
+        };
+        let Some(mut session) = begun? else { return Ok(Made::Complete) };
         let ended = task.render(&mut session, self.signals)?;
-        task.finish(&session, stage, ended).map(Some)
+        Ok(Made::Rendered(task, Box::new(session.end()?), ended))
     }
 
     fn task(&self, picture: &Picture) -> Result<Task> {
@@ -247,8 +279,15 @@ impl Batch<'_> {
             // Two scenes are enough at a time: the old one goes before another is begun.
             self.stage = None;
             let ahead = self.loading.take().filter(|loading| loading.wanted == *wanted);
-            let loading = ahead.unwrap_or_else(|| Loading::begin(wanted.clone()));
-            self.stage = Some((wanted.clone(), loading.end()));
+            let was_ahead = ahead.is_some();
+            let loaded = match ahead.unwrap_or_else(|| Loading::begin(wanted.clone())).end() {
+                // The picture before took memory while it was rendered or written.
+                Err(error) if error.kind == Kind::Memory && (self.written.wait() || was_ahead) => {
+                    Loading::begin(wanted.clone()).end()
+                }
+                loaded => loaded,
+            };
+            self.stage = Some((wanted.clone(), loaded));
         }
         match &self.stage {
             Some((_, Err(error))) => Err(Error::new(error.kind, error.chain())),
@@ -274,24 +313,67 @@ impl Loading {
     }
 }
 
-fn row(
-    picture: &Picture,
-    outcome: &'static str,
-    result: std::result::Result<Option<&Report>, &Error>,
-    seconds: f64,
-    load: f64,
-) -> Row {
-    let report = result.ok().flatten();
-    Row {
-        output: picture.output.display().to_string(),
-        scene: picture.scene.display().to_string(),
-        outcome,
-        exit_code: result.err().map_or(0, |e| e.kind.exit_code()),
-        seconds,
-        load_seconds: load,
-        relmse: report.and_then(|r| r.error()).map(|e| e.relmse.value),
-        pixel_hash: report.map(|r| r.pixel_hash().to_owned()),
-        problem: result.err().map(Error::chain),
+/// A panic as an error.
+fn surviving<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let done = catch_unwind(AssertUnwindSafe(work));
+    done.unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error, told above")))
+}
+
+/// A picture whose row is not known yet.
+struct Entry {
+    picture: Picture,
+    begun: Instant,
+    load_seconds: f64,
+    console: Console,
+}
+
+/// What became of a picture.
+enum Outcome<'a> {
+    Rendered(&'a Report),
+    Complete,
+    NotBegun,
+    Failed(&'a Error),
+}
+
+impl Outcome<'_> {
+    fn word(&self) -> &'static str {
+        match self {
+            Outcome::Rendered(_) => "rendered",
+            Outcome::Complete => "complete",
+            Outcome::NotBegun => "not-begun",
+            Outcome::Failed(error) if error.kind == Kind::Interrupted => "stopped",
+            Outcome::Failed(_) => "failed",
+        }
+    }
+}
+
+impl Entry {
+    /// The row, which is told at once.
+    fn row(self, outcome: Outcome<'_>) -> Row {
+        let (output, seconds) = (self.picture.output.display().to_string(), self.begun.elapsed().as_secs_f64());
+        let report = if let Outcome::Rendered(report) = outcome { Some(report) } else { None };
+        let error = match outcome {
+            Outcome::Failed(error) => Some((error.kind, error.chain())),
+            Outcome::NotBegun => Some((Kind::Interrupted, "stopped by a signal".into())),
+            Outcome::Rendered(_) | Outcome::Complete => None,
+        };
+        if let (Outcome::Failed(_), Some((_, why))) = (&outcome, &error) {
+            console::error(&format!("{output}: {why}"));
+        }
+        let row = Row {
+            output,
+            scene: self.picture.scene.display().to_string(),
+            outcome: outcome.word(),
+            exit_code: error.as_ref().map_or(0, |(kind, _)| kind.exit_code()),
+            seconds,
+            load_seconds: self.load_seconds,
+            relmse: report.and_then(|r| r.error()).map(|e| e.relmse.value),
+            pixel_hash: report.map(|r| r.pixel_hash().to_owned()),
+            problem: error.map(|(_, why)| why),
+        };
+        // Whoever reads it may be gone; the others are rendered all the same, and the summary says so.
+        let _ = self.console.line(&row.line());
+        row
     }
 }
 

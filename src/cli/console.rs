@@ -1,7 +1,9 @@
 //! What people read: results on stdout, the rest on stderr.
 
 use crate::error::{Error, Kind, Result};
+use indicatif::ProgressBar;
 use std::io::Write;
+use std::sync::{Mutex, PoisonError};
 
 /// How talkative the program is.
 #[derive(Debug, Clone, Copy, clap::Args)]
@@ -52,15 +54,31 @@ pub(super) fn error(text: &str) {
     stderr(&format!("etendue: error: {text}"));
 }
 
+/// The bar on the terminal, if there is one: lines of other threads are written above it.
+static BAR: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// From now on lines are written above this bar, or there is none.
+pub(super) fn share_terminal(bar: Option<ProgressBar>) {
+    *BAR.lock().unwrap_or_else(PoisonError::into_inner) = bar;
+}
+
+fn above_bar<T>(write: impl FnOnce() -> T) -> T {
+    match &*BAR.lock().unwrap_or_else(PoisonError::into_inner) {
+        Some(bar) => bar.suspend(write),
+        None => write(),
+    }
+}
+
 /// Prints a line on stdout at once.
 pub(super) fn print(text: &str) -> Result<()> {
-    let mut out = std::io::stdout().lock();
-    writeln!(out, "{text}")
-        .and_then(|()| out.flush())
-        .map_err(|cause| Error::new(Kind::Output, "cannot write to stdout").because(cause))
+    let write = || {
+        let mut out = std::io::stdout().lock();
+        writeln!(out, "{text}").and_then(|()| out.flush())
+    };
+    above_bar(write).map_err(|cause| Error::new(Kind::Output, "cannot write to stdout").because(cause))
 }
 
 /// If stderr is gone there is nobody left to tell.
 pub(super) fn stderr(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = above_bar(|| writeln!(std::io::stderr().lock(), "{text}"));
 }

@@ -1,6 +1,7 @@
 //! `etendue status` and `etendue watch`: what is in a film, once, and again and again as a picture.
 
-use super::Console;
+use super::args::ThreadArgs;
+use super::{Console, startup};
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::render::{Budget, Provenance, checkpoint, images};
@@ -13,6 +14,8 @@ use std::time::{Duration, SystemTime};
 pub(super) struct StatusArgs {
     /// The film
     film_file: PathBuf,
+    #[command(flatten)]
+    threads: ThreadArgs,
     #[command(flatten)]
     console: Console,
 }
@@ -28,6 +31,8 @@ pub(super) struct WatchArgs {
     /// How often to look
     #[arg(long, value_name = "TIME", default_value = "2s")]
     every: Budget,
+    #[command(flatten)]
+    threads: ThreadArgs,
     #[command(flatten)]
     console: Console,
 }
@@ -54,6 +59,7 @@ struct Document {
 
 /// Says what is in a film.
 pub(super) fn status(args: &StatusArgs) -> Result<()> {
+    startup::start_threads(args.threads)?;
     let (provenance, film) = checkpoint::restore(&args.film_file)?;
     let document = Document::of(&args.film_file, &provenance, &film);
     args.console.document(&document)?;
@@ -62,6 +68,7 @@ pub(super) fn status(args: &StatusArgs) -> Result<()> {
 
 /// Writes the film's picture whenever the film has changed, until it is complete.
 pub(super) fn watch(args: &WatchArgs) -> Result<()> {
+    startup::start_threads(args.threads)?;
     let path = args.output.clone().unwrap_or_else(|| args.film_file.with_extension("png"));
     if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
         return Err(Error::usage(format!("{}: what is watched is written as .png", path.display())));

@@ -5,9 +5,9 @@ use super::{Console, console};
 use crate::error::{Error, Kind, Result};
 use crate::film::ImageError;
 use crate::io::atomic::write_atomically;
-use crate::render::{Ended, Outputs, Report, Session, Stage, images};
+use crate::render::{Ended, Outputs, Rendered, Report, checkpoint, picture_name};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Where results go.
 #[derive(Debug, Clone, Copy)]
@@ -20,27 +20,16 @@ pub(super) struct Files<'a> {
 
 /// Ends a session: a whole one with its images, a stopped one with a film to resume.
 pub(super) fn session(
-    session: &Session<'_>,
-    stage: &Stage,
+    rendered: &Rendered,
     ended: Ended,
     files: Files<'_>,
     strict: StrictArgs,
     console: Console,
 ) -> Result<Report> {
     if ended == Ended::Interrupted {
-        return Err(stopped(session, files.outputs)?);
+        return Err(stopped(rendered, files.outputs));
     }
-    if let Some(path) = &files.outputs.film {
-        session.save(path)?;
-    }
-    let ids = match &files.outputs.exr {
-        Some(_) if images::needs_ids(&session.provenance().settings.aovs) => Some(session.ids()?),
-        _ => None,
-    };
-    let layers = images::layers(session.provenance(), session.film(), ids.as_ref());
-    let report = Report::new(session.provenance(), session.film(), &layers, files.outputs, Some(stage));
-    let report = report.with_target(session.target_check());
-    images::write(files.outputs, session.provenance(), session.film(), &layers, &report)?;
+    let report = rendered.write(files.outputs).map_err(|error| rescued(rendered, files.outputs, error))?;
     complain(&report, console);
     tell(&report, files, console)?;
     if strict.require_target && !report.target().is_some_and(|target| target.reached) {
@@ -72,15 +61,35 @@ pub(super) fn tell(report: &Report, files: Files<'_>, console: Console) -> Resul
 }
 
 /// Saves what there is and says how to go on.
-fn stopped(session: &Session<'_>, outputs: &Outputs) -> Result<Error> {
-    let done = session.film().passes().len();
+fn stopped(rendered: &Rendered, outputs: &Outputs) -> Error {
+    let done = rendered.film.passes().len();
     let Some(path) = outputs.checkpoint() else {
-        return Ok(Error::new(Kind::Internal, "stopped by a signal, with nowhere to save the film"));
+        return Error::new(Kind::Internal, "stopped by a signal, with nowhere to save the film");
     };
-    session.save(&path)?;
+    if let Err(error) = rendered.save(&path) {
+        return rescued(rendered, outputs, error);
+    }
     let (path, image) = (path.display(), outputs.image().map(|i| format!(" -o {}", i.display())).unwrap_or_default());
     let what = format!("stopped by a signal after {done} samples per pixel; go on with: etendue resume {path}{image}");
-    Ok(Error::new(Kind::Interrupted, what))
+    Error::new(Kind::Interrupted, what)
+}
+
+/// The film goes elsewhere if its place has gone or is full, and the error says where.
+fn rescued(rendered: &Rendered, outputs: &Outputs, error: Error) -> Error {
+    let (Kind::Output, Some(beside)) = (error.kind, outputs.checkpoint()) else { return error };
+    let is_there = |path: &PathBuf| checkpoint::open(path).is_ok_and(|(_, film)| film.head() == rendered.film.head());
+    let name = format!("{}.{}.film", picture_name(&beside), &rendered.provenance.identity()[..8]);
+    let elsewhere =
+        [std::env::current_dir().ok(), Some(std::env::temp_dir())].into_iter().flatten().map(|folder| folder.join(&name));
+    let kept = Some(beside).filter(is_there).or_else(|| elsewhere.into_iter().find(|path| rendered.save(path).is_ok()));
+    match kept {
+        Some(path) => {
+            let image = outputs.image().map(|image| format!(" -o {}", image.display())).unwrap_or_default();
+            let what = format!("{}; nothing is lost: etendue resume {}{image}", error.chain(), path.display());
+            Error::new(Kind::Output, what)
+        }
+        None => error,
+    }
 }
 
 /// Warns about everything that guards changed.

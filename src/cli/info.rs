@@ -56,8 +56,8 @@ pub(super) fn run(args: Args) -> Result<()> {
         blind_spots: integrator::blind_spots(settings.method, &stage.scene),
         memory: Memory::estimate(&settings, &stage.info),
         settings,
-        load_seconds: stage.load_seconds,
-        build_seconds: stage.build_seconds,
+        load_seconds: stage.preparation.load_seconds,
+        build_seconds: stage.preparation.build_seconds,
         info: stage.info,
     };
     args.console.document(&document)?;

@@ -1,11 +1,10 @@
 //! `etendue merge`: films of one picture become one image or film.
 
-use super::args::OutputArgs;
-use super::{Console, finish};
+use super::args::{OutputArgs, ThreadArgs};
+use super::{Console, finish, startup};
 use crate::error::{Error, Result};
-use crate::integrator;
 use crate::render::merge::{Gaps, merge};
-use crate::render::{Provenance, Report, Selection, Stage, checkpoint, images, picture_name};
+use crate::render::{Provenance, Rendered, Selection, Stage, images, picture_name};
 use std::path::PathBuf;
 
 /// Arguments of `merge`.
@@ -20,36 +19,33 @@ pub(super) struct Args {
     #[command(flatten)]
     output: OutputArgs,
     #[command(flatten)]
+    threads: ThreadArgs,
+    #[command(flatten)]
     console: Console,
 }
 
 /// Merges.
 pub(super) fn run(args: Args) -> Result<()> {
+    startup::start_threads(args.threads)?;
     let gaps = if args.allow_gaps { Gaps::Allow } else { Gaps::Refuse };
     let (provenance, film) = merge(&args.films, gaps)?;
     let outputs = args.output.outputs(&picture_name(&provenance.scene.path), Selection::All)?;
     args.output.check(&outputs)?;
-    let ids = match &outputs.exr {
-        Some(_) if images::needs_ids(&provenance.settings.aovs) => Some(ids(&provenance)?),
-        _ => None,
-    };
-    if let Some(path) = &outputs.film {
-        checkpoint::save(path, &provenance, &film)?;
-    }
-    let layers = images::layers(&provenance, &film, ids.as_ref());
-    let report = Report::new(&provenance, &film, &layers, &outputs, None);
-    images::write(&outputs, &provenance, &film, &layers, &report)?;
+    let ids = if outputs.exr.is_some() { ids(&provenance)? } else { None };
+    let report = Rendered { provenance, film, ids, preparation: None, check: None }.write(&outputs)?;
     finish::tell(&report, finish::Files { outputs: &outputs, report: args.output.report.as_deref() }, args.console)
 }
 
 /// Instance and material numbers are not in films: they come from the scene, which must be the same.
-fn ids(provenance: &Provenance) -> Result<images::Ids> {
+fn ids(provenance: &Provenance) -> Result<Option<images::Ids>> {
     let (path, surroundings, settings) = (&provenance.scene.path, provenance.scene.surroundings.clone(), &provenance.settings);
+    if !images::needs_ids(&settings.aovs) {
+        return Ok(None);
+    }
     let options = settings.build_options(rayon::current_num_threads());
     let stage = Stage::open(path, surroundings, settings.frame, &options)?;
     if stage.scene.hash() != provenance.scene.hash {
         return Err(Error::usage(format!("{} is not the scene of these films any more", path.display())));
     }
-    let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
-    Ok(integrator::ids(&stage.scene, &camera, &settings.layout()))
+    images::ids(&stage, settings)
 }

@@ -3,7 +3,7 @@
 use super::status::{Event, Status, StatusFormat};
 use super::view::{self, View};
 use super::{Console, console};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::film::ImageError;
 use crate::integrator::Method;
 use crate::parallel::Cancel;
@@ -57,7 +57,7 @@ pub(super) fn run(
     let status = told.status.map(|format| Status::new(format, session.provenance()));
     let error = ErrorSoFar::of(settings.method);
     let view = told.view.and_then(|address| View::open(address, session.provenance(), session.film(), console));
-    let mut watcher = Watcher { meter: Meter::styled(told.progress, console), error, status, view };
+    let mut watcher = Watcher { meter: Meter::styled(told.progress, console), error, status, view, console };
     watcher.tell(Event::Begin, session);
     let ended = session.run(cancel, &mut watcher, checkpoint)?;
     watcher.end(session, ended);
@@ -70,6 +70,7 @@ struct Watcher {
     error: ErrorSoFar,
     status: Option<Status>,
     view: Option<View>,
+    console: Console,
 }
 
 impl Watcher {
@@ -93,8 +94,12 @@ impl Watcher {
 }
 
 impl Observer for Watcher {
+    fn unsaved(&mut self, error: &Error) {
+        self.console.warn(&format!("{}; the render goes on", error.chain()));
+    }
+
     fn pass(&mut self, progress: &Progress<'_>) {
-        let Watcher { meter, error, status, view } = self;
+        let Watcher { meter, error, status, view, .. } = self;
         // A viewer that has gone is not missed.
         *view = view.take().and_then(|mut view| (!view.is_due() || view.show(progress.film)).then_some(view));
         if let Some(status) = status.as_mut().filter(|status| status.is_due()) {
@@ -183,6 +188,7 @@ impl Meter {
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
             bar.set_style(style);
         }
+        console::share_terminal(Some(bar.clone()));
         Meter::Bar(bar)
     }
 
@@ -214,6 +220,7 @@ impl Meter {
 impl Drop for Meter {
     fn drop(&mut self) {
         if let Meter::Bar(bar) = self {
+            console::share_terminal(None);
             bar.finish_and_clear();
         }
     }

@@ -91,7 +91,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     if let (Some(files), Ended::Complete) = (&techniques, ended) {
         ended = args.techniques.write(files, &session, &signals.cancel, console)?;
     }
-    task.finish(&session, &stage, ended).map(drop)
+    task.finish(&session.end()?, ended).map(drop)
 }
 
 /// Renders frames as a batch.

@@ -43,13 +43,13 @@ pub(super) struct Args {
 /// Resumes.
 pub(super) fn run(args: Args) -> Result<()> {
     let console = args.console;
+    let threads = startup::start_threads(args.threads)?;
     let (mut provenance, film) = checkpoint::restore(&args.film_file)?;
     provenance.plan = plan(&args, provenance.plan, provenance.settings.replicates)?;
     args.strict.check(&provenance.plan)?;
     let outputs = outputs(&args)?;
     args.output.check(&outputs)?;
     let signals = Signals::heed()?;
-    let threads = startup::start_threads(args.threads)?;
     let path = args.scene.clone().unwrap_or_else(|| provenance.scene.path.clone());
     let surroundings = surroundings(provenance.scene.surroundings.take(), args.env.clone())?;
     let stage = Stage::open(&path, surroundings, provenance.settings.frame, &provenance.settings.build_options(threads))?;
@@ -62,7 +62,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     console.note(&format!("{} samples per pixel so far", session.film().passes().len()));
     let task = args.output.task(outputs, KeepArgs::default(), args.strict, args.progress, console);
     let ended = task.render(&mut session, &signals)?;
-    task.finish(&session, &stage, ended).map(drop)
+    task.finish(&session.end()?, ended).map(drop)
 }
 
 /// What was around the scene, its file where it is now.

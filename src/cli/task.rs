@@ -6,7 +6,7 @@ use super::signals::Signals;
 use super::{Console, finish, progress};
 use crate::error::Result;
 use crate::render::checkpoint::{self, INTERVAL};
-use crate::render::{Checkpoint, Ended, Found, Outputs, Provenance, Report, Session, Stage};
+use crate::render::{Checkpoint, Ended, Found, Outputs, Provenance, Rendered, Report, Session, Stage};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -57,19 +57,19 @@ impl Task {
     }
 
     /// Writes the files, and removes a film that was only for a kill.
-    pub(super) fn finish(&self, session: &Session<'_>, stage: &Stage, ended: Ended) -> Result<Report> {
+    pub(super) fn finish(&self, rendered: &Rendered, ended: Ended) -> Result<Report> {
         let files = finish::Files { outputs: &self.outputs, report: self.report.as_deref() };
-        let report = finish::session(session, stage, ended, files, self.strict, self.console)?;
+        let report = finish::session(rendered, ended, files, self.strict, self.console)?;
         if self.outputs.film.is_none() && (self.checkpoint.is_some() || self.skip_complete) {
-            self.forget(session);
+            self.forget(&rendered.provenance);
         }
         Ok(report)
     }
 
     /// Removes the film beside the image if it is one of this picture.
-    fn forget(&self, session: &Session<'_>) {
+    fn forget(&self, provenance: &Provenance) {
         let Some(path) = self.outputs.checkpoint() else { return };
-        let is_ours = checkpoint::open(&path).is_ok_and(|(other, _)| session.provenance().same_picture(&other).is_ok());
+        let is_ours = checkpoint::open(&path).is_ok_and(|(other, _)| provenance.same_picture(&other).is_ok());
         if is_ours && std::fs::remove_file(&path).is_err() {
             self.console.warn(&format!("cannot remove {}, which the image does not need", path.display()));
         }

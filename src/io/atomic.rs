@@ -2,10 +2,14 @@
 
 use crate::error::{Error, Kind, Result};
 use std::fs::{File, OpenOptions};
-use std::io;
+use std::io::{self, Seek};
 use std::path::Path;
+use tempfile::{NamedTempFile, TempPath};
 
-/// Writes a file by `fill` under a temporary name in the same folder, syncs it, renames it to `path` and syncs the folder.
+const PREFIX: &str = ".etendue-";
+const SUFFIX: &str = ".tmp";
+
+/// Writes a file by `fill` under no name or a temporary one in the same folder, syncs it, renames it to `path` and syncs the folder.
 /// A symbolic link at `path` is replaced, not followed.
 ///
 /// # Errors
@@ -22,13 +26,79 @@ fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::R
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    // Given a mode, the umask applies as to any other new file; without one, temporary files are private.
-    let create = |name: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(name);
-    let mut temporary = tempfile::Builder::new().prefix(".etendue-").suffix(".tmp").make_in(folder, create)?;
-    fill(temporary.as_file_mut())?;
-    temporary.as_file().sync_all()?;
+    let temporary = match unnamed::create(folder) {
+        Some(mut file) => {
+            fill(&mut file)?;
+            file.sync_all()?;
+            name(file, folder)?
+        }
+        None => {
+            let mut temporary = create(folder)?;
+            fill(temporary.as_file_mut())?;
+            temporary.as_file().sync_all()?;
+            temporary.into_temp_path()
+        }
+    };
     temporary.persist(path)?;
     sync_folder(folder)
+}
+
+/// A file under a temporary name, with the mode of any other new file.
+fn create(folder: &Path) -> io::Result<NamedTempFile> {
+    // Given a mode, the umask applies; without one, temporary files are private.
+    let create = |name: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(name);
+    tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, create)
+}
+
+/// Gives a file without a name a temporary one.
+fn name(mut file: File, folder: &Path) -> io::Result<TempPath> {
+    let linked = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |name| unnamed::link(&file, name));
+    if let Ok(linked) = linked {
+        return Ok(linked.into_temp_path());
+    }
+    // Some file systems have files without names and cannot name them.
+    let mut copy = create(folder)?;
+    file.rewind()?;
+    io::copy(&mut file, copy.as_file_mut())?;
+    copy.as_file().sync_all()?;
+    Ok(copy.into_temp_path())
+}
+
+/// Files without names, which a kill leaves no trace of.
+#[cfg(target_os = "linux")]
+mod unnamed {
+    use rustix::fs::{AtFlags, CWD, Mode, OFlags, linkat, open};
+    use std::fs::File;
+    use std::io;
+    use std::os::fd::AsRawFd;
+    use std::path::Path;
+
+    /// A file in `folder`; `None` where its file system has none without a name.
+    pub(super) fn create(folder: &Path) -> Option<File> {
+        let mode = Mode::from_raw_mode(0o666);
+        open(folder, OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC, mode).ok().map(File::from)
+    }
+
+    /// Names it.
+    pub(super) fn link(file: &File, name: &Path) -> io::Result<()> {
+        Ok(linkat(CWD, format!("/proc/self/fd/{}", file.as_raw_fd()), CWD, name, AtFlags::SYMLINK_FOLLOW)?)
+    }
+}
+
+/// Elsewhere all files have names.
+#[cfg(not(target_os = "linux"))]
+mod unnamed {
+    use std::fs::File;
+    use std::io;
+    use std::path::Path;
+
+    pub(super) fn create(_folder: &Path) -> Option<File> {
+        None
+    }
+
+    pub(super) fn link(_file: &File, _name: &Path) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
 }
 
 #[cfg(unix)]
@@ -71,6 +141,27 @@ mod tests {
         let missing = write_atomically(Path::new("no/such/folder/a.bin"), |_| Ok(())).unwrap_err();
         assert!(missing.kind == Kind::Output && missing.chain().contains("no/such/folder/a.bin"), "{}", missing.chain());
         assert_eq!(write_atomically(Path::new("/"), |_| Ok(())).unwrap_err().kind, Kind::Output);
+    }
+
+    /// While it is written there is nothing in the folder that a kill could leave behind; without such files, one temporary name.
+    #[test]
+    fn has_no_name_while_it_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        let count = || fs::read_dir(folder.path()).unwrap().count();
+        let expected = usize::from(unnamed::create(folder.path()).is_none());
+        write_atomically(&path, |f| f.write_all(b"new").map(|()| assert_eq!(count(), expected))).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    /// A file that has been removed cannot be named again.
+    #[test]
+    fn what_cannot_be_named_is_copied() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut removed = create(folder.path()).unwrap();
+        removed.write_all(b"all of it").unwrap();
+        let named = name(removed.into_file(), folder.path()).unwrap();
+        assert_eq!(fs::read(&named).unwrap(), b"all of it");
     }
 
     #[cfg(unix)]

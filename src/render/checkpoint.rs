@@ -33,16 +33,16 @@ impl Checkpoint {
     /// Saves if it is time.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// The file cannot be written; it will be time again after as long.
     pub(super) fn save_if_due(&mut self, provenance: &Provenance, film: &Film) -> Result<()> {
         if self.saved.elapsed() < self.wait {
             return Ok(());
         }
         let start = Instant::now();
-        save(&self.path, provenance, film)?;
+        let saved = save(&self.path, provenance, film);
         self.saved = Instant::now();
         self.wait = self.every.max(start.elapsed() * PATIENCE);
-        Ok(())
+        saved
     }
 }
 

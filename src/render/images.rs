@@ -1,9 +1,10 @@
 //! Films as images: EXR with every layer and the report in its header, PNG to look at.
 
 use super::aov::Source;
-use super::{Aov, Outputs, Provenance, Report};
+use super::{Aov, Outputs, Provenance, Report, Settings, Stage};
 use crate::error::Result;
 use crate::film::{Film, Plane};
+use crate::integrator;
 use crate::io::exr::{self, Layer};
 use crate::io::png;
 use std::path::Path;
@@ -11,9 +12,21 @@ use std::path::Path;
 /// Instance and material numbers at the pixel centres.
 pub type Ids = [Vec<f32>; 2];
 
-/// Whether the EXR image needs the scene besides the film: identifiers are not in films.
+/// Whether the image needs the scene besides the film: identifiers are not in films.
 pub fn needs_ids(aovs: &[Aov]) -> bool {
     aovs.iter().any(|aov| matches!(aov.source(), Source::InstanceIds | Source::MaterialIds))
+}
+
+/// The numbers, if layers of the image show them.
+///
+/// # Errors
+/// A camera that is not there.
+pub fn ids(stage: &Stage, settings: &Settings) -> Result<Option<Ids>> {
+    if !needs_ids(&settings.aovs) {
+        return Ok(None);
+    }
+    let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+    Ok(Some(integrator::ids(&stage.scene, &camera, &settings.layout())))
 }
 
 /// Writes the images of `outputs`; the EXR one holds `layers`.

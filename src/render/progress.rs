@@ -1,6 +1,7 @@
 //! What a session tells those who watch it.
 
 use super::Provenance;
+use crate::error::Error;
 use crate::film::Film;
 use std::time::Duration;
 
@@ -31,6 +32,9 @@ pub struct Pace {
 pub trait Observer {
     /// A pass was committed.
     fn pass(&mut self, progress: &Progress<'_>);
+
+    /// The film could not be saved meanwhile; it will be tried again.
+    fn unsaved(&mut self, error: &Error);
 }
 
 impl Pace {

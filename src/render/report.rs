@@ -3,7 +3,7 @@
 
 use super::provenance::Program;
 use super::target::{self, Check};
-use super::{Outputs, Plan, Provenance, Settings, Stage, Surroundings, machine};
+use super::{Outputs, Plan, Preparation, Provenance, Settings, Surroundings, machine};
 use crate::film::{Film, ImageError, Plane};
 use crate::integrator::{ChainDigest, Guards, InvalidSample};
 use crate::io::exr::{self, Attribute, Layer};
@@ -117,8 +117,14 @@ struct Invalid {
 }
 
 impl Report {
-    /// Reports on `film`, whose image has `layers`; `stage` if the scene was loaded for it.
-    pub fn new(provenance: &Provenance, film: &Film, layers: &[Layer], outputs: &Outputs, stage: Option<&Stage>) -> Report {
+    /// Reports on `film`, whose image has `layers`; `preparation` if a scene was loaded for it.
+    pub(super) fn new(
+        provenance: &Provenance,
+        film: &Film,
+        layers: &[Layer],
+        outputs: &Outputs,
+        preparation: Option<Preparation>,
+    ) -> Report {
         let (work, settings) = (&provenance.work, &provenance.settings);
         let name = |path: Option<&std::path::Path>| path.map(|p| p.display().to_string());
         let error = film.image_error(settings.method.independent());
@@ -126,14 +132,14 @@ impl Report {
             image: name(outputs.image()),
             film: name(outputs.film.as_deref()),
             program: provenance.program.clone(),
-            machine: Machine::now(stage),
+            machine: Machine::now(preparation),
             scene: Scene::of(provenance),
             settings: settings.clone(),
             settings_hash: settings.hash(),
             identity: provenance.identity(),
             plan: provenance.plan,
-            load: stage.map(|s| Phase { seconds: s.load_seconds }),
-            build: stage.map(|s| Phase { seconds: s.build_seconds }),
+            load: preparation.map(|p| Phase { seconds: p.load_seconds }),
+            build: preparation.map(|p| Phase { seconds: p.build_seconds }),
             render: Render::of(provenance, film),
             guards: work.passes.guards,
             chains: work.passes.chains.as_ref().map(|chains| chains.digest(light(film))),
@@ -146,7 +152,7 @@ impl Report {
     }
 
     /// The same with what came of the plan's error target, if it has one, as the last look at it says.
-    pub fn with_target(self, last_look: Option<&Check>) -> Report {
+    pub(super) fn with_target(self, last_look: Option<&Check>) -> Report {
         let target = self.plan.stop.target_error.map(|relmse| TargetReport {
             relmse,
             reached: last_look.is_some_and(|look| look.reached),
@@ -248,10 +254,10 @@ fn light(film: &Film) -> f64 {
 }
 
 impl Machine {
-    fn now(stage: Option<&Stage>) -> Self {
+    fn now(preparation: Option<Preparation>) -> Self {
         Machine {
             processor: machine::Processor::detect().model,
-            threads: stage.map(|s| s.threads),
+            threads: preparation.map(|p| p.threads),
             peak_memory_bytes: machine::peak_memory(),
         }
     }

@@ -1,12 +1,11 @@
 //! One process's part in a render: passes, one after the other and each over all threads, into a film.
 
 use super::machine::{self, Stopwatch};
-use super::{Checkpoint, Observer, Pace, Progress, Provenance, Stage, checkpoint, provenance, target};
+use super::{Checkpoint, Observer, Pace, Progress, Provenance, Rendered, Stage, images, provenance, target};
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, Layout, PassFilm};
 use crate::integrator::{self, Integrator, PassReport, Prelude, TechniqueImages};
 use crate::parallel::Cancel;
-use std::path::Path;
 use std::time::Duration;
 
 /// A film in work.
@@ -59,16 +58,6 @@ impl<'a> Session<'a> {
         Ok(Session { stage, layout, film, provenance, clock, check: None })
     }
 
-    /// Instance and material numbers at the pixel centres.
-    ///
-    /// # Errors
-    /// A camera that is not there.
-    pub fn ids(&self) -> Result<super::images::Ids> {
-        let settings = &self.provenance.settings;
-        let camera = self.stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
-        Ok(integrator::ids(&self.stage.scene, &camera, &self.layout))
-    }
-
     /// What each technique of bidirectional path tracing finds on its own in the passes that the film has, for paths of at most `deepest`
     /// scattering events; `None` if it was cancelled. `watch` is told the share that is done before each pass.
     ///
@@ -84,11 +73,6 @@ impl<'a> Session<'a> {
         Ok(integrator::technique_images(&self.stage.scene, &camera, &options, &self.layout, passes, deepest, cancel))
     }
 
-    /// What the last look at the error said, if there is a target.
-    pub fn target_check(&self) -> Option<&target::Check> {
-        self.check.as_ref()
-    }
-
     /// The film.
     pub fn film(&self) -> &Film {
         &self.film
@@ -102,7 +86,7 @@ impl<'a> Session<'a> {
     /// Renders the passes that the plan wants and the film lacks, until done, good enough, out of time or told to stop.
     ///
     /// # Errors
-    /// A checkpoint that cannot be written, a camera that is not there.
+    /// A camera that is not there.
     pub fn run(&mut self, cancel: &Cancel, observer: &mut dyn Observer, mut checkpoint: Option<Checkpoint>) -> Result<Ended> {
         let (stage, settings) = (self.stage, self.provenance.settings.clone());
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
@@ -129,18 +113,20 @@ impl<'a> Session<'a> {
             let pace = Pace { done, wanted, elapsed: clock.wall(), budget };
             observer.pass(&Progress { film: &self.film, provenance: &self.provenance, pace });
             if let Some(checkpoint) = &mut checkpoint {
-                checkpoint.save_if_due(&self.provenance, &self.film)?;
+                checkpoint.save_if_due(&self.provenance, &self.film).unwrap_or_else(|error| observer.unsaved(&error));
             }
         }
         Ok(Ended::Complete)
     }
 
-    /// Writes the film, so that it can be merged or resumed.
+    /// What it comes to.
     ///
     /// # Errors
-    /// The file cannot be written.
-    pub fn save(&self, path: &Path) -> Result<()> {
-        checkpoint::save(path, &self.provenance, &self.film)
+    /// A camera that is not there.
+    pub fn end(self) -> Result<Rendered> {
+        let Session { stage, film, provenance, check, .. } = self;
+        let ids = images::ids(stage, &provenance.settings)?;
+        Ok(Rendered { provenance, film, ids, preparation: Some(stage.preparation), check })
     }
 
     /// The passes wanted and not held, in order.

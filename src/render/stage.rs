@@ -17,6 +17,13 @@ pub struct Stage {
     pub surroundings: Option<Surroundings>,
     /// What is in it.
     pub info: SceneInfo,
+    /// What it took.
+    pub preparation: Preparation,
+}
+
+/// What it took until a scene was ready.
+#[derive(Debug, Clone, Copy)]
+pub struct Preparation {
     /// Seconds that reading and decoding took.
     pub load_seconds: f64,
     /// Seconds that building took, the acceleration structure included.
@@ -52,9 +59,7 @@ impl Stage {
             info,
             path: path.to_owned(),
             surroundings,
-            load_seconds,
-            build_seconds: building.wall().as_secs_f64(),
-            threads: options.threads,
+            preparation: Preparation { load_seconds, build_seconds: building.wall().as_secs_f64(), threads: options.threads },
             scene,
         })
     }

@@ -4,6 +4,7 @@ use crate::deep::deep;
 use crate::run::{Place, cornell_file};
 use crate::signals::signal;
 use etendue::io::exr;
+use std::io::{BufRead, BufReader, Read};
 use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
@@ -50,11 +51,8 @@ fn kills_at_any_moment_lose_nothing() {
     assert!(place.run(&line).stdout().starts_with("complete already"));
     let pixels = |name: &str| exr::read(&place.path(name)).unwrap().hash_pixels();
     assert_eq!(pixels("x.exr"), whole, "killed and resumed");
-    let temporary = std::fs::read_dir(place.path(".")).unwrap().filter(|f| {
-        let name = f.as_ref().unwrap().file_name();
-        name.to_string_lossy().starts_with(".etendue-")
-    });
-    println!("{} temporary files left by kills", temporary.count());
+    let left: Vec<_> = std::fs::read_dir(place.path(".")).unwrap().map(|f| f.unwrap().file_name()).collect();
+    println!("{left:?} are left");
 }
 
 /// A limit of file sizes is a full disk as far as a program can tell.
@@ -97,5 +95,44 @@ fn damaged_films_are_refused() {
     for cut in 0..cuts {
         let length = film.len() * cut / cuts;
         refused(&film[..length], &format!("cut after {length} bytes"));
+    }
+}
+
+/// A network folder that goes while a picture is rendered costs a warning, and in the end an exit code that says to try again; the
+/// samples are kept where they can be.
+#[test]
+fn a_folder_that_vanishes_loses_no_sample() {
+    for stop in [false, true] {
+        let place = Place::new();
+        std::fs::create_dir(place.path("gone")).unwrap();
+        let spp = if stop { 1 << 20 } else { 512 };
+        let line = format!("render {} --size 64x64 --spp {spp} --checkpoint 10ms", cornell_file());
+        let mut child = place.start(&format!("{line} -o gone/x.exr"));
+        let mut stderr = BufReader::new(child.stderr.take().unwrap());
+        let mut said = String::new();
+        while !said.contains("etendue: rendering") {
+            assert!(stderr.read_line(&mut said).unwrap() > 0, "{said}");
+        }
+        std::fs::remove_dir_all(place.path("gone")).unwrap();
+        if stop {
+            sleep(Duration::from_millis(200));
+            signal(&child, "TERM");
+        }
+        stderr.read_to_string(&mut said).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(4), "{said}");
+        assert!(said.contains("gone/x.film") && said.contains("; the render goes on"), "{said}");
+        let again = said.rsplit_once("nothing is lost: etendue ").expect("how to go on").1.trim();
+        std::fs::create_dir(place.path("gone")).unwrap();
+        let film = again.split(' ').nth(1).expect("the film");
+        let held = place.report(&format!("status {film}"))["held"].as_u64().unwrap();
+        let spp = held.div_ceil(4).next_power_of_two() * 4;
+        let again = format!("{again} --spp {spp}");
+        let report = place.report(&again);
+        let spp = report["render"]["spp"].as_u64().unwrap();
+        assert_eq!(
+            report["pixel_hash"],
+            *place.pixels(&format!("render {} --size 64x64 --spp {spp} -o whole.exr", cornell_file()))
+        );
+        assert!(exr::read(&place.path("gone/x.exr")).is_ok());
     }
 }

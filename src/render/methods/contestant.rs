@@ -3,6 +3,7 @@
 use super::curve::Mark;
 use super::reference::Reference;
 use super::{Result, defect};
+use crate::error::Error;
 use crate::film::{Film, Plane};
 use crate::integrator;
 use crate::parallel::Cancel;
@@ -36,7 +37,7 @@ impl<'a> Contestant<'a> {
             0.0
         })?;
         let pace = marks.last().ok_or_else(|| defect("a warm-up without a pass"))?.cpu_seconds;
-        let first_seconds = pace / stage.threads.max(1) as f64;
+        let first_seconds = pace / stage.preparation.threads.max(1) as f64;
         let blind_spots = integrator::blind_spots(settings.method, &stage.scene);
         let (runs, picture, doublings) = (Vec::new(), Vec::new(), 0);
         Ok(Contestant { stage, settings, blind_spots, warm_up, runs, picture, first_seconds, doublings })
@@ -149,6 +150,9 @@ impl<J> Watch<J> {
 }
 
 impl<J: FnMut(&Film, u64) -> f64> Observer for Watch<J> {
+    /// Nothing is saved on the way.
+    fn unsaved(&mut self, _error: &Error) {}
+
     fn pass(&mut self, progress: &Progress<'_>) {
         if progress.pace.done < self.next {
             return;

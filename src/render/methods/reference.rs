@@ -7,7 +7,7 @@ use crate::film::{Film, Plane};
 use crate::integrator::{self, Method};
 use crate::io::exr;
 use crate::parallel::Cancel;
-use crate::render::{Outputs, Program, Report, Settings, images};
+use crate::render::{Outputs, Program, Settings};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -173,10 +173,7 @@ fn render(request: &Request, settings: &Settings, host: &Contestant<'_>, field: 
         0.0
     };
     let (session, _) = contestant::render(host.stage, settings, super::MOST_DOUBLINGS, &cancel, judge)?;
-    let layers = images::layers(session.provenance(), session.film(), None);
-    let outputs = Outputs { exr: Some(path.into()), ..Outputs::default() };
-    let report = Report::new(session.provenance(), session.film(), &layers, &outputs, Some(host.stage));
-    images::write(&outputs, session.provenance(), session.film(), &layers, &report)
+    session.end()?.write(&Outputs { exr: Some(path.into()), ..Outputs::default() }).map(drop)
 }
 
 #[cfg(test)]

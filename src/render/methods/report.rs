@@ -83,7 +83,7 @@ pub(super) fn report(
     let scene = |((subject, field), reference): ((&Subject, &Vec<Contestant<'_>>), &Reference)| scene(subject, field, reference);
     MethodsReport {
         conditions: Conditions::now(&request.command),
-        threads: subjects.iter().flat_map(|s| &s.stages).map(|(stage, _)| stage.threads).max().unwrap_or(1),
+        threads: subjects.iter().flat_map(|s| &s.stages).map(|(stage, _)| stage.preparation.threads).max().unwrap_or(1),
         budget_seconds: request.budget.as_secs_f64(),
         repetitions,
         scenes: subjects.iter().zip(fields).zip(references).map(scene).collect(),

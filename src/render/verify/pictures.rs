@@ -31,7 +31,7 @@ fn stem(candidate: &Candidate<'_>) -> String {
 fn write_candidate(folder: &Path, candidate: &Candidate<'_>) -> Result<()> {
     let outputs = Outputs::of(&folder.join(stem(candidate) + ".exr"))?.with_png();
     let layers = images::layers(&candidate.provenance, candidate.film(), None);
-    let report = Report::new(&candidate.provenance, candidate.film(), &layers, &outputs, Some(candidate.stage));
+    let report = Report::new(&candidate.provenance, candidate.film(), &layers, &outputs, Some(candidate.stage.preparation));
     images::write(&outputs, &candidate.provenance, candidate.film(), &layers, &report)
 }
 
