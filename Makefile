@@ -41,6 +41,7 @@ test-farm: ## farm/: shards killed and requeued under a real Slurm, and run by o
 	tests/farm/opencue.sh
 	tests/farm/openjd.sh
 	tests/farm/slurm.sh
+	tests/farm/disks.sh
 
 kill-matrix: setup ## plant every defect of src/defects.rs and see a test fail for each
 	$(CARGO) test --locked --workspace $(DEFECTS) --test kill_matrix -- --all
