@@ -80,7 +80,7 @@ pub(super) fn watch(args: &WatchArgs) -> Result<()> {
         if changed.is_some() && changed != seen {
             let (provenance, film) = checkpoint::restore(&args.film_file)?;
             seen = changed;
-            images::write_png(&path, &provenance, &film)?;
+            images::write_png(&path, &provenance, &film, &[])?;
             args.console.note(&format!("{} samples per pixel: {}", film.passes().len(), path.display()));
             if provenance.plan.is_met_by(film.passes()) {
                 return args.console.line(&format!("image: {}", path.display()));

@@ -2,9 +2,9 @@
 
 use super::atomic::write_atomically;
 use crate::error::{Error, Kind, Result};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
-use std::io::{self, BufWriter, Write};
+use ::png::{BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError, Filter};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Write};
 use std::path::Path;
 
 /// How linear values become display values.
@@ -39,26 +39,32 @@ fn srgb(x: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Writes linear Rec. 709 values, row by row, `exposure` in stops applied first. With `alpha` the colour is taken as
-/// multiplied by it (as a film's means are) and divided out, since PNG stores it so.
+/// A picture of linear Rec. 709 values, row by row. With `alpha` the colour is taken as multiplied by it (as a film's means are) and
+/// divided out, since PNG stores it so.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Three values a pixel.
+    pub rgb: &'a [f32],
+    /// One value a pixel.
+    pub alpha: Option<&'a [f32]>,
+}
+
+/// Writes a picture, `exposure` in stops applied first, with `labels`: keywords and what they say, in Latin-1.
 ///
 /// # Errors
 /// [`Kind::Output`] with the path if the file cannot be written, [`Kind::Internal`] if there are not width × height pixels.
-pub fn write(
-    path: &Path,
-    width: u32,
-    height: u32,
-    rgb: &[f32],
-    alpha: Option<&[f32]>,
-    exposure: f32,
-    curve: Curve,
-) -> Result<()> {
+pub fn write(path: &Path, picture: Picture<'_>, exposure: f32, curve: Curve, labels: &[(&str, &str)]) -> Result<()> {
+    let Picture { width, height, rgb, alpha } = picture;
     let pixels = width as usize * height as usize;
     if rgb.len() != 3 * pixels || alpha.is_some_and(|a| a.len() != pixels) {
         return Err(Error::new(Kind::Internal, format!("{} does not have {width}×{height} pixels", path.display())));
     }
     let (bytes, color) = encode(rgb, alpha, exposure.exp2(), curve);
-    save(path, width, height, &bytes, color)
+    save(path, [width, height], &bytes, color, labels)
 }
 
 /// Writes display colours as they are, one a pixel.
@@ -69,15 +75,41 @@ pub fn write_colors(path: &Path, width: u32, height: u32, colors: &[[u8; 3]]) ->
     if colors.len() != width as usize * height as usize {
         return Err(Error::new(Kind::Internal, format!("{} does not have {width}×{height} pixels", path.display())));
     }
-    save(path, width, height, colors.as_flattened(), ExtendedColorType::Rgb8)
+    save(path, [width, height], colors.as_flattened(), ColorType::Rgb, &[])
 }
 
-fn save(path: &Path, width: u32, height: u32, bytes: &[u8], color: ExtendedColorType) -> Result<()> {
+fn save(path: &Path, size: [u32; 2], bytes: &[u8], color: ColorType, labels: &[(&str, &str)]) -> Result<()> {
     write_atomically(path, |file| {
         let mut file = BufWriter::new(file);
-        PngEncoder::new(&mut file).write_image(bytes, width, height, color).map_err(io::Error::other)?;
+        pack(&mut file, size, bytes, (color, Compression::Fast), labels).map_err(io::Error::other)?;
         file.flush()
     })
+}
+
+fn pack(
+    out: impl Write,
+    [width, height]: [u32; 2],
+    bytes: &[u8],
+    (color, compression): (ColorType, Compression),
+    labels: &[(&str, &str)],
+) -> std::result::Result<(), EncodingError> {
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_color(color);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(compression);
+    encoder.set_filter(Filter::Adaptive);
+    labels.iter().try_for_each(|&(keyword, text)| encoder.add_text_chunk(keyword.into(), text.into()))?;
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(bytes)?;
+    writer.finish()
+}
+
+/// What the label `keyword` of a picture says; `None` if there is no such label, or no whole picture.
+pub fn label(path: &Path, keyword: &str) -> Option<String> {
+    let mut reader = Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
+    let labels = &reader.info().uncompressed_latin1_text;
+    let text = labels.iter().find(|label| label.keyword == keyword)?.text.clone();
+    reader.finish().ok().map(|()| text)
 }
 
 /// The same without alpha, as the bytes of a file.
@@ -103,15 +135,15 @@ pub fn display_bytes(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
         return Err(refuse());
     }
     let mut file = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut file, CompressionType::Best, FilterType::Adaptive);
-    encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8).map_err(|cause| refuse().because(cause))?;
+    let how = (ColorType::Rgb, Compression::High);
+    pack(&mut file, [width, height], rgb, how, &[]).map_err(|cause| refuse().because(cause))?;
     Ok(file)
 }
 
-fn encode(rgb: &[f32], alpha: Option<&[f32]>, gain: f32, curve: Curve) -> (Vec<u8>, ExtendedColorType) {
+fn encode(rgb: &[f32], alpha: Option<&[f32]>, gain: f32, curve: Curve) -> (Vec<u8>, ColorType) {
     let byte = |display: f32| (display * 255.0 + 0.5) as u8;
     let Some(alpha) = alpha else {
-        return (rgb.iter().map(|&v| byte(curve.apply(v * gain))).collect(), ExtendedColorType::Rgb8);
+        return (rgb.iter().map(|&v| byte(curve.apply(v * gain))).collect(), ColorType::Rgb);
     };
     let straight = |a: f32| if a > 0.0 { gain / a } else { 0.0 };
     let pixels = rgb.chunks_exact(3).zip(alpha);
@@ -119,7 +151,7 @@ fn encode(rgb: &[f32], alpha: Option<&[f32]>, gain: f32, curve: Curve) -> (Vec<u
         let [r, g, b] = [c[0], c[1], c[2]].map(|v| byte(curve.apply(v * straight(a))));
         [r, g, b, byte(a.clamp(0.0, 1.0))]
     });
-    (bytes.collect(), ExtendedColorType::Rgba8)
+    (bytes.collect(), ColorType::Rgba)
 }
 
 #[cfg(test)]
@@ -131,12 +163,29 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let rgb = [0.0, 0.5, 1.0, 0.214_041_14, f32::NAN, f32::INFINITY];
-        write(&path, 2, 1, &rgb, None, 0.0, Curve::Srgb).unwrap();
+        let picture = Picture { width: 2, height: 1, rgb: &rgb, alpha: None };
+        write(&path, picture, 0.0, Curve::Srgb, &[]).unwrap();
         let read = image::open(&path).unwrap().into_rgb8();
         assert_eq!(read.as_raw(), &[0, 188, 255, 128, 0, 255]);
-        write(&path, 2, 1, &rgb, Some(&[0.5, 0.0]), -1.0, Curve::Srgb).unwrap();
+        write(&path, Picture { alpha: Some(&[0.5, 0.0]), ..picture }, -1.0, Curve::Srgb, &[]).unwrap();
         let read = image::open(&path).unwrap().into_rgba8();
         assert_eq!(read.as_raw(), &[0, 188, 255, 128, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn labels_are_those_of_whole_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let picture = Picture { width: 2, height: 1, rgb: &[0.5; 6], alpha: None };
+        write(&path, picture, 0.0, Curve::Srgb, &[("Software", "étendue"), ("key", "0123")]).unwrap();
+        assert_eq!(label(&path, "key").as_deref(), Some("0123"));
+        assert_eq!(label(&path, "Software").as_deref(), Some("étendue"));
+        assert_eq!(label(&path, "other"), None);
+        let bytes = std::fs::read(&path).unwrap();
+        for length in 0..bytes.len() {
+            std::fs::write(&path, &bytes[..length]).unwrap();
+            assert_eq!(label(&path, "key"), None, "{length} of {} bytes", bytes.len());
+        }
     }
 
     /// Published values of the fit: 0 → 0, 0.5 → 0.6163 before the transfer function, and 1 from 8 on within a byte.
@@ -154,6 +203,7 @@ mod tests {
 
     #[test]
     fn refuses_a_wrong_number_of_pixels() {
-        assert_eq!(write(Path::new("a.png"), 2, 2, &[0.0; 9], None, 0.0, Curve::Srgb).unwrap_err().kind, Kind::Internal);
+        let picture = Picture { width: 2, height: 2, rgb: &[0.0; 9], alpha: None };
+        assert_eq!(write(Path::new("a.png"), picture, 0.0, Curve::Srgb, &[]).unwrap_err().kind, Kind::Internal);
     }
 }

@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 pub const INTERVAL: Duration = Duration::from_secs(60);
 
 /// How many times longer than a save itself the time between saves is, so that large films on slow disks do not hold
-/// the render up.
-const PATIENCE: u32 = 20;
+/// the render up: by 2 % at most.
+const PATIENCE: u32 = 50;
 
 /// Where and when a film is saved.
 #[derive(Debug)]

@@ -1,9 +1,11 @@
 //! What an earlier run left: nothing of use, a film to go on with, or all that is wanted. So a farm may run the same command again
 //! after whatever happened.
 
+use super::report::IDENTITY;
 use super::{Outputs, Provenance, checkpoint};
 use crate::film::Film;
 use crate::io::exr::{self, Attribute};
+use crate::io::png;
 use std::path::Path;
 
 /// What was found where the results go.
@@ -19,8 +21,7 @@ pub enum Found {
 impl Found {
     /// Looks for what `wanted` leaves in `outputs`. Files that cannot be read, or are of another picture, are nothing.
     pub fn at(outputs: &Outputs, wanted: &Provenance) -> Found {
-        let image = outputs.exr.as_deref();
-        if image.is_some_and(|path| is_image_of(path, wanted)) && outputs.paths().all(Path::is_file) {
+        if outputs.image().is_some_and(|path| is_image_of(path, wanted)) && outputs.paths().all(Path::is_file) {
             return Found::All;
         }
         let Some(path) = outputs.checkpoint().filter(|path| path.is_file()) else { return Found::Nothing };
@@ -34,8 +35,16 @@ impl Found {
     }
 }
 
-/// Whether the image at `path` is what `wanted` would make.
+/// Whether the image at `path` is whole and what `wanted` would make.
 fn is_image_of(path: &Path, wanted: &Provenance) -> bool {
-    let Ok(image) = exr::read(path) else { return false };
-    image.attributes.get("etendue.identity") == Some(&Attribute::Text(wanted.identity()))
+    let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    let found = if is_png { png::label(path, IDENTITY) } else { exr_label(path) };
+    found == Some(wanted.identity())
+}
+
+fn exr_label(path: &Path) -> Option<String> {
+    match exr::read(path).ok()?.attributes.remove(IDENTITY) {
+        Some(Attribute::Text(text)) => Some(text),
+        _ => None,
+    }
 }

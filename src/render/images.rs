@@ -39,18 +39,20 @@ pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, layers: &[
     if let Some(path) = &outputs.exr {
         exr::write(path, layout.width, layout.height, settings.crop, layers, &report.attributes())?;
     }
-    outputs.png.as_ref().map_or(Ok(()), |path| write_png(path, provenance, film))
+    let labels = report.labels();
+    outputs.png.as_ref().map_or(Ok(()), |path| write_png(path, provenance, film, &labels))
 }
 
-/// Writes the image to look at.
+/// Writes the image to look at, with `labels` in its header.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write_png(path: &Path, provenance: &Provenance, film: &Film) -> Result<()> {
+pub fn write_png(path: &Path, provenance: &Provenance, film: &Film, labels: &[(&str, &str)]) -> Result<()> {
     let (crop, look) = (film.layout().crop, provenance.look);
     let alpha = provenance.settings.transparent.then(|| film.mean(Plane::Alpha));
-    let (width, height) = (crop.x1 - crop.x0, crop.y1 - crop.y0);
-    png::write(path, width, height, &film.mean(Plane::Color), alpha.as_deref(), look.exposure, look.curve)
+    let (width, height, rgb) = (crop.x1 - crop.x0, crop.y1 - crop.y0, film.mean(Plane::Color));
+    let picture = png::Picture { width, height, rgb: &rgb, alpha: alpha.as_deref() };
+    png::write(path, picture, look.exposure, look.curve, labels)
 }
 
 /// All layers of the EXR image: colour, alpha if asked for, the standard error of colour, the extra ones.

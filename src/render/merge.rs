@@ -22,7 +22,7 @@ pub enum Gaps {
 pub fn merge(paths: &[PathBuf], gaps: Gaps) -> Result<(Provenance, Film)> {
     let [first, others @ ..] = paths else { return Err(Error::usage("nothing to merge")) };
     let (mut provenance, mut film) = checkpoint::restore(first)?;
-    let mut total = provenance.plan.picture(film.passes(), provenance.settings.replicates);
+    let (mut plans, replicates) = (vec![provenance.plan], provenance.settings.replicates);
     for path in others {
         let named = |mut e: Error| {
             e.kind = Kind::Usage;
@@ -33,20 +33,19 @@ pub fn merge(paths: &[PathBuf], gaps: Gaps) -> Result<(Provenance, Film)> {
         film.head().admits(file.head()).map_err(named)?;
         file.add_to(&mut film)?;
         provenance.work.absorb(other.work);
-        total = total.max(other.plan.picture(film.passes(), other.settings.replicates));
+        plans.push(other.plan);
     }
+    let total = plans.iter().map(|plan| plan.picture(film.passes(), replicates)).max().unwrap_or_default();
     if gaps == Gaps::Refuse {
-        complete(film.passes(), total)?;
+        let mut missing = PassSet::default();
+        plans.iter().for_each(|plan| missing.union(&plan.missing(film.passes(), replicates)));
+        complete(&missing, total)?;
     }
     provenance.plan = Plan { stop: Stop::after(total), selection: Selection::All };
     Ok((provenance, film))
 }
 
-fn complete(held: &PassSet, total: u64) -> Result<()> {
-    let mut missing = PassSet::default();
-    (0..total).filter(|&pass| !held.contains(pass)).for_each(|pass| {
-        missing.insert(pass);
-    });
+fn complete(missing: &PassSet, total: u64) -> Result<()> {
     if missing.is_empty() {
         return Ok(());
     }
@@ -70,6 +69,11 @@ mod tests {
 
         /// Writes a film of a tiny picture that holds the passes of `selection`, after `change`.
         fn write(&self, name: &str, selection: &str, change: impl Fn(&mut Provenance)) -> PathBuf {
+            self.write_some(name, selection, usize::MAX, change)
+        }
+
+        /// The same with no more than `most` of the passes.
+        fn write_some(&self, name: &str, selection: &str, most: usize, change: impl Fn(&mut Provenance)) -> PathBuf {
             let choices = Choices { size: Some("4x2".parse().unwrap()), spp: Some(16), ..Choices::default() };
             let selection = if selection.is_empty() { Selection::All } else { selection.parse().unwrap() };
             let mut provenance = Provenance {
@@ -92,7 +96,7 @@ mod tests {
             let units = Units { radiance: 1.0, length: 1.0 };
             let mut film = Film::new(settings.layout(), settings.replicates, settings.seed, units);
             let mut values = PassFilm::new(&settings.layout());
-            for pass in provenance.plan.passes() {
+            for pass in provenance.plan.passes().take(most) {
                 values.par_chunks(1).for_each(|(pixel, out)| out.fill((pass * 8 + pixel as u64) as f32 * 0.1));
                 film.commit(pass, &values);
             }
@@ -138,6 +142,18 @@ mod tests {
         assert!(refusal(&[a.clone(), c.clone()]).contains("4-5 of 8"));
         let b = films.write("b.film", "4..6", |_| ());
         assert!(merge(&[c, b, a], Gaps::Refuse).is_ok());
+    }
+
+    /// Each shard comes as far as it comes, and a merged film goes on to where the furthest came.
+    #[test]
+    fn shards_that_time_ends_need_not_be_equally_long() {
+        let films = Films::new();
+        let timed = |p: &mut Provenance| p.plan.stop = Stop { spp: None, seconds: Some(1.0), target_error: None };
+        let shards =
+            [5, 3, 4].map(|most| films.write_some(&format!("{most}.film"), &format!("{}/3", (5 - most) % 3), most, timed));
+        let (provenance, film) = merge(&shards, Gaps::Refuse).unwrap();
+        assert_eq!((film.passes().to_string(), provenance.plan.stop.spp), ("0-10,12".to_owned(), Some(13)));
+        assert!(refusal(&shards[..2]).contains("are missing"));
     }
 
     #[test]

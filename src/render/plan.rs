@@ -95,13 +95,18 @@ impl Plan {
         is_known && self.count().is_some() && self.passes().all(|pass| held.contains(pass))
     }
 
+    /// Whether `held` may be all that is wanted: where the number of passes is not known beforehand, any are.
+    pub(super) fn may_be_met_by(&self, held: &PassSet) -> bool {
+        !self.stop.is_known() || self.passes().all(|pass| held.contains(pass))
+    }
+
     /// How long the run may take, if time decides.
     pub fn budget(&self) -> Option<Duration> {
         self.stop.seconds.map(Duration::from_secs_f64)
     }
 
-    /// How many passes the whole picture has that `held` are part of: what a merge must find without gaps. A time budget
-    /// or an error target promises no number, so there the held passes decide.
+    /// How many passes the whole picture has that `held` are part of. A time budget or an error target promises no number, so there
+    /// the held passes decide.
     pub(super) fn picture(&self, held: &PassSet, replicates: u32) -> u64 {
         let past_last = held.iter().last().map_or(0, |last| last + 1);
         match (self.stop.spp, self.selection) {
@@ -109,6 +114,19 @@ impl Plan {
             (Some(n), _) if self.stop.is_known() => n,
             _ => past_last,
         }
+    }
+
+    /// The passes of the whole picture that `held` lacks. Where time or an error decides each shard comes as far as it comes: then
+    /// every shard must have begun, and none may have holes.
+    pub(super) fn missing(&self, held: &PassSet, replicates: u32) -> PassSet {
+        let last = |index: u64, count: u64| held.iter().filter(|pass| pass % count == index).last().unwrap_or(index);
+        let wanted: Box<dyn Iterator<Item = u64>> = match self.selection {
+            Selection::Shard { count, .. } if !self.stop.is_known() => {
+                Box::new((0..count).flat_map(move |index| (index..=last(index, count)).step_by(count as usize)))
+            }
+            _ => Box::new(0..self.picture(held, replicates)),
+        };
+        wanted.filter(|&pass| !held.contains(pass)).collect()
     }
 }
 

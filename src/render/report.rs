@@ -11,6 +11,9 @@ use crate::spectrum::LANES;
 use serde::Serialize;
 use serde_json::Value;
 
+/// The attribute of an image that says what it is: see [`Provenance::identity`].
+pub(super) const IDENTITY: &str = "etendue.identity";
+
 /// The report of a render or a merge.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
@@ -21,8 +24,8 @@ pub struct Report {
     scene: Scene,
     settings: Settings,
     settings_hash: String,
-    /// See [`Provenance::identity`].
-    identity: String,
+    /// See [`Provenance::identity`]; `None` where passes are missing.
+    identity: Option<String>,
     plan: Plan,
     load: Option<Phase>,
     build: Option<Phase>,
@@ -136,7 +139,7 @@ impl Report {
             scene: Scene::of(provenance),
             settings: settings.clone(),
             settings_hash: settings.hash(),
-            identity: provenance.identity(),
+            identity: provenance.plan.may_be_met_by(film.passes()).then(|| provenance.identity()),
             plan: provenance.plan,
             load: preparation.map(|p| Phase { seconds: p.load_seconds }),
             build: preparation.map(|p| Phase { seconds: p.build_seconds }),
@@ -176,6 +179,12 @@ impl Report {
             None => "there were too few samples to look at it".into(),
         };
         Some(format!("the target error {:e} was not reached: {found}", target.relmse))
+    }
+
+    /// What a picture says of itself where there is no room for the whole report.
+    pub(super) fn labels(&self) -> Vec<(&'static str, &str)> {
+        let identity = self.identity.as_deref().map(|identity| (IDENTITY, identity));
+        [("Software", "étendue")].into_iter().chain(identity).collect()
     }
 
     /// The error of the image, if it has replicates to measure it between.

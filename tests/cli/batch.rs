@@ -137,6 +137,20 @@ fn a_render_takes_what_an_earlier_one_left() {
 }
 
 #[test]
+fn a_png_alone_is_complete_too_and_a_picture_with_gaps_is_not() {
+    let place = Place::new();
+    let line = format!("render {} --spp 8 -o x.png --skip-complete", cornell());
+    assert_eq!(place.run(&line).code(), 0);
+    assert!(place.run(&line).stdout().contains("complete already: x.png"));
+    assert!(!place.run(&line.replace("spp 8", "spp 8 --exposure 1")).stdout().contains("complete already"));
+    let line = format!("render {} --spp 8 -o y.exr --skip-complete", cornell());
+    place.run(&format!("render {} --spp 8 --shard 0/2 -o half.film", cornell()));
+    assert_eq!(place.run("merge half.film --allow-gaps -o y.exr").code(), 0);
+    assert!(!place.run(&line).stdout().contains("complete already"));
+    assert!(place.run(&line).stdout().contains("complete already: y.exr"));
+}
+
+#[test]
 fn programs_are_told_how_far_it_is() {
     let place = Place::new();
     let openjd = place.run(&format!("render {} --spp 8 -o x.exr --progress openjd", cornell())).stdout();

@@ -21,6 +21,8 @@ fn film_of(layout: &Layout, passes: &[u64]) -> Film {
             out[4] = random.normal() as f32 * 1e-12;
             out[3] = 1e20;
             out[2] = if p % 5 == 0 { -1e25 } else { 0.0 };
+            // Two of these are beyond an i64, one is not.
+            out[1] = if p % 7 == 0 { 6e9 } else { out[1] };
         });
         film.commit(k, &pass);
     }

@@ -59,7 +59,8 @@ fn write_differences(folder: &Path, a: &Candidate<'_>, b: &Candidate<'_>) -> Res
     exr::write(&folder.join(format!("{name}.exr")), layout.width, layout.height, a.provenance.settings.crop, &layers, &[])?;
     let shown: Vec<f32> = z.chunks_exact(3).flat_map(|z| shade((z[0] + z[1] + z[2]) / 3.0)).collect();
     let (width, height) = (crop.x1 - crop.x0, crop.y1 - crop.y0);
-    png::write(&folder.join(format!("{name}.png")), width, height, &shown, None, 0.0, Curve::Srgb)
+    let picture = png::Picture { width, height, rgb: &shown, alpha: None };
+    png::write(&folder.join(format!("{name}.png")), picture, 0.0, Curve::Srgb, &[])
 }
 
 /// White for no difference, red where the first is brighter, blue where the second is; full at five standard errors.
