@@ -1,0 +1,199 @@
+//! `etendue batch`: many pictures, one process. The next scene is loaded while the present one renders, and what fails does not stop
+//! the others.
+
+mod rows;
+mod stages;
+
+use super::args::{StrictArgs, ThreadArgs};
+use super::progress::ProgressArgs;
+use super::signals::Signals;
+use super::task::{Task, warn};
+use super::{Console, startup};
+use crate::error::{Error, Kind, Result};
+use crate::render::checkpoint::INTERVAL;
+use crate::render::job::{Job, Picture};
+use crate::render::{Choices, Ended, Outputs, Provenance, Rendered, Selection};
+use rows::{Entry, Outcome, Written};
+use stages::{Stages, Wanted};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What the help says at its end.
+pub(super) const AFTER: &str = r#"A batch file:
+  output = "out/{scene}.{camera}.{method}.exr"   # also {frame:04}, {seed}; seen from the file's folder
+  report = "out/{scene}.{camera}.{method}.json"  # if reports are wanted
+
+  [settings]                                     # as in render.toml, for all
+  spp = 64
+
+  [[render]]                                     # each scene by each camera and each method
+  scenes = ["cup.glb", "bowl.glb"]
+  cameras = ["front", "side"]
+  methods = ["path", "bdpt"]
+  settings.size = "640x480"
+
+  [[render]]
+  scenes = ["walk.glb"]
+  frames = "1-240x2"                             # or "7", "1,3,7-9": frames of the scene's animation
+  settings.fps = 24.0
+  output = "out/walk.{frame:04}.exr"
+
+What is complete is not rendered again, and what was stopped goes on. The exit code is the worst of all pictures'."#;
+
+/// Arguments of `batch`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The batch file, .toml: which scenes, cameras and methods, and where the pictures go
+    job: PathBuf,
+    #[command(flatten)]
+    choices: Choices,
+    /// Render again what is complete
+    #[arg(long)]
+    again: bool,
+    /// Say what would be rendered, and render nothing
+    #[arg(long)]
+    dry_run: bool,
+    #[command(flatten)]
+    strict: StrictArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    #[command(flatten)]
+    progress: ProgressArgs,
+    #[command(flatten)]
+    console: Console,
+}
+
+/// How the pictures of a batch are rendered.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Means {
+    /// Whether what is complete is rendered again.
+    pub(super) again: bool,
+    /// What is an error.
+    pub(super) strict: StrictArgs,
+    /// On how many threads.
+    pub(super) threads: ThreadArgs,
+    /// How progress is told.
+    pub(super) progress: ProgressArgs,
+    /// How talkative it is.
+    pub(super) console: Console,
+}
+
+/// Renders what the file says.
+pub(super) fn run(args: Args) -> Result<()> {
+    let job = Job::read(&args.job)?;
+    let pictures = job.pictures(args.job.parent().unwrap_or(Path::new("")), &args.choices)?;
+    if args.dry_run {
+        return pictures.iter().try_for_each(|picture| args.console.line(&picture.output.display().to_string()));
+    }
+    let Args { again, strict, threads, progress, console, .. } = args;
+    render_all(&pictures, Means { again, strict, threads, progress, console })
+}
+
+/// Renders them all.
+pub(super) fn render_all(pictures: &[Picture], means: Means) -> Result<()> {
+    // Mistakes of any picture are told before the first.
+    let threads = startup::start_threads(means.threads)?;
+    let wanted = pictures.iter().map(|picture| Wanted::of(picture, threads)).collect::<Result<Vec<_>>>()?;
+    for picture in pictures {
+        means.strict.check(&picture.choices.plan(Selection::All)?)?;
+        Outputs::of(&picture.output)?;
+    }
+    let signals = Signals::heed()?;
+    let begun = Instant::now();
+    let mut batch = Batch { means, signals: &signals, stages: Stages::default(), written: Written::default() };
+    for (index, picture) in pictures.iter().enumerate() {
+        let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
+        means.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
+        batch.picture(picture, &wanted[index], next);
+    }
+    batch.written.tell(begun, means.console)
+}
+
+/// A batch in work.
+struct Batch<'a> {
+    means: Means,
+    signals: &'a Signals,
+    stages: Stages,
+    written: Written,
+}
+
+/// What rendering a picture comes to.
+enum Made {
+    /// It was stopped before.
+    Nothing,
+    /// It was there.
+    Complete,
+    /// It is to be written.
+    Rendered(Task, Box<Rendered>, Ended),
+}
+
+impl Batch<'_> {
+    /// Renders a picture, whatever may happen, while the one before it is written and `next` is loaded.
+    fn picture(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) {
+        let entry = Entry::begin(picture, self.means.console);
+        let stopped = self.signals.cancel.requested();
+        let made = if stopped { Ok(Made::Nothing) } else { surviving(|| self.render(picture, wanted, next)) };
+        let load = self.stages.seconds();
+        self.written.wait();
+        let row = match made {
+            Ok(Made::Complete) => entry.row(&Outcome::Complete, load),
+            Ok(Made::Nothing) => entry.row(&Outcome::NotBegun, load),
+            Err(error) => entry.row(&Outcome::Failed(&error), load),
+            Ok(Made::Rendered(task, rendered, ended)) => {
+                self.written.expect(std::thread::spawn(move || match surviving(|| task.finish(&rendered, ended)) {
+                    Ok(report) => entry.row(&Outcome::Rendered(&report), load),
+                    Err(error) => entry.row(&Outcome::Failed(&error), load),
+                }));
+                return;
+            }
+        };
+        self.written.push(row);
+    }
+
+    fn render(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) -> Result<Made> {
+        self.stages.load(wanted, || self.written.wait());
+        self.stages.load_ahead(next);
+        let (stage, task) = (self.stages.here()?, self.task(picture)?);
+        let (choices, strict) = (&picture.choices, self.means.strict);
+        let settings = stage.settings(choices)?;
+        if strict.strict {
+            stage.refuse_ignored()?;
+        }
+        let provenance = Provenance::new(stage, settings, choices.plan(Selection::All)?, choices.look()?);
+        warn(task.console, &provenance);
+        let begun = match task.begin(stage, provenance.clone()) {
+            // The picture before takes memory until it is written.
+            Err(error) if error.kind == Kind::Memory && self.written.wait() => task.begin(stage, provenance),
+            begun => begun,
+        };
+        let Some(mut session) = begun? else { return Ok(Made::Complete) };
+        let ended = task.render(&mut session, self.signals)?;
+        Ok(Made::Rendered(task, Box::new(session.end()?), ended))
+    }
+
+    fn task(&self, picture: &Picture) -> Result<Task> {
+        let outputs = Outputs::of(&picture.output)?;
+        for path in outputs.paths().chain(picture.report.as_deref()) {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            folder.map_or(Ok(()), std::fs::create_dir_all).map_err(|cause| Error::write(path, cause))?;
+            crate::render::writable(path)?;
+        }
+        let console = Console { silent: true, ..self.means.console };
+        Ok(Task {
+            outputs,
+            report: picture.report.clone(),
+            checkpoint: Some(INTERVAL),
+            skip_complete: !self.means.again,
+            strict: self.means.strict,
+            progress: self.means.progress,
+            console,
+        })
+    }
+}
+
+/// A panic as an error.
+fn surviving<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let done = catch_unwind(AssertUnwindSafe(work));
+    done.unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error, told above")))
+}
