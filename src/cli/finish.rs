@@ -30,7 +30,7 @@ pub(super) fn session(
         return Err(stopped(rendered, files.outputs));
     }
     let report = rendered.write(files.outputs).map_err(|error| rescued(rendered, files.outputs, error))?;
-    complain(&report, console);
+    complain(&report, files.outputs, console);
     tell(&report, files, console)?;
     if strict.require_target && !report.target().is_some_and(|target| target.reached) {
         return Err(Error::new(Kind::TargetMissed, report.target_missed().unwrap_or_default()));
@@ -92,25 +92,27 @@ fn rescued(rendered: &Rendered, outputs: &Outputs, error: Error) -> Error {
     }
 }
 
-/// Warns about everything that guards changed.
-fn complain(report: &Report, console: Console) {
+/// Warns about everything in the picture that a user would not expect, and says in which: others may be rendered by now.
+fn complain(report: &Report, outputs: &Outputs, console: Console) {
+    let which = outputs.image().or(outputs.film.as_deref()).map(|path| format!("{}: ", path.display())).unwrap_or_default();
+    let warn = |text: &str| console.warn(&format!("{which}{text}"));
     let guards = report.guards();
     if guards.nonfinite > 0 {
         let replay = report.first_replay().unwrap_or_default();
-        console.warn(&format!("{} samples were not finite and count as black; the first: {replay}", guards.nonfinite));
+        warn(&format!("{} samples were not finite and count as black; the first: {replay}", guards.nonfinite));
     }
     if guards.overlong_paths > 0 {
-        console.warn(&format!("{} paths reached the emergency length limit and were cut", guards.overlong_paths));
+        warn(&format!("{} paths reached the emergency length limit and were cut", guards.overlong_paths));
     }
     if let Some(why) = report.error().and_then(ImageError::distrust) {
-        console.warn(&format!("{why}: the interval of relMSE is not to be trusted"));
+        warn(&format!("{why}: the interval of relMSE is not to be trusted"));
     }
-    report.doubts_of_chains().iter().for_each(|doubt| console.warn(doubt));
+    report.doubts_of_chains().iter().for_each(|doubt| warn(doubt));
     if let Some(missed) = report.target_missed() {
-        console.warn(&missed);
+        warn(&missed);
     }
     if let Some(clamp) = report.clamp() {
         let (limit, samples, share) = (clamp.limit, clamp.samples, clamp.share_removed * 100.0);
-        console.warn(&format!("biased: --clamp {limit} changed {samples} samples and took {share:.3} % of the light"));
+        warn(&format!("biased: --clamp {limit} changed {samples} samples and took {share:.3} % of the light"));
     }
 }
