@@ -27,6 +27,8 @@ pub(super) struct PixelError {
     pub(super) excess: f64,
     /// The part of it that is due to the curvature of the division.
     pub(super) curvature: f64,
+    /// How much lower it is for the skewness of m.
+    pub(super) skew: f64,
 }
 
 /// What a sum over pixels needs beside it: space, and what is told apart by pair or replicate.
@@ -131,11 +133,13 @@ impl<'a> Replicates<'a> {
         let g = 1.0 / (mean * mean + epsilon);
         let second = (6.0 * mean * mean - 2.0 * epsilon) * g * g * g;
         let curvature = 0.5 * second * variance * variance * (replicates - 1.0) / (replicates + 1.0);
+        let skew = 2.0 * mean * g * g * third_cumulant_of_mean(means, mean);
         error.variance += variance;
         error.relative += variance * g;
         error.curvature += curvature;
+        error.skew += skew;
         if !planted(Defect::RelmseBiased) {
-            error.excess += curvature - 2.0 * mean * g * g * third_cumulant_of_mean(means, mean);
+            error.excess += curvature - skew;
         }
         g
     }
