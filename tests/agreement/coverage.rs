@@ -294,11 +294,12 @@ const DEEP: &[Subject] = &[
     path("veach-mis", 64),
 ];
 
-/// The last one as it is by default; else everything left to chains, which serve the whole picture: replicates alone are independent.
+/// Everything left to chains, which serve the whole picture: replicates alone are independent.
 const fn chains(method: Method, scene: &'static str, spp: u64) -> Subject {
     Subject { method, limit: Some(0.0), ..path(scene, spp) }
 }
 
+/// The first is too noisy for its own error and must say so; the last has the limit of its pilot.
 const CHAINS: &[Subject] = &[
     chains(Method::Pssmlt, "cornell-box", 32),
     chains(Method::Mmlt, "cornell-box", 512),
