@@ -136,3 +136,30 @@ fn a_folder_that_vanishes_loses_no_sample() {
         assert!(exr::read(&place.path("gone/x.exr")).is_ok());
     }
 }
+
+/// A picture that cannot be written, which shows while the next one renders, is that picture's failure alone.
+#[test]
+fn a_folder_that_vanishes_under_a_batch_costs_one_picture() {
+    let place = Place::new();
+    let job = format!(
+        "output = 'out-{{method}}/x.exr'\n[settings]\nsize = '64x64'\nspp = 256\n\
+         [[render]]\nscenes = ['{}']\nmethods = ['path', 'bdpt']\n",
+        cornell_file()
+    );
+    std::fs::write(place.path("job.toml"), job).unwrap();
+    let mut child = place.start("batch job.toml --json");
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    while !said.contains("etendue: rendering") {
+        assert!(stderr.read_line(&mut said).unwrap() > 0, "{said}");
+    }
+    std::fs::remove_dir_all(place.path("out-path")).unwrap();
+    stderr.read_to_string(&mut said).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    assert!(said.contains("out-path/x.exr: cannot write") && said.contains("nothing is lost: etendue resume"), "{said}");
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let outcomes = summary["pictures"].as_array().unwrap().iter().map(|row| row["outcome"].as_str().unwrap());
+    assert_eq!(outcomes.collect::<Vec<_>>(), ["failed", "rendered"]);
+    assert!(exr::read(&place.path("out-bdpt/x.exr")).is_ok());
+}

@@ -1,7 +1,7 @@
 //! `.film`: the exact sums of a film, for checkpoints, shards and merging.
 //!
 //! All numbers are little-endian: 8 bytes of magic, u32 version, u32 length of the header, the header in JSON, runs of words, and the
-//! BLAKE3 hash of all that. A run is cut into blocks ([`blocks`]). The runs are the i64 sums of each replicate; the table of what lies
+//! BLAKE3 hash of all that. A run is cut into blocks (see blocks.rs). The runs are the i64 sums of each replicate; the table of what lies
 //! above them for each replicate that has one, as (u64 index, i128 multiple of 2⁶⁴) by ascending index; and the largest sample of each
 //! pixel as a u64 (see `film::Peaks`).
 
