@@ -47,6 +47,30 @@ impl PassSet {
         other.ranges.iter().cloned().for_each(|range| self.insert_range(range));
     }
 
+    /// The passes that `other` does not hold.
+    pub fn minus(&self, other: &PassSet) -> PassSet {
+        let (mut left, mut holes) = (PassSet::new(), other.ranges.iter().peekable());
+        for range in &self.ranges {
+            let mut start = range.start;
+            while holes.next_if(|hole| hole.end <= start).is_some() {}
+            while let Some(hole) = holes.peek().filter(|hole| hole.start < range.end) {
+                left.insert_range(start..hole.start.max(start));
+                start = hole.end;
+                if start >= range.end {
+                    break;
+                }
+                holes.next();
+            }
+            left.insert_range(start..range.end.max(start));
+        }
+        left
+    }
+
+    /// The pass past the last, 0 if there is none.
+    pub fn end(&self) -> u64 {
+        self.ranges.last().map_or(0, |range| range.end)
+    }
+
     /// The first pass that both sets hold.
     pub fn first_common(&self, other: &PassSet) -> Option<u64> {
         let (mut a, mut b) = (self.ranges.iter().peekable(), other.ranges.iter().peekable());
@@ -134,6 +158,14 @@ impl FromIterator<u64> for PassSet {
     }
 }
 
+impl From<Range<u64>> for PassSet {
+    fn from(range: Range<u64>) -> Self {
+        let mut set = PassSet::new();
+        set.insert_range(range);
+        set
+    }
+}
+
 impl From<PassSet> for Vec<(u64, u64)> {
     fn from(set: PassSet) -> Self {
         set.ranges.into_iter().map(|r| (r.start, r.end)).collect()
@@ -178,6 +210,9 @@ mod tests {
             }
             let other: PassSet = others.iter().copied().collect();
             prop_assert_eq!(set.first_common(&other), others.iter().copied().filter(|p| model.contains(p)).min());
+            let left: PassSet = model.iter().copied().filter(|p| !others.contains(p)).collect();
+            prop_assert_eq!(set.minus(&other), left);
+            prop_assert_eq!(set.end(), model.last().map_or(0, |last| last + 1));
             for residue in 0..=modulus {
                 let count = model.iter().filter(|&&p| p % modulus == residue).count() as u64;
                 prop_assert_eq!(set.count_congruent(residue, modulus), count);

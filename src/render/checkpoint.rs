@@ -73,5 +73,10 @@ pub fn open(path: &Path) -> Result<(Provenance, FilmFile)> {
         let what = format!("{}: its provenance is not one this étendue understands", path.display());
         Error::new(Kind::Scene, what).because(cause)
     })?;
+    let (head, settings) = (file.head(), &provenance.settings);
+    let fits = settings.layout() == head.layout && settings.replicates == head.replicates && settings.seed == head.seed;
+    if !fits || !provenance.plan.is_sound() {
+        return Err(Error::scene(format!("{}: its provenance does not fit its sums", path.display())));
+    }
     Ok((provenance, file))
 }

@@ -92,12 +92,36 @@ impl Plan {
     /// Whether `held` are all passes that are wanted, as far as their number is known beforehand.
     pub fn is_met_by(&self, held: &PassSet) -> bool {
         let is_known = self.stop.is_known() || matches!(self.selection, Selection::Range { .. });
-        is_known && self.count().is_some() && self.passes().all(|pass| held.contains(pass))
+        is_known && self.is_held(held)
+    }
+
+    /// Whether `held` are all passes that are wanted at most. Films are not to be trusted: no loop is as long as they say.
+    fn is_held(&self, held: &PassSet) -> bool {
+        match (self.stop.spp, self.selection) {
+            (_, Selection::Range { start, end }) => PassSet::from(start..end).minus(held).is_empty(),
+            (None, _) => false,
+            (Some(n), Selection::All) => PassSet::from(0..n).minus(held).is_empty(),
+            (Some(n), Selection::Shard { index, count }) => {
+                Some(held.minus(&(n..u64::MAX).into()).count_congruent(index, count)) == self.count()
+            }
+        }
+    }
+
+    /// Whether it makes sense: what is read from a file may not.
+    pub(super) fn is_sound(&self) -> bool {
+        let most = u64::from(u32::MAX);
+        let selects = match self.selection {
+            Selection::All => true,
+            Selection::Shard { index, count } => index < count && count <= most,
+            Selection::Range { start, end } => start < end && end <= most,
+        };
+        let lasts = self.stop.seconds.is_none_or(|seconds| Duration::try_from_secs_f64(seconds).is_ok());
+        selects && lasts && self.stop.target_error.is_none_or(f64::is_finite)
     }
 
     /// Whether `held` may be all that is wanted: where the number of passes is not known beforehand, any are.
     pub(super) fn may_be_met_by(&self, held: &PassSet) -> bool {
-        !self.stop.is_known() || self.passes().all(|pass| held.contains(pass))
+        !self.stop.is_known() || self.is_held(held)
     }
 
     /// How long the run may take, if time decides.
@@ -108,7 +132,7 @@ impl Plan {
     /// How many passes the whole picture has that `held` are part of. A time budget or an error target promises no number, so there
     /// the held passes decide.
     pub(super) fn picture(&self, held: &PassSet, replicates: u32) -> u64 {
-        let past_last = held.iter().last().map_or(0, |last| last + 1);
+        let past_last = held.end();
         match (self.stop.spp, self.selection) {
             (_, Selection::Range { .. }) => round_spp(past_last.max(1), replicates),
             (Some(n), _) if self.stop.is_known() => n,
@@ -117,16 +141,18 @@ impl Plan {
     }
 
     /// The passes of the whole picture that `held` lacks. Where time or an error decides each shard comes as far as it comes: then
-    /// every shard must have begun, and none may have holes.
+    /// every shard must have begun, and before each of its passes the one before it must be there.
     pub(super) fn missing(&self, held: &PassSet, replicates: u32) -> PassSet {
-        let last = |index: u64, count: u64| held.iter().filter(|pass| pass % count == index).last().unwrap_or(index);
-        let wanted: Box<dyn Iterator<Item = u64>> = match self.selection {
+        let mut wanted = PassSet::new();
+        match self.selection {
             Selection::Shard { count, .. } if !self.stop.is_known() => {
-                Box::new((0..count).flat_map(move |index| (index..=last(index, count)).step_by(count as usize)))
+                wanted.insert_range(0..count);
+                let before = held.ranges().iter().map(|range| range.start.saturating_sub(count)..range.end.saturating_sub(count));
+                before.for_each(|range| wanted.insert_range(range));
             }
-            _ => Box::new(0..self.picture(held, replicates)),
-        };
-        wanted.filter(|&pass| !held.contains(pass)).collect()
+            _ => wanted.insert_range(0..self.picture(held, replicates)),
+        }
+        wanted.minus(held)
     }
 }
 
@@ -186,6 +212,25 @@ mod tests {
         }
         assert_eq!(plan(timed(), "").count(), None);
         assert_eq!(plan(timed(), "3..9").count(), Some(6));
+    }
+
+    /// What a file may claim costs no time.
+    #[test]
+    fn plans_are_met_by_all_their_passes_however_many() {
+        for text in ["", "0/3", "2/3", "3..9"] {
+            let plan = plan(Stop::after(16), text);
+            let all: PassSet = plan.passes().collect();
+            assert!(plan.is_met_by(&all), "{text}");
+            assert!(plan.passes().all(|pass| !plan.is_met_by(&all.minus(&(pass..pass + 1).into()))), "{text}");
+        }
+        let endless = PassSet::from(0..u64::MAX - 1);
+        assert!(plan(Stop::after(u64::MAX - 1), "").is_met_by(&endless));
+        assert!(plan(Stop::after(u64::MAX - 1), "1/3").is_met_by(&endless));
+        assert!(plan(timed(), "1/3").missing(&endless, 4).is_empty());
+        for (index, count) in [(0, 0), (3, 3), (0, 1 << 40)] {
+            assert!(!Plan { stop: timed(), selection: Selection::Shard { index, count } }.is_sound());
+        }
+        assert!(!plan(Stop { seconds: Some(-1.0), ..timed() }, "").is_sound() && plan(timed(), "1/3").is_sound());
     }
 
     #[test]
