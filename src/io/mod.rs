@@ -4,6 +4,7 @@ pub mod atomic;
 pub mod environment;
 pub mod exr;
 pub mod gltf;
+pub(crate) mod hashed;
 pub mod hdr;
 pub mod page;
 pub mod png;

@@ -11,6 +11,11 @@ use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// What the fuzz target of films reads.
+#[expect(unreachable_pub, reason = "the fuzz targets are another crate")]
+#[path = "../../fuzz/src/forge.rs"]
+mod forge;
+
 /// What one file may take: the largest takes a second. This is to find what never ends.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -76,30 +81,13 @@ fn every_kept_film_image_stream_and_configuration_is_read_or_one_sentence() {
     let mut read = [0; 2];
     for file in kept("film") {
         read[0] += survives(&file, || etendue::render::film_file::read(&file)).map_or(0, |_| 1);
-        std::fs::write(&forged, forge(&std::fs::read(&file).expect("a file"))).expect("a written file");
+        std::fs::write(&forged, forge::film(&std::fs::read(&file).expect("a file"))).expect("a written file");
         read[1] += survives(&file, || etendue::render::film_file::read(&forged)).map_or(0, |_| 1);
     }
     // Those of the current version are read to their end, as they are and as the fuzz target makes them.
     assert!(read.iter().all(|&count| count > 0), "{read:?} films are read");
     let stream = |file: &PathBuf| survives(file, || etendue::render::ray_bench::stream_file::read(file)).is_some();
     assert!(kept("rays").iter().filter(|file| stream(file)).count() > 0, "none is read to its end");
-}
-
-/// A film with a right checksum from a header, a NUL and unpacked blocks, each with its length before it, as the fuzz target makes it.
-fn forge(bytes: &[u8]) -> Vec<u8> {
-    let at = bytes.iter().position(|&b| b == 0).unwrap_or(bytes.len());
-    let (header, mut blocks) = (&bytes[..at], bytes.get(at + 1..).unwrap_or_default());
-    let mut film = [b"\x89ETFILM\n", &3u32.to_le_bytes()[..], &(header.len() as u32).to_le_bytes(), header].concat();
-    while let Some((length, rest)) = blocks.split_first_chunk() {
-        let (block, others) = rest.split_at(rest.len().min(u32::from_le_bytes(*length) as usize));
-        let frame = zstd::encode_all(block, 1).expect("compression in memory");
-        film.extend((frame.len() as u32).to_le_bytes());
-        film.extend(frame);
-        blocks = others;
-    }
-    let hash = blake3::hash(&film);
-    film.extend(hash.as_bytes());
-    film
 }
 
 /// Whatever a person may name as the scene: models, meshes and textures of other formats, licences.

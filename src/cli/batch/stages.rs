@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Kind, Result};
 use crate::render::job::Picture;
-use crate::render::{Frame, Preparation, Stage, Surroundings};
+use crate::render::{Frame, Stage, Surroundings};
 use crate::scene::BuildOptions;
 use std::path::PathBuf;
 use std::thread::JoinHandle;
@@ -75,8 +75,7 @@ impl Stages {
 
     /// Seconds that the present stage took, 0 if there is none.
     pub(super) fn seconds(&self) -> f64 {
-        let preparation: Option<Preparation> = self.here().ok().map(|stage| stage.preparation);
-        preparation.map_or(0.0, |p| p.load_seconds + p.build_seconds)
+        self.here().map_or(0.0, |stage| stage.preparation.load_seconds + stage.preparation.build_seconds)
     }
 }
 

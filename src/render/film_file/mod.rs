@@ -13,6 +13,7 @@ use super::machine;
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, Head, Layout, Sums, add_all, keep_largest};
 use crate::io::atomic::write_atomically;
+use crate::io::hashed::Hashed;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fs::File;
@@ -52,7 +53,7 @@ pub fn write(path: &Path, provenance: &Value, film: &Film) -> Result<()> {
         let header = serde_json::to_vec(&header)?;
         let length = u32::try_from(header.len()).ok().filter(|&n| n <= MOST_HEADER);
         let length = length.ok_or_else(|| io::Error::other("the provenance is too long"))?;
-        let mut hashed = Hashed { file: BufWriter::new(file), hasher: blake3::Hasher::new() };
+        let mut hashed = Hashed::new(BufWriter::new(file));
         hashed.write_all(&MAGIC)?;
         hashed.write_all(&VERSION.to_le_bytes())?;
         hashed.write_all(&length.to_le_bytes())?;
@@ -61,32 +62,14 @@ pub fn write(path: &Path, provenance: &Value, film: &Film) -> Result<()> {
         film.sums().iter().try_for_each(|sums| blocks::write(&mut hashed, &table(sums)))?;
         blocks::write(&mut hashed, film.peaks().packed())?;
         let hash = hashed.hasher.finalize();
-        hashed.file.write_all(hash.as_bytes())?;
-        hashed.file.flush()
+        hashed.inner.write_all(hash.as_bytes())?;
+        hashed.inner.flush()
     })
 }
 
 /// What lies above the i64 sums, as words.
 fn table(sums: &Sums) -> Vec<u64> {
     sums.high().iter().flat_map(|(&index, &high)| [index, high as u64, (high >> 64) as u64]).collect()
-}
-
-/// A writer that hashes what passes through.
-struct Hashed<W> {
-    file: W,
-    hasher: blake3::Hasher,
-}
-
-impl<W: Write> Write for Hashed<W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let n = self.file.write(bytes)?;
-        self.hasher.update(&bytes[..n]);
-        Ok(n)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
 }
 
 /// Reads a film and its provenance.

@@ -9,6 +9,7 @@ use crate::accel::{Query, Question, RayClass};
 use crate::error::{Error, Kind, Result};
 use crate::geometry::{MediumId, Ray};
 use crate::io::atomic::write_atomically;
+use crate::io::hashed::Hashed;
 use glam::Vec3;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
@@ -39,7 +40,7 @@ const DEPTH: u32 = 3;
 /// [`Kind::Output`] with the path if the file cannot be written.
 pub fn write(path: &Path, stream: &Stream) -> Result<()> {
     write_atomically(path, |file| {
-        let mut out = Hashed { inner: BufWriter::new(file), hasher: blake3::Hasher::new() };
+        let mut out = Hashed::new(BufWriter::new(file));
         out.write_all(&prefix(stream)?)?;
         out.write_all(stream.name.as_bytes())?;
         stream.questions.iter().try_for_each(|question| out.write_all(&ray_bytes(question)?))?;
@@ -106,7 +107,7 @@ pub fn read(path: &Path) -> Result<Stream> {
 
 /// Reads a stream of `size` bytes.
 fn read_from(file: impl Read, size: u64) -> Result<Stream> {
-    let mut file = Hashed { inner: file, hasher: blake3::Hasher::new() };
+    let mut file = Hashed::new(file);
     let mut prefix = [0; PREFIX];
     file.read_exact(&mut prefix[..MAGIC.len() + 4]).map_err(|_| foreign())?;
     if prefix[..MAGIC.len()] != MAGIC {
@@ -199,32 +200,6 @@ fn foreign() -> Error {
 
 fn damaged(cause: impl std::error::Error + Send + Sync + 'static) -> Error {
     Error::scene("it is damaged").because(cause)
-}
-
-/// A reader or writer that hashes what passes through.
-struct Hashed<T> {
-    inner: T,
-    hasher: blake3::Hasher,
-}
-
-impl<R: Read> Read for Hashed<R> {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let n = self.inner.read(bytes)?;
-        self.hasher.update(&bytes[..n]);
-        Ok(n)
-    }
-}
-
-impl<W: Write> Write for Hashed<W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let n = self.inner.write(bytes)?;
-        self.hasher.update(&bytes[..n]);
-        Ok(n)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.inner.flush()
-    }
 }
 
 #[cfg(test)]
