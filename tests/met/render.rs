@@ -8,6 +8,8 @@ use std::process::Command;
 pub(crate) struct Picture {
     pub(crate) image: ExrImage,
     pub(crate) console: String,
+    /// Whether its pixels share chains.
+    chains: bool,
 }
 
 /// Mean of a part of a picture, and a bound of its standard error.
@@ -17,8 +19,11 @@ pub(crate) struct Mean {
     pub(crate) error: [f64; 3],
 }
 
-/// Standard errors that a mean may be off: 6e-5 for a normal one. The bound of the error is that of pixels which agree in their noise.
-const SIGMAS: f64 = 4.0;
+/// Standard errors that a mean may be off: 6e-7 for a normal one, and little for a skewed one.
+const SIGMAS: f64 = 5.0;
+
+/// By how much splats that several pixels share may make the variance of a mean larger (docs/measurements.md).
+const SHARED: f64 = 1.5;
 
 /// `etendue render` of scenes/met/`file` with more options, by `backend`, which succeeds.
 pub(crate) fn render(file: &str, options: &str, backend: &str) -> Picture {
@@ -35,7 +40,11 @@ pub(crate) fn try_render(file: &str, options: &str, backend: &str) -> Result<Pic
     command.args(options.split_whitespace()).args(["--filter", "box", "--backend", backend, "-o"]).arg(&out);
     let ran = command.output().unwrap();
     let console = String::from_utf8_lossy(&ran.stderr).into_owned();
-    if ran.status.success() { Ok(Picture { image: exr::read(&out).unwrap(), console }) } else { Err(console) }
+    if ran.status.success() {
+        Ok(Picture { image: exr::read(&out).unwrap(), console, chains: options.contains("mlt") })
+    } else {
+        Err(console)
+    }
 }
 
 /// The backends of this build.
@@ -50,13 +59,18 @@ impl Picture {
         let at = |share: f64, size: usize| (share * size as f64).round() as usize;
         let columns = at(part[0], width)..at(part[2], width);
         let rows = at(part[1], height)..at(part[3], height);
-        let mean = |name: String| {
-            let values = self.image.channel(&name).unwrap();
-            let sum: f64 = rows.clone().flat_map(|y| columns.clone().map(move |x| f64::from(values[y * width + x]))).sum();
-            sum / (rows.len() * columns.len()) as f64
+        let count = (rows.len() * columns.len()) as f64;
+        let mean = |name: &str, power: i32| {
+            let values = self.image.channel(name).unwrap();
+            let pixels = rows.clone().flat_map(|y| columns.clone().map(move |x| f64::from(values[y * width + x])));
+            pixels.map(|v| v.powi(power)).sum::<f64>() / count
         };
-        let value = ["R", "G", "B"].map(|lane| mean(lane.to_owned()));
-        Mean { value, error: ["R", "G", "B"].map(|lane| mean(format!("stderr.{lane}"))) }
+        let error = |name: &str| match self.chains {
+            true => mean(name, 1), // of pixels that agree in their noise: a bound
+            false => (SHARED * mean(name, 2) / count).sqrt(),
+        };
+        let value = ["R", "G", "B"].map(|lane| mean(lane, 1));
+        Mean { value, error: ["stderr.R", "stderr.G", "stderr.B"].map(error) }
     }
 }
 
