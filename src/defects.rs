@@ -37,6 +37,13 @@ macro_rules! defects {
 }
 
 defects! {
+    // trust
+    PriorForgotten "prior-forgotten"
+        "Whether an interval is trusted does not ask what the scene's features make a method miss."
+        "an error bar that knows its samples only";
+    PilotFollowsSeed "pilot-follows-seed"
+        "The pilot's seed follows the render's, so that roulette and with it the error differ from seed to seed."
+        "this renderer before its issue 8";
     // sampling
     SobolSkipsFirst "sobol-skips-first"
         "The Sobol' sequence begins with its second point, so that no power of two of points is a net."

@@ -97,7 +97,7 @@ fn changed(path: &Path) -> Option<SystemTime> {
 impl Document {
     fn of(path: &Path, provenance: &Provenance, film: &Film) -> Self {
         let Provenance { settings, plan, work, .. } = provenance;
-        let error = film.image_error(settings.method.independent());
+        let error = provenance.error_of(film);
         Document {
             film: path.display().to_string(),
             scene: provenance.scene.path.display().to_string(),

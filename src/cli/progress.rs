@@ -5,7 +5,6 @@ use super::view::{self, View};
 use super::{Console, console};
 use crate::error::{Error, Result};
 use crate::film::ImageError;
-use crate::integrator::Method;
 use crate::parallel::Cancel;
 use crate::render::{Checkpoint, Ended, Observer, Progress, Session};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
@@ -55,7 +54,7 @@ pub(super) fn run(
     let amount = plan.count().map_or_else(String::new, |passes| format!(", {passes} samples per pixel"));
     console.note(&format!("rendering {}x{}{amount}", settings.width, settings.height));
     let status = told.status.map(|format| Status::new(format, session.provenance()));
-    let error = ErrorSoFar::of(settings.method);
+    let error = ErrorSoFar::default();
     let view = told.view.and_then(|address| View::open(address, session.provenance(), session.film(), console));
     let mut watcher = Watcher { meter: Meter::styled(told.progress, console), error, status, view, console };
     watcher.tell(Event::Begin, session);
@@ -77,7 +76,7 @@ impl Watcher {
     /// Tells programs of an end of the session.
     fn tell(&self, event: Event, session: &Session<'_>) {
         let Some(status) = &self.status else { return };
-        let error = session.film().image_error(session.provenance().settings.method.independent());
+        let error = session.provenance().error_of(session.film());
         status.tell_of(event, session.film(), session.provenance(), error.as_ref());
     }
 
@@ -114,22 +113,18 @@ impl Observer for Watcher {
 }
 
 /// The error of the film, looked at only whenever the number of samples has doubled: a look costs a walk over all pixels.
+#[derive(Default)]
 struct ErrorSoFar {
-    method: Method,
     looked_at: u64,
     error: Option<ImageError>,
 }
 
 impl ErrorSoFar {
-    fn of(method: Method) -> Self {
-        ErrorSoFar { method, looked_at: 0, error: None }
-    }
-
     fn update(&mut self, progress: &Progress<'_>) -> Option<&ImageError> {
         let held = progress.film.passes().len();
         if held >= 2 * self.looked_at.max(1) {
             self.looked_at = held;
-            self.error = progress.film.image_error(self.method.independent());
+            self.error = progress.provenance.error_of(progress.film);
         }
         self.error.as_ref()
     }

@@ -58,6 +58,7 @@ struct Interval {
     relmse: f64,
     low: f64,
     high: f64,
+    trusted: bool,
 }
 
 /// Tells the state of one render.
@@ -125,7 +126,12 @@ impl Status {
             percent: None,
             seconds,
             eta_seconds: None,
-            error: error.map(|e| Interval { relmse: e.relmse.value, low: e.relmse.low, high: e.relmse.high }),
+            error: error.map(|e| Interval {
+                relmse: e.relmse.value,
+                low: e.relmse.low,
+                high: e.relmse.high,
+                trusted: e.trust.trusted,
+            }),
             rays_per_second: if seconds > 0.0 { rays as f64 / seconds } else { 0.0 },
             rss_bytes: machine::resident_memory(),
             guards: work.guards,

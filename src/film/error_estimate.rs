@@ -17,12 +17,11 @@
 //! left to chains, where skewness put the share k back, up to 2.1 k² of the result was missing. First order helps up to k = .17
 //! there; from .32 on results were up to a quarter too low, and those of path tracing on small lamps up to 60 %.
 
-use super::noise::{Independent, Noise};
+use super::noise::{Independent, Noise, squares};
 use super::peaks::Peak;
 use super::replicates::{COLOR, PixelError, Replicates};
 use super::spread::{Pairs, Patch, Spread};
-use super::tail;
-use super::{Film, Layout};
+use super::{Evidence, Film, Known, Layout, Trust, evidence};
 use crate::stats::pareto::Tail;
 use crate::stats::{skewed_quantile, student_quantile};
 use rayon::prelude::*;
@@ -38,10 +37,6 @@ const RESIDUAL: f64 = 3.5;
 const SKEWED_RESIDUAL: f64 = 2.1;
 /// No block is corrected by more than what doubles it: such a δ is noise.
 const LEAST_DELTA: f64 = -0.5;
-/// Where the curvature's part of the bias, about 3 v, or that of skewness is more than this share, orders beyond the second matter, and
-/// the result is good for its magnitude only.
-const MOST_BIAS: f64 = 0.3;
-
 /// Mean squared error relative to the squared value, and its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RelMse {
@@ -92,6 +87,11 @@ pub struct ImageError {
     pub largest: Option<LargestSample>,
     /// How heavy the tail of the samples is; `None` where there are too few to tell.
     pub tail: Option<Tail>,
+    /// What else there is to judge the interval by.
+    pub evidence: Evidence,
+    /// Whether the interval of `relmse` is to be trusted, and why not.
+    #[serde(flatten)]
+    pub trust: Trust,
 }
 
 /// One sample that the image owes much to.
@@ -109,7 +109,7 @@ pub struct LargestSample {
     pub pass: u32,
 }
 
-fn null_is_infinite<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
+pub(super) fn null_is_infinite<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
     let value: Option<f64> = serde::Deserialize::deserialize(source)?;
     Ok(value.unwrap_or(f64::INFINITY))
 }
@@ -156,17 +156,14 @@ impl ImageError {
         self.relmse.limit(level, 1.0)
     }
 
+    /// Whether the interval of `relmse` is to be trusted.
+    pub fn trust(&self) -> &Trust {
+        &self.trust
+    }
+
     /// Why the interval of `relmse` cannot be trusted, if it cannot.
     pub fn distrust(&self) -> Option<&'static str> {
-        if !self.tail.as_ref().is_none_or(Tail::is_trusted) {
-            Some("a few samples carry the error, and there may be larger ones to come")
-        } else if self.relmse.curvature_bias.max(self.relmse.skewness_bias) > MOST_BIAS {
-            Some("the image is too noisy to divide its error by")
-        } else if self.replicates < self.independent.least_replicates() {
-            Some("there are too few replicates to tell how far the error may be off")
-        } else {
-            None
-        }
+        self.trust.why_not()
     }
 }
 
@@ -189,9 +186,11 @@ impl Film {
         Some(errors)
     }
 
-    /// The error of the whole image, of which that is `independent`; `None` with fewer than 2 replicates, an empty one, or no
+    /// The error of the whole image, of whose samples that is `known`; `None` with fewer than 2 replicates, an empty one, or no
     /// pixels.
-    pub fn image_error(&self, independent: Independent) -> Option<ImageError> {
+    pub fn image_error(&self, known: impl Into<Known>) -> Option<ImageError> {
+        let known = known.into();
+        let independent = known.independent;
         let replicates = Replicates::of(self)?;
         let mean = replicates.image_mean()?;
         let epsilon = (FLOOR * mean.value).powi(2);
@@ -200,9 +199,12 @@ impl Film {
         let blocks: Vec<Block> = blocks(self.layout()).into_par_iter().map(block).collect();
         let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
         let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
+        let relmse = RelMse::of(&blocks, independent);
+        let (evidence, tail) = evidence::of(self, known, mean.value, epsilon.sqrt(), &squares(&blocks, values));
+        let trust = evidence::verdict(&relmse, &evidence, tail.as_ref(), known, self.replicates());
         let largest = blocks.iter().map(|b| b.relative).fold(0.0, f64::max);
         Some(ImageError {
-            relmse: RelMse::of(&blocks, independent),
+            relmse,
             rmse: (sum(|b| b.variance) / values).sqrt(),
             mean: mean.value,
             mean_standard_error: mean.standard_error,
@@ -211,7 +213,9 @@ impl Film {
             independent,
             max_share: if relative > 0.0 { largest / relative } else { 0.0 },
             largest: largest_sample(self, mean.value),
-            tail: tail::tail_of(self, epsilon.sqrt()),
+            tail,
+            evidence,
+            trust,
         })
     }
 }

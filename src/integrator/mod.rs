@@ -9,6 +9,7 @@ mod method;
 mod metropolis;
 mod path;
 mod prelude;
+mod prior;
 mod samples;
 mod technique_images;
 
@@ -16,6 +17,7 @@ pub use ids::ids;
 pub use method::Method;
 pub use metropolis::{ChainDigest, ChainReport, MetropolisOptions, Mutations, Normalisation, Tiles};
 pub use prelude::Prelude;
+pub use prior::prior;
 pub use technique_images::{TechniqueImage, TechniqueImages, technique_images};
 
 use crate::camera::Camera;

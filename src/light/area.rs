@@ -150,6 +150,11 @@ impl AreaLight {
         (if planted(Defect::EmissionPdfUniform) { 0.5 } else { cos }) / PI
     }
 
+    /// The factor of its radiance, mean over the lanes: textures darken.
+    pub(super) fn largest_radiance(&self) -> f64 {
+        f64::from(self.emission.radiance.mean())
+    }
+
     /// π times area times mean radiance, for each emitting side.
     pub fn power(&self) -> f64 {
         let sides = if self.emission.two_sided { 2.0 } else { 1.0 };

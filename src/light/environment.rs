@@ -49,6 +49,14 @@ impl Environment {
         }
     }
 
+    /// The largest radiance from any direction, mean over the lanes.
+    pub(super) fn largest_radiance(&self) -> f64 {
+        match self {
+            Environment::Uniform(sky) => f64::from(sky.radiance.mean()),
+            Environment::Map(map) => map.largest_radiance(),
+        }
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         match self {

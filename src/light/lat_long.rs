@@ -137,6 +137,12 @@ impl LatLong {
         consts::PI * f64::from(radius).powi(2) * f64::from(self.scale) * self.integral
     }
 
+    /// That of the brightest texel, mean over the lanes.
+    pub(super) fn largest_radiance(&self) -> f64 {
+        let means = (0..self.map.size()[1]).flat_map(|y| self.map.row(y)).map(|&texel| Spectrum::from_rgb(texel).mean());
+        f64::from(self.scale) * f64::from(means.fold(0.0, f32::max))
+    }
+
     /// Bytes held, the map's with them.
     pub fn bytes(&self) -> usize {
         self.map.bytes() + std::mem::size_of_val(&self.sums[..]) + std::mem::size_of_val(&self.blocks[..])

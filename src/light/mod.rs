@@ -110,6 +110,15 @@ impl Light {
         }
     }
 
+    /// The largest radiance (mean over the lanes) that a ray finds on it, by magnitude; `None` where none can find it.
+    pub fn largest_radiance(&self) -> Option<f64> {
+        match self {
+            Light::Area(light) => Some(light.largest_radiance()),
+            Light::Environment(light) => Some(light.largest_radiance()),
+            Light::Point(_) | Light::Spot(_) | Light::Directional(_) => None,
+        }
+    }
+
     /// Whether a scattered ray can never find it.
     pub fn is_dirac(&self) -> bool {
         matches!(self, Light::Point(_) | Light::Spot(_) | Light::Directional(_))

@@ -85,6 +85,7 @@ mod tests {
                     ignored: vec![],
                     warnings: vec![],
                     blind_spots: vec![],
+                    prior: Default::default(),
                 },
                 settings: choices.settings(None).unwrap(),
                 plan: choices.plan(selection).unwrap(),

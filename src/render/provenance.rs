@@ -2,6 +2,7 @@
 
 use super::{Look, Plan, Settings, Stage, Surroundings};
 use crate::error::{Error, Result};
+use crate::film::{Film, ImageError, Known, Prior};
 use crate::integrator::{self, PassReport};
 use std::path::PathBuf;
 
@@ -31,6 +32,9 @@ pub struct SceneRecord {
     pub warnings: Vec<String>,
     /// What the method cannot see in it.
     pub blind_spots: Vec<String>,
+    /// What light of it the method may miss.
+    #[serde(default)]
+    pub prior: Prior,
 }
 
 /// What rendering has taken so far, over all sessions and shards.
@@ -110,6 +114,7 @@ impl Provenance {
             ignored: stage.info.ignored.clone(),
             warnings: stage.info.warnings.clone(),
             blind_spots: integrator::blind_spots(settings.method, &stage.scene),
+            prior: integrator::prior(settings.method, &stage.scene),
         };
         let work = Work { started: now(), finished: now(), ..Work::default() };
         Provenance { program: Program::current(), scene, settings, plan, look, work }
@@ -120,6 +125,16 @@ impl Provenance {
     pub fn identity(&self) -> String {
         let what = (&self.program, &self.scene.hash, &self.settings, self.plan, self.look);
         blake3::hash(serde_json::json!(what).to_string().as_bytes()).to_hex()[..32].to_owned()
+    }
+
+    /// What is known of the samples beforehand.
+    pub fn known(&self) -> Known {
+        Known { independent: self.settings.method.independent(), prior: self.scene.prior }
+    }
+
+    /// The error of `film`, which is of this: see [`Film::image_error`].
+    pub fn error_of(&self, film: &Film) -> Option<ImageError> {
+        film.image_error(self.known())
     }
 
     /// Refuses `other` unless its passes are passes of the same picture.

@@ -130,7 +130,7 @@ impl Report {
     ) -> Report {
         let (work, settings) = (&provenance.work, &provenance.settings);
         let name = |path: Option<&std::path::Path>| path.map(|p| p.display().to_string());
-        let error = film.image_error(settings.method.independent());
+        let error = provenance.error_of(film);
         Report {
             image: name(outputs.image()),
             film: name(outputs.film.as_deref()),

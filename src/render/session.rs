@@ -137,8 +137,8 @@ impl<'a> Session<'a> {
     /// Looks at the error if there is a target and it is time.
     fn look(&mut self) {
         let target = self.provenance.plan.stop.target_error;
-        let independent = self.provenance.settings.method.independent();
-        self.check = target.and_then(|target| target::check(&self.film, independent, target)).or(self.check);
+        let known = self.provenance.known();
+        self.check = target.and_then(|target| target::check(&self.film, known, target)).or(self.check);
     }
 
     fn is_good_enough(&self) -> bool {

@@ -5,7 +5,7 @@
 //! the part 6/(π² i²) of it, so that all looks there can ever be have the whole. With confidence 1 − [`LEVEL`] the error of
 //! an image that stopped at its target is then below the target, as far as the tail of the samples lets anybody tell.
 
-use crate::film::{Film, Independent};
+use crate::film::{Film, Known};
 use std::f64::consts::PI;
 
 /// Probability that a render stops although its error is above the target.
@@ -29,12 +29,12 @@ pub struct Check {
     pub reached: bool,
 }
 
-/// Looks at `film`, of which that is `independent`, if it is time: when all replicates have the same power of two of passes.
-pub fn check(film: &Film, independent: Independent, target: f64) -> Option<Check> {
+/// Looks at `film`, of whose samples that is `known`, if it is time: when all replicates have the same power of two of passes.
+pub fn check(film: &Film, known: impl Into<Known>, target: f64) -> Option<Check> {
     let (passes, level) = (film.passes().len(), level_at(film)?);
-    let error = film.image_error(independent)?;
+    let error = film.image_error(known)?;
     let upper_limit = error.upper_limit(level);
-    Some(Check { target, passes, level, upper_limit, reached: upper_limit <= target && error.distrust().is_none() })
+    Some(Check { target, passes, level, upper_limit, reached: upper_limit <= target && error.trust.trusted })
 }
 
 /// How many passes will do, going by `check`: the next number of a look at which the error, falling as 1/n, is below the
@@ -60,7 +60,7 @@ fn level_of(i: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::{Layout, PassFilm, Units};
+    use crate::film::{Independent, Layout, PassFilm, Units};
 
     fn film(passes: u64) -> Film {
         let layout = Layout::new(2, 2, None, &[]);

@@ -1,7 +1,7 @@
 //! Materials as shading uses them: a constant surface where nothing varies, textures looked up where something does.
 
 use super::description::{self, AlphaMode, MetalFresnel};
-use crate::bsdf::{MetallicRoughness, Surface, Wall};
+use crate::bsdf::{Bsdf, Lobes, MetallicRoughness, Surface, Wall};
 use crate::geometry::MediumId;
 use crate::light::{Coverage, Emission};
 use crate::spectrum::Spectrum;
@@ -48,6 +48,18 @@ impl Material {
             material.constant = Some(material.resolve(&nowhere));
         }
         material
+    }
+
+    /// The slope deviation α of its gloss, textures apart; `None` if it has none.
+    pub(super) fn least_alpha(&self) -> Option<f64> {
+        let m = &self.source;
+        let is_glossy = !m.unlit && (m.metallic > 0.0 || m.specular > 0.0 || m.transmission > 0.0);
+        is_glossy.then(|| f64::from(m.roughness).powi(2))
+    }
+
+    /// Whether something scatters it beyond a mirror's directions.
+    pub(super) fn has_wide_lobes(&self) -> bool {
+        self.constant().is_none_or(|surface| surface.lobes().intersects(Lobes::SMOOTH))
     }
 
     /// Whether a texture changes how it scatters.

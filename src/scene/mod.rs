@@ -132,6 +132,20 @@ impl Scene {
         self.features
     }
 
+    /// The least slope deviation α of a mirror, gloss or glass that something in the scene has; `None` if all scatter widely.
+    pub fn least_alpha(&self) -> Option<f64> {
+        self.used_materials().filter_map(Material::least_alpha).min_by(f64::total_cmp)
+    }
+
+    /// Whether something in the scene scatters into more than a mirror's direction.
+    pub fn has_wide_lobes(&self) -> bool {
+        self.used_materials().any(Material::has_wide_lobes)
+    }
+
+    fn used_materials(&self) -> impl Iterator<Item = &Material> {
+        self.objects.iter().map(|object| &self.materials[object.material as usize])
+    }
+
     /// Counts, sizes and warnings, for people.
     pub fn info(&self) -> &SceneInfo {
         &self.info
