@@ -215,6 +215,9 @@ defects! {
     RouletteUnpaid "roulette-unpaid"
         "Survivors of roulette are not scaled up."
         "field-survey.md 4.7";
+    DepthRouletteUnpaid "depth-roulette-unpaid"
+        "Survivors of the roulette by depth are not scaled up, so that what leaves a trap of total reflection is dark."
+        "renderers that cut long paths at random";
     RouletteEta2 "roulette-eta2"
         "Roulette decides with the square of the index divided out and pays with it left in."
         "light-transport.md 2.1 (h)";
@@ -249,6 +252,9 @@ defects! {
     EmissionPdfUniform "emission-pdf-uniform"
         "Weights take lamps to emit in all directions alike, which they do by the cosine."
         "light-transport.md 2.2";
+    NormalsDisagreeBlack "normals-disagree-black"
+        "Nothing scatters where the two normals have a direction on different sides, so that glass with averaged normals loses light."
+        "Veach97 §5.3, as most renderers follow it";
     AdjointForgotten "adjoint-forgotten"
         "Walks from lights do not correct scattering for the difference of the two normals."
         "pbrt-v4 #385";

@@ -14,6 +14,7 @@ mod gltf;
 mod lambert;
 mod metallic_roughness;
 pub mod shading;
+pub mod sides;
 mod surface;
 mod thin;
 
@@ -24,7 +25,7 @@ pub use ggx::Ggx;
 pub use gltf::Gltf;
 pub use lambert::Lambert;
 pub use metallic_roughness::{MetallicRoughness, Wall};
-pub use shading::{Scattering, Shading, ShadingSample};
+pub use shading::{Folds, Scattering, Shading, ShadingSample};
 pub use surface::Surface;
 pub use thin::Thin;
 

@@ -42,7 +42,7 @@ pub(super) struct Combined;
 
 impl Strategy for Naive {
     const SAMPLES_LIGHTS: bool = false;
-    /// Uniform over the hemisphere on the side of `wo`, or over the sphere where the surface transmits.
+    /// Uniform over the hemisphere of ns on the side of the surface where `wo` is, or over the sphere where the surface transmits.
     fn scatter(shading: &Shading, [_, u, v]: [f32; 3]) -> Option<ShadingSample> {
         let frame = shading.point.frame;
         if shading.lobes().intersects(Lobes::TRANSMIT) {
@@ -50,7 +50,7 @@ impl Strategy for Naive {
             Some(shading.along(wi, warp::uniform_sphere_pdf()))
         } else {
             let w = warp::uniform_hemisphere([u, v]);
-            let wi = frame.to_world(Local::new(w.x, w.y, w.z.copysign(shading.known().dot(frame.n))));
+            let wi = frame.to_world(Local::new(w.x, w.y, w.z.copysign(shading.known().dot(shading.point.ng))));
             Some(shading.along(wi, warp::uniform_hemisphere_pdf()))
         }
     }

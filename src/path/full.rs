@@ -6,6 +6,8 @@
 
 use super::mis::Weights;
 use super::{Emitter, Vertex};
+use crate::bsdf::shading::folds;
+use crate::bsdf::sides::{Sided, Sources};
 use crate::bsdf::{Bsdf, Lobes, Surface};
 use crate::camera::Camera;
 use crate::geometry::{Frame, Local, SurfacePoint};
@@ -112,9 +114,33 @@ struct Factors {
     copied: [f64; 2],
 }
 
+/// Directions of a vertex as its model is told them: see [`crate::bsdf::shading`].
+struct Seen {
+    wi: Sources<f64>,
+    wo: Local<f64>,
+    /// Probability with which a walk from the light takes this wo of those that are seen as `wo`.
+    share: f64,
+    /// |wi·ng|.
+    cos_i: f64,
+}
+
 fn local(frame: &Frame, w: DVec3) -> Local<f64> {
     let [s, t, n] = [frame.s, frame.t, frame.n].map(|axis| w.dot(axis.as_dvec3()));
     Local::new(s, t, n)
+}
+
+fn sided(point: &SurfacePoint, w: DVec3) -> Sided<f64> {
+    Sided { local: local(&point.frame, w), cos: w.dot(point.ng.as_dvec3()) }
+}
+
+fn smooth_factors(surface: &Surface, seen: &Seen) -> Factors {
+    let mut all = Factors { f: Spectrum::ZERO, to_camera: 0.0, to_light: 0.0, copied: [1.0; 2] };
+    for (wi, chosen) in seen.wi.choices() {
+        all.f = all.f + surface.eval(wi, seen.wo, Lobes::SMOOTH) * (wi.z.abs() / seen.cos_i);
+        all.to_camera += surface.pdf(wi, seen.wo, Transport::Camera, Lobes::SMOOTH) * chosen * seen.share;
+        all.to_light += surface.pdf(seen.wo, wi, Transport::Light, Lobes::SMOOTH);
+    }
+    all
 }
 
 fn single(w: Local<f64>) -> Local {
@@ -233,34 +259,41 @@ impl<'a> FullPath<'a> {
         [cosine(self.directions[i - 1], ng), cosine(self.directions[i], ng)]
     }
 
-    /// wi and wo of xᵢ.
-    fn locals(&self, i: usize) -> [Local<f64>; 2] {
-        let frame = &self.nodes[i - 1].point.frame;
-        [-self.directions[i - 1], self.directions[i]].map(|w| local(frame, w))
+    /// What its model is told of wi and wo of xᵢ; `None` where F is zero.
+    fn seen(&self, i: usize) -> Option<Seen> {
+        let node = &self.nodes[i - 1];
+        let [wi, wo] = [-self.directions[i - 1], self.directions[i]].map(|w| sided(&node.point, w));
+        let ng = local(&node.point.frame, node.point.ng.as_dvec3());
+        Some(Seen { wi: wi.sources(ng.z, || ng)?, wo: wo.seen()?, share: wo.share(ng.z), cos_i: wi.cos.abs() })
     }
 
     fn factors(&self, i: usize) -> Factors {
-        let (node, [wi, wo]) = (&self.nodes[i - 1], self.locals(i));
-        let bend = wi.z.abs() / self.cosines(i)[0];
-        if !node.is_dirac() {
-            return Factors {
-                f: node.surface.eval(wi, wo, Lobes::SMOOTH) * bend,
-                to_camera: node.surface.pdf(wi, wo, Transport::Camera, Lobes::SMOOTH),
-                to_light: node.surface.pdf(wo, wi, Transport::Light, Lobes::SMOOTH),
-                copied: [1.0; 2],
-            };
-        }
+        let node = &self.nodes[i - 1];
+        let factors = self.seen(i).and_then(|seen| {
+            if node.is_dirac() { self.dirac_factors(i, &seen) } else { Some(smooth_factors(&node.surface, &seen)) }
+        });
+        factors.unwrap_or(Factors { f: Spectrum::ZERO, to_camera: 0.0, to_light: 0.0, copied: [0.0; 2] })
+    }
+
+    fn dirac_factors(&self, i: usize, seen: &Seen) -> Option<Factors> {
+        let (node, wo) = (&self.nodes[i - 1], seen.wo);
         let dirac = |known, toward| node.surface.dirac(single(known), toward, node.lobe);
-        let (Some(camera), Some(light)) = (dirac(wi, Transport::Camera), dirac(wo, Transport::Light)) else {
-            return Factors { f: Spectrum::ZERO, to_camera: 0.0, to_light: 0.0, copied: [0.0; 2] };
-        };
+        let (wi, chosen) = self.component(i, seen)?;
+        let (camera, light) = (dirac(wi, Transport::Camera)?, dirac(wo, Transport::Light)?);
         let copied = [wo.z.abs() * f64::from(camera.eta).powi(2), wi.z.abs()];
-        Factors {
-            f: light.value.cast::<f64>() * bend,
-            to_camera: f64::from(camera.density.value()) * copied[0],
+        Some(Factors {
+            f: light.value.cast::<f64>() * (wi.z.abs() / seen.cos_i),
+            to_camera: f64::from(camera.density.value()) * copied[0] * chosen * seen.share,
             to_light: f64::from(light.density.value()) * copied[1],
             copied,
-        }
+        })
+    }
+
+    /// wi of the Dirac component at xᵢ as the model is told it, and the probability that a walk from the light tells it so.
+    fn component(&self, i: usize, seen: &Seen) -> Option<(Local<f64>, f64)> {
+        let node = &self.nodes[i - 1];
+        let folds = folds(&node.point, &node.surface, self.directions[i].as_vec3(), node.lobe)?;
+        seen.wi.choice(folds.source)
     }
 
     /// See [`Steps`].
@@ -339,7 +372,10 @@ impl<'a> FullPath<'a> {
     }
 
     fn verify_dirac(&self, i: usize) -> Result<(), String> {
-        let (node, [wi, wo]) = (&self.nodes[i - 1], self.locals(i));
+        let node = &self.nodes[i - 1];
+        let seen = self.seen(i).ok_or_else(|| format!("vertex {i} scatters nothing"))?;
+        let component = self.component(i, &seen);
+        let ((wi, _), wo) = (component.ok_or_else(|| format!("vertex {i} has no such component"))?, seen.wo);
         let made = node.surface.dirac(single(wi), Transport::Camera, node.lobe);
         let made = made.ok_or_else(|| format!("vertex {i} has no such component"))?;
         let off = made.direction.cast::<f64>().plus(wo.reversed());

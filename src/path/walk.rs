@@ -15,8 +15,15 @@ use crate::spectrum::Spectrum;
 use crate::transport::Transport;
 use glam::Vec3;
 
-/// How many scattering and null events a path may have before it is taken for a defect of the scene and cut.
+/// How many surfaces a path may pass on one edge before it is taken for a defect of the scene and cut.
 const LONGEST: u32 = 1 << 14;
+
+/// How many scattering events a path may have. Roulette by depth ([`lasting`]) lets one in four million of those paths come here that
+/// nothing else ends.
+const MOST_EVENTS: u32 = 1 << 18;
+
+/// Scattering events before roulette by depth begins: more than a path has that carries light anywhere but in a trap.
+const LASTING_FROM: u32 = 128;
 
 /// Scattering events before Russian roulette begins.
 const ROULETTE_FROM: u32 = 2;
@@ -199,17 +206,18 @@ impl<'a> Walk<'a> {
         self.ray = Ray { medium, time: self.ray.time, ..point.spawn(scatter.direction) };
     }
 
-    /// Russian roulette by the share of light that is left. Whoever survives is scaled up.
+    /// Russian roulette by the share of light that is left, and by depth. Whoever survives is scaled up.
     #[inline]
     pub fn survives(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> bool {
-        if self.depth >= LONGEST {
+        if self.depth >= MOST_EVENTS {
             tally.overlong += 1;
             return false;
         }
         if self.depth < ROULETTE_FROM {
             return !self.beta.is_black();
         }
-        let q = (ROULETTE_GAIN * self.beta.max_lane() * self.scale).min(1.0);
+        let share = (ROULETTE_GAIN * self.beta.max_lane() * self.scale).min(1.0);
+        let q = share.min(lasting(self.depth));
         if q < 1.0 {
             if sampler.u1(self.bounce, Slot::Roulette) >= q {
                 return false;
@@ -218,9 +226,21 @@ impl<'a> Walk<'a> {
             if planted(Defect::RouletteEta2) {
                 paid = (q / self.scale).min(1.0);
             }
+            if planted(Defect::DepthRouletteUnpaid) && q < share {
+                paid = share;
+            }
             self.beta *= paid.recip();
             self.survival *= q;
         }
         true
     }
+}
+
+/// Probability with which a path survives event `depth`, whatever it carries: it comes to event n with (N / n)², N the event from which
+/// this holds. Paths that total reflection has trapped carry all their light, and only this ends them: after N more events on average.
+/// A power and not a constant probability, since some leave their trap late: what they find then is scaled by (n / N)² and no more, so
+/// that their variance is finite if the share that leaves at event n falls faster than n⁻³; by q⁻ⁿ it would have to fall exponentially.
+#[inline]
+fn lasting(depth: u32) -> f32 {
+    if depth <= LASTING_FROM { 1.0 } else { ((depth - 1) as f32 / depth as f32).powi(2) }
 }

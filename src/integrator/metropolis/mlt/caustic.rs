@@ -9,7 +9,6 @@ use crate::defects::{Defect, planted};
 use crate::geometry::{Ray, spawn_ray};
 use crate::light::End;
 use crate::mcmc::{Kernel, Numbers};
-use crate::transport::Transport;
 
 /// Shortest step on the film in pixels, and the longest as a share of its longer side, roughly.
 const PIXELS: f64 = 0.1;
@@ -71,7 +70,7 @@ impl<'a> Caustic<'_, 'a> {
                 part.nodes.push(node);
                 break;
             }
-            let (next, beyond) = walker.through_lobe(&mut node, -w, Transport::Camera, x.node(i).lobe)?;
+            let (next, beyond) = walker.through_like(&mut node, -w, x.node(i), path.directions()[i].as_vec3())?;
             part.nodes.push(node);
             (w, met) = (next, beyond);
         }

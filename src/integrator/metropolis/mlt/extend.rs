@@ -2,7 +2,8 @@
 
 use super::super::Common;
 use super::state::{Draft, PathState};
-use crate::bsdf::{Bsdf, Lobes, Shading};
+use crate::bsdf::shading::folds;
+use crate::bsdf::{Folds, Lobes, Shading};
 use crate::geometry::Ray;
 use crate::light::EmissionNumbers;
 use crate::mcmc::Numbers;
@@ -84,7 +85,7 @@ impl Walker<'_, '_> {
     }
 
     /// Through a film position.
-    pub(super) fn through(&mut self, film: [f32; 2]) -> Option<(DVec3, Met)> {
+    pub(super) fn through_film(&mut self, film: [f32; 2]) -> Option<(DVec3, Met)> {
         let ray = self.common.camera.ray(film);
         Some((-ray.direction.as_dvec3(), self.follow(Walk::new(self.common.scene, ray))?))
     }
@@ -104,13 +105,19 @@ impl Walker<'_, '_> {
         Some((scatter.direction, self.along(node.point.spawn(scatter.direction))?))
     }
 
-    /// Leaves `node` through the Dirac component `lobe`; `None` if it has none.
-    pub(super) fn through_lobe(&mut self, node: &mut Node, known: Vec3, toward: Transport, lobe: Lobes) -> Option<(Vec3, Met)> {
-        let scatter = node.surface.dirac(node.point.frame.to_local(known), toward, lobe)?;
-        let direction = node.point.frame.to_world(scatter.direction);
-        if direction.dot(node.point.ng) * scatter.direction.z <= 0.0 {
-            return None;
-        }
+    /// Leaves `node` toward the light through the Dirac component `lobe`; `None` if it has none.
+    pub(super) fn back_through(&mut self, node: &mut Node, known: Vec3, lobe: Lobes) -> Option<(Vec3, Met)> {
+        self.through(node, known, Transport::Light, lobe, Folds { source: false, view: false })
+    }
+
+    /// Leaves `node` toward the camera through the Dirac component by which light leaves `like` along `wo`.
+    pub(super) fn through_like(&mut self, node: &mut Node, known: Vec3, like: &Node, wo: Vec3) -> Option<(Vec3, Met)> {
+        let folds = folds(&like.point, &like.surface, wo, like.lobe)?;
+        self.through(node, known, Transport::Camera, like.lobe, folds)
+    }
+
+    fn through(&mut self, node: &mut Node, known: Vec3, toward: Transport, lobe: Lobes, folds: Folds) -> Option<(Vec3, Met)> {
+        let direction = Shading::new(&node.point, &node.surface, known, toward)?.dirac(lobe, folds)?;
         node.lobe = lobe;
         Some((direction, self.along(node.point.spawn(direction))?))
     }
@@ -120,7 +127,7 @@ impl Walker<'_, '_> {
         let (w, met) = match part.nodes.last_mut() {
             None => {
                 let film = self.film();
-                self.through(film)?
+                self.through_film(film)?
             }
             Some(node) => {
                 let known = part.directions.last()?.as_vec3();

@@ -9,7 +9,6 @@ use super::state::{Draft, PathState};
 use crate::defects::{Defect, planted};
 use crate::geometry::Frame;
 use crate::mcmc::{Kernel, Numbers};
-use crate::transport::Transport;
 use glam::{DVec3, Vec3};
 
 /// Shortest step on the film in pixels, and the longest as a share of its longer side.
@@ -75,7 +74,7 @@ impl<'c, 'a> Eye<'c, 'a> {
     fn perturb(&self, x: &PathState<'a>, last: usize, walker: &mut Walker) -> Option<Draft> {
         let film = self.moved(x.film, walker.numbers)?;
         let mut part = Part::default();
-        let (w, mut met) = walker.through(film)?;
+        let (w, mut met) = walker.through_film(film)?;
         part.directions.push(w);
         for i in (last.max(1)..x.k()).rev() {
             let Met::Surface(mut node) = met else { return None };
@@ -95,7 +94,7 @@ impl<'c, 'a> Eye<'c, 'a> {
                 );
                 (w, walker.along(node.point.spawn(w))?)
             } else {
-                walker.through_lobe(&mut node, known, Transport::Light, x.node(i).lobe)?
+                walker.back_through(&mut node, known, x.node(i).lobe)?
             };
             part.nodes.push(node);
             part.directions.push(-w.as_dvec3());

@@ -4,7 +4,7 @@
 use super::super::Common;
 use super::extend::{Part, Walker};
 use super::state::{Draft, PathState};
-use crate::bsdf::{Bsdf, Lobes};
+use crate::bsdf::{Lobes, Shading};
 use crate::mcmc::{Kernel, Numbers};
 use crate::path::Node;
 use crate::transport::Transport;
@@ -15,8 +15,8 @@ const PASSAGES: [Lobes; 2] = [Lobes::DIRAC_REFLECT, Lobes::DIRAC_TRANSMIT];
 
 /// With which probabilities it does at `node`, seen from the direction `known`. Elsewhere it ends, and is connected.
 fn passages(node: &Node, known: Vec3) -> [f64; 2] {
-    let known = node.point.frame.to_local(known);
-    PASSAGES.map(|lobe| node.surface.dirac(known, Transport::Light, lobe).map_or(0.0, |d| f64::from(d.density.value())))
+    let shading = Shading::new(&node.point, &node.surface, known, Transport::Light);
+    PASSAGES.map(|lobe| shading.map_or(0.0, |shading| shading.probability(lobe)))
 }
 
 /// The mutation.
@@ -45,7 +45,7 @@ impl<'a> LensSubpath<'_, 'a> {
             else {
                 break;
             };
-            let (w, met) = walker.through_lobe(node, known, Transport::Light, *lobe)?;
+            let (w, met) = walker.back_through(node, known, *lobe)?;
             part.directions.push(-w.as_dvec3());
             part.add(met).then_some(())?;
         }

@@ -181,11 +181,10 @@ impl Draft {
         (!scene.transmittance(&segment, shadows).is_black()).then_some(())
     }
 
-    /// Whether x_i may scatter at all between its directions: on one side of both normals each. Asked before rays are traced.
+    /// Whether x_i may scatter light at all from where it comes: on one side of both normals. Asked before rays are traced.
     fn scatters(&self, i: usize) -> Option<()> {
-        let node = &self.nodes[i - 1];
-        let agree = |w: DVec3| node.point.ng.as_dvec3().dot(w) * node.point.frame.n.as_dvec3().dot(w) > 0.0;
-        (agree(-self.directions[i - 1]) && agree(self.directions[i])).then_some(())
+        let (point, w) = (&self.nodes[i - 1].point, self.directions[i - 1]);
+        (point.ng.as_dvec3().dot(w) * point.frame.n.as_dvec3().dot(w) > 0.0).then_some(())
     }
 
     /// See [`Draft::scatters`], for every vertex.
