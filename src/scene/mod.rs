@@ -9,6 +9,7 @@ mod info;
 mod material;
 mod query;
 mod rebase;
+mod usage;
 mod view;
 
 pub use build::BuildOptions;
