@@ -321,6 +321,12 @@ defects! {
     NormalMapGreen "normal-map-green"
         "The green channel of normal maps points down."
         "review: the other convention of normal maps";
+    FeaturesIgnoreTextures "features-ignore-textures"
+        "What a scene has is read off its factors, so that a texture's mirrors are not announced and its glass is missing."
+        "issue 8, item 3";
+    ExtremesAtVertices "extremes-at-vertices"
+        "Extremes of a texture are those at the vertices, whatever lies between them."
+        "review: a scan of coordinates in place of texels";
     TextureHalfTexel "texture-half-texel"
         "Textures lie half a texel beside their coordinates."
         "review: texel centres at whole numbers";

@@ -85,6 +85,7 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("two-stage", "true"),
     ("env", "\"sky.hdr\""),
     ("env-rotation", "90.0"),
+    ("env-layer", "\"ViewLayer.Combined\""),
     ("env-scale", "1.0"),
     ("exposure", "0.0"),
     ("curve", "\"filmic\""),

@@ -68,8 +68,8 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// What was around the scene, its file where it is now.
 fn surroundings(recorded: Option<Surroundings>, moved: Option<PathBuf>) -> Result<Option<Surroundings>> {
     match (recorded, moved) {
-        (Some(Surroundings { environment: Environment::File(_), rotation, scale }), Some(path)) => {
-            Ok(Some(Surroundings { environment: Environment::File(path), rotation, scale }))
+        (Some(Surroundings { environment: Environment::File(_), rotation, scale, layer }), Some(path)) => {
+            Ok(Some(Surroundings { environment: Environment::File(path), rotation, scale, layer }))
         }
         (_, Some(_)) => Err(Error::usage("the film's scene has no environment from a file: --env has nothing to replace")),
         (recorded, None) => Ok(recorded),

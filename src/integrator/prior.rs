@@ -25,7 +25,7 @@ pub fn prior(method: Method, scene: &Scene) -> Prior {
 }
 
 fn rare_radiance(method: Method, scene: &Scene) -> f64 {
-    let Some(alpha) = scene.least_alpha().filter(|_| scene.has_wide_lobes()) else { return 0.0 };
+    let Some(alpha) = scene.least_slope().filter(|_| scene.has_wide_lobes()) else { return 0.0 };
     let radius = f64::from(scene.radius());
     let lights = scene.lights().all();
     let brightest = lights.iter().filter_map(|light| light.largest_radiance()).fold(0.0, f64::max);

@@ -1,21 +1,25 @@
 //! Environment maps from files: OpenEXR and Radiance pictures in latitude-longitude layout, by the ending of their name.
 //!
-//! An EXR file gives its channels R, G and B, or those of the first layer that has all three, or a luminance Y for all three.
+//! Which channels of an EXR file are taken is [`layers`]'s choice.
 
-use super::exr::{self, ExrImage};
-use super::hdr;
+mod layers;
+
+use super::exr;
+use super::hdr::{self, HdrImage};
 use crate::error::{Error, Result};
-use crate::film::Crop;
 use crate::texture::RadianceMap;
+use glam::{DMat3, DVec3};
 use std::path::Path;
 
-/// A map, and what was changed to make it one.
+/// A map, and what was done to make it one.
 #[derive(Debug)]
 pub struct LoadedMap {
     /// The map.
     pub map: RadianceMap,
-    /// A sentence if texels were changed.
-    pub warning: Option<String>,
+    /// What was chosen or changed, a sentence each.
+    pub warnings: Vec<String>,
+    /// What could not be kept, a sentence each: `--strict` refuses it.
+    pub lost: Vec<String>,
 }
 
 /// Whether files of this name are read by [`load`].
@@ -23,28 +27,33 @@ pub fn is_supported(path: &Path) -> bool {
     ending(path).is_some()
 }
 
-/// Reads the map in `path`. Negative texels become 0, with a warning.
+/// Reads the map in `path`, from the layer or part with the name `layer` if one is given. Colours become linear Rec. 709. Negative
+/// texels become 0, and infinite ones the largest finite value: of 16-bit numbers where the file stores these, of the picture
+/// otherwise.
 ///
 /// # Errors
-/// A scene error with the path if the file cannot be read, is damaged, lacks colours, or has texels that are not finite or
-/// beyond [`RadianceMap::BRIGHTEST`].
-pub fn load(path: &Path) -> Result<LoadedMap> {
+/// A scene error with the path if the file cannot be read, is damaged, lacks colours or the layer, or has texels that are not
+/// numbers or beyond [`RadianceMap::BRIGHTEST`].
+pub fn load(path: &Path, layer: Option<&str>) -> Result<LoadedMap> {
     let refuse = |what: String| Error::scene(format!("cannot read {}: {what}", path.display()));
     let file = std::fs::metadata(path).map_err(|cause| Error::read(path, cause))?;
     if !file.is_file() {
         return Err(refuse("it is not a regular file".into()));
     }
-    let (width, height, texels) = match ending(path) {
-        Some(Ending::Exr) => colors(exr::read(path)?).map_err(refuse)?,
-        Some(Ending::Hdr) => {
-            let image = hdr::read(path)?;
-            (image.width, image.height, image.texels)
-        }
+    let mut picture = match ending(path) {
+        Some(Ending::Exr) => layers::picture(exr::read(path)?, layer).map_err(refuse)?,
+        Some(Ending::Hdr) if layer.is_some() => return Err(refuse("a .hdr file has no layers to choose from".into())),
+        Some(Ending::Hdr) => Picture::from(hdr::read(path)?),
         None => return Err(refuse("its name ends neither in .exr nor in .hdr".into())),
     };
-    let (texels, negative) = checked(texels).map_err(refuse)?;
-    let warning = (negative > 0).then(|| format!("{}: {negative} texels are negative and count as black", path.display()));
-    Ok(LoadedMap { map: RadianceMap::new(width, height, texels), warning })
+    let named = |what: String| format!("{}: {what}", path.display());
+    let infinite = picture.clamp_infinite().map_err(refuse)?;
+    picture.convert();
+    let negative = picture.check().map_err(refuse)?;
+    let negative = (negative > 0).then(|| format!("{negative} texels are negative and count as black"));
+    let warnings = picture.said.into_iter().chain(negative).map(named).collect();
+    let lost = infinite.into_iter().map(named).collect();
+    Ok(LoadedMap { map: RadianceMap::new(picture.width, picture.height, picture.texels), warnings, lost })
 }
 
 enum Ending {
@@ -60,39 +69,77 @@ fn ending(path: &Path) -> Option<Ending> {
     }
 }
 
-/// Width, height and colours of an image.
-fn colors(image: ExrImage) -> std::result::Result<(u32, u32, Vec<[f32; 3]>), String> {
-    let (width, height) = (image.width, image.height);
-    if image.crop != (Crop { x0: 0, y0: 0, x1: width, y1: height }) {
-        return Err("it holds a part of a picture only".into());
-    }
-    let [r, g, b] = rgb(&image).ok_or("it has no channels R, G and B")?;
-    Ok((width, height, r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b]).collect()))
+/// Texels as a file has them.
+struct Picture {
+    width: u32,
+    height: u32,
+    texels: Vec<[f32; 3]>,
+    /// From these numbers to linear Rec. 709.
+    to_rec_709: DMat3,
+    /// The largest number that the file can store, if it is small enough to stand for infinity.
+    largest: Option<f32>,
+    /// What was chosen.
+    said: Option<String>,
 }
 
-fn rgb(image: &ExrImage) -> Option<[&[f32]; 3]> {
-    let of = |prefix: &str| {
-        let channel = |name: &str| image.channel(&format!("{prefix}{name}"));
-        Some([channel("R")?, channel("G")?, channel("B")?])
-    };
-    let mut prefixes = image.layers.iter().filter_map(|layer| layer.name.strip_suffix('R'));
-    let grey = || Some([image.channel("Y")?; 3]);
-    of("").or_else(|| prefixes.find_map(of)).or_else(grey)
+impl From<HdrImage> for Picture {
+    fn from(image: HdrImage) -> Self {
+        let HdrImage { width, height, texels, to_rec_709 } = image;
+        Picture { width, height, texels, to_rec_709, largest: None, said: None }
+    }
 }
 
-/// The texels, negative ones made black, and how many those were.
-fn checked(mut texels: Vec<[f32; 3]>) -> std::result::Result<(Vec<[f32; 3]>, usize), String> {
-    let wrong = texels.iter().filter(|texel| !texel.iter().all(|lane| lane.abs() <= RadianceMap::BRIGHTEST)).count();
-    if wrong > 0 {
-        let (all, most) = (texels.len(), RadianceMap::BRIGHTEST);
-        return Err(format!("{wrong} of its {all} texels are not finite or beyond {most:e}"));
+impl Picture {
+    /// Replaces what is infinite, and says so if there was any.
+    fn clamp_infinite(&mut self) -> std::result::Result<Option<String>, String> {
+        let bright = |texel: &&mut [f32; 3]| texel.contains(&f32::INFINITY);
+        let count = self.texels.iter_mut().filter(bright).count();
+        if count == 0 {
+            return Ok(None);
+        }
+        let finite = self.texels.iter().flatten().copied().filter(|lane| lane.is_finite());
+        let largest = self.largest.unwrap_or_else(|| finite.fold(0.0, f32::max).min(RadianceMap::BRIGHTEST));
+        if largest <= 0.0 {
+            return Err(format!("all that shines in it is infinite ({count} texels)"));
+        }
+        for texel in self.texels.iter_mut().filter(bright) {
+            *texel = texel.map(|lane| if lane == f32::INFINITY { largest } else { lane });
+        }
+        Ok(Some(format!("{count} texels are infinite and count as {largest}: their light is lost in part")))
     }
-    let mut negative = 0;
-    for texel in &mut texels {
-        if texel.iter().any(|&lane| lane < 0.0) {
+
+    /// Makes colours linear Rec. 709.
+    fn convert(&mut self) {
+        if self.to_rec_709 == DMat3::IDENTITY {
+            return;
+        }
+        for texel in &mut self.texels {
+            let converted = self.to_rec_709 * DVec3::from(texel.map(f64::from));
+            *texel = rounded(converted, *texel);
+        }
+    }
+
+    /// Makes negative texels black, and says how many those were.
+    fn check(&mut self) -> std::result::Result<usize, String> {
+        let wrong = |texel: &&[f32; 3]| !texel.iter().all(|lane| lane.abs() <= RadianceMap::BRIGHTEST);
+        let count = self.texels.iter().filter(wrong).count();
+        if count > 0 {
+            let (all, most) = (self.texels.len(), RadianceMap::BRIGHTEST);
+            return Err(format!("{count} of its {all} texels are not numbers or beyond {most:e}"));
+        }
+        let mut negative = 0;
+        for texel in self.texels.iter_mut().filter(|texel| texel.iter().any(|&lane| lane < 0.0)) {
             negative += 1;
             *texel = texel.map(|lane| lane.max(0.0));
         }
+        Ok(negative)
     }
-    Ok((texels, negative))
+}
+
+/// The colour in single precision. Where a lane is below the rounding of what it is the difference of, it is 0: a colour on the
+/// edge of the gamut is not outside of it.
+fn rounded(color: DVec3, from: [f32; 3]) -> [f32; 3] {
+    let largest = from.into_iter().fold(0.0, |a: f32, b| a.max(b.abs()));
+    let rounding = f64::from(largest) * 4.0 * f64::from(f32::EPSILON);
+    color.to_array().map(|lane| if lane.abs() <= rounding { 0.0 } else { lane as f32 })
 }

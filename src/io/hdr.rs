@@ -1,10 +1,13 @@
 //! Radiance pictures (`.hdr`): shared-exponent colours, run-length encoded by scanline or, in old files, by colour.
 //!
 //! Our own, since the `image` crate's decoder refuses files that begin with `#?RGBE` and overflows on runs of runs of length 0.
-//! Limits: scanlines from the top and from left to right (`-Y H +X W`), RGB and not XYZ; what `EXPOSURE` and `COLORCORR` say
-//! was done to the picture is not undone, as in other readers. Reference: the file formats page of Radiance's manual.
+//! Scanlines may run in any of the eight orientations, and colours be RGB, of Rec. 709 unless `PRIMARIES` says otherwise, or XYZ.
+//! Limits: what `EXPOSURE` and `COLORCORR` say was done to the picture is not undone, as in other readers. Reference: the file
+//! formats page of Radiance's manual.
 
+use super::primaries::{Primaries, xyz_to_rec_709};
 use crate::error::{Error, Kind, Result};
+use glam::DMat3;
 use std::fs;
 use std::path::Path;
 
@@ -22,8 +25,10 @@ pub struct HdrImage {
     pub width: u32,
     /// Height in texels.
     pub height: u32,
-    /// Linear colours, row by row from the top.
+    /// Linear colours, row by row from the top, in the primaries of the file.
     pub texels: Vec<[f32; 3]>,
+    /// What turns them into linear Rec. 709.
+    pub to_rec_709: DMat3,
 }
 
 /// Reads a picture.
@@ -42,38 +47,100 @@ fn decode(bytes: &[u8]) -> Decoded<HdrImage> {
     if !bytes.starts_with(b"#?") {
         return Err("it is not a Radiance picture".into());
     }
-    loop {
-        let line = input.line()?;
-        if line.is_empty() {
-            break;
-        }
-        if line.starts_with("FORMAT=") && line != "FORMAT=32-bit_rle_rgbe" {
-            return Err(format!("'{line}' is not supported"));
-        }
-    }
-    let [width, height] = size(&input.line()?)?;
+    let to_rec_709 = header(&mut input)?;
+    let order = Order::parse(&input.line()?)?;
+    let [width, height] = order.size();
     let (claimed, held) = (u64::from(width) * u64::from(height), bytes.len() as u64);
     if claimed > (held * TEXELS_A_BYTE).max(BELIEVED_TEXELS) {
         return Err(format!("it claims {width}×{height} texels, more than {held} bytes can hold"));
     }
     let mut texels = Vec::new();
-    let mut scanline = vec![[0; 4]; width as usize];
-    for _ in 0..height {
+    let mut scanline = vec![[0; 4]; order.length as usize];
+    for _ in 0..order.scanlines {
         input.scanline(&mut scanline)?;
         texels.extend(scanline.iter().map(color));
     }
-    Ok(HdrImage { width, height, texels })
+    Ok(HdrImage { width, height, texels: order.upright(texels), to_rec_709 })
 }
 
-/// Width and height from the line that states them.
-fn size(line: &str) -> Decoded<[u32; 2]> {
-    let words: Vec<&str> = line.split_ascii_whitespace().collect();
-    let side = |text: &str| text.parse().ok().filter(|&side: &u32| side > 0);
-    match words[..] {
-        ["-Y", height, "+X", width] => side(width).zip(side(height)).map(|(width, height)| [width, height]),
-        _ => None,
+/// Reads the header and its empty line, and says what its colours are to linear Rec. 709.
+fn header(input: &mut Input<'_>) -> Decoded<DMat3> {
+    let (mut xyz, mut primaries) = (false, Primaries::REC_709);
+    loop {
+        let line = input.line()?;
+        if line.is_empty() {
+            break;
+        }
+        if let Some(format) = line.strip_prefix("FORMAT=") {
+            xyz = match format.trim() {
+                "32-bit_rle_rgbe" => false,
+                "32-bit_rle_xyze" => true,
+                _ => return Err(format!("'{line}' is not supported")),
+            };
+        }
+        if let Some(numbers) = line.strip_prefix("PRIMARIES=") {
+            let numbers: Option<Vec<f64>> = numbers.split_ascii_whitespace().map(|n| n.parse().ok()).collect();
+            let eight = numbers.and_then(|numbers| numbers.try_into().ok());
+            primaries = Primaries(eight.ok_or_else(|| format!("'{line}' are no eight chromaticities"))?);
+        }
     }
-    .ok_or_else(|| format!("'{line}' is not a size that is supported (-Y HEIGHT +X WIDTH)"))
+    let of_rgb = || primaries.to_rec_709().ok_or("its PRIMARIES make no colours");
+    if xyz { Ok(xyz_to_rec_709()) } else { Ok(of_rgb()?) }
+}
+
+/// In which order the texels come.
+#[derive(Clone, Copy)]
+struct Order {
+    /// Scanlines, and texels in each.
+    scanlines: u32,
+    length: u32,
+    /// Whether scanlines are columns.
+    columns: bool,
+    /// Whether they come from the far end, the right or the bottom, and whether texels in them do.
+    from_end: [bool; 2],
+}
+
+impl Order {
+    /// From the line that states the size: an axis with its direction for scanlines and one for the texels in them.
+    fn parse(line: &str) -> Decoded<Self> {
+        let words: Vec<&str> = line.split_ascii_whitespace().collect();
+        let side = |text: &str| text.parse().ok().filter(|&side: &u32| side > 0);
+        let axis = |text: &str| match text {
+            "-Y" => Some((false, false)),
+            "+Y" => Some((false, true)),
+            "+X" => Some((true, false)),
+            "-X" => Some((true, true)),
+            _ => None,
+        };
+        let parse = || {
+            let &[first, scanlines, second, length] = &words[..] else { return None };
+            let ((columns, first_end), (texels_along_x, second_end)) = (axis(first)?, axis(second)?);
+            let (scanlines, length) = (side(scanlines)?, side(length)?);
+            let order = Order { scanlines, length, columns, from_end: [first_end, second_end] };
+            (columns != texels_along_x).then_some(order)
+        };
+        parse().ok_or_else(|| format!("'{line}' is not a size such as -Y HEIGHT +X WIDTH"))
+    }
+
+    /// Width and height.
+    fn size(self) -> [u32; 2] {
+        if self.columns { [self.scanlines, self.length] } else { [self.length, self.scanlines] }
+    }
+
+    /// The texels row by row from the top.
+    fn upright(self, texels: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+        if !self.columns && self.from_end == [false; 2] {
+            return texels;
+        }
+        let [width, height] = self.size().map(|side| side as usize);
+        let (scanlines, length) = (self.scanlines as usize, self.length as usize);
+        let place = |i: usize, count: usize, from_end: bool| if from_end { count - 1 - i } else { i };
+        let texel = |x: usize, y: usize| {
+            let (scanline, at) = if self.columns { (x, y) } else { (y, x) };
+            texels[place(scanline, scanlines, self.from_end[0]) * length + place(at, length, self.from_end[1])]
+        };
+        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect()
+    }
 }
 
 /// The mantissas times 2^(exponent − 136); exponent 0 is black.
@@ -194,13 +261,36 @@ mod tests {
         assert_eq!((row[258], row[259]), ([5.0, 6.0, 7.0], [8.0, 9.0, 10.0]));
     }
 
+    /// The same 2 × 3 picture, its texels numbered from the top left, in the order of each orientation.
+    #[test]
+    fn every_orientation_is_the_same_picture() {
+        let numbered = |order: [u8; 6]| order.map(|i| [i, 0, 0, 136]).concat();
+        for (size, order) in [
+            ("-Y 3 +X 2", [1, 2, 3, 4, 5, 6]),
+            ("-Y 3 -X 2", [2, 1, 4, 3, 6, 5]),
+            ("+Y 3 +X 2", [5, 6, 3, 4, 1, 2]),
+            ("+Y 3 -X 2", [6, 5, 4, 3, 2, 1]),
+            ("+X 2 -Y 3", [1, 3, 5, 2, 4, 6]),
+            ("+X 2 +Y 3", [5, 3, 1, 6, 4, 2]),
+            ("-X 2 -Y 3", [2, 4, 6, 1, 3, 5]),
+            ("-X 2 +Y 3", [6, 4, 2, 5, 3, 1]),
+        ] {
+            let image = decode(&picture(size, &numbered(order))).unwrap();
+            assert_eq!((image.width, image.height), (2, 3), "{size}");
+            let seen: Vec<f32> = image.texels.iter().map(|texel| texel[0]).collect();
+            assert_eq!(seen, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "{size}");
+        }
+    }
+
     #[test]
     fn what_is_wrong_is_said() {
         for (bytes, what) in [
             (b"\x89PNG".to_vec(), "not a Radiance picture"),
             (b"#?RADIANCE\n".to_vec(), "within its header"),
-            (b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n".to_vec(), "xyze"),
-            (picture("+Y 1 +X 1", &[1; 4]), "'+Y 1 +X 1' is not a size"),
+            (b"#?RADIANCE\nFORMAT=64-bit\n\n-Y 1 +X 1\n".to_vec(), "64-bit"),
+            (b"#?RADIANCE\nPRIMARIES=1 2 3\n\n-Y 1 +X 1\n".to_vec(), "no eight"),
+            (b"#?RADIANCE\nPRIMARIES=0 0 0 0 0 0 0 0\n\n-Y 1 +X 1\n".to_vec(), "no colours"),
+            (picture("+Y 1 -Y 1", &[1; 4]), "'+Y 1 -Y 1' is not a size"),
             (picture("-Y 0 +X 1", &[1; 4]), "is not a size"),
             (picture("-Y 60000 +X 60000", &[1; 4]), "more than"),
             (picture("-Y 2 +X 1", &[9; 4]), "ends too early"),

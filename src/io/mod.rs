@@ -8,3 +8,4 @@ pub(crate) mod hashed;
 pub mod hdr;
 pub mod page;
 pub mod png;
+pub mod primaries;

@@ -36,6 +36,16 @@ pub struct Coverage {
 }
 
 impl Coverage {
+    /// Whether alpha leaves nothing anywhere.
+    fn is_nothing(&self) -> bool {
+        let most = self.corners.into_iter().fold(0.0, f32::max);
+        let textured = self.texture.as_ref().map_or(1.0, |(t, uvs)| t.extremes(uvs.iter().copied()).max[3]);
+        match self.cutoff {
+            Some(cutoff) => most * textured < cutoff,
+            None => most * textured <= 0.0,
+        }
+    }
+
     fn at(&self, barycentric: [f32; 2]) -> f32 {
         let mut alpha = mix(&self.corners, barycentric);
         if let Some((texture, uvs)) = &self.texture {
@@ -54,6 +64,20 @@ fn mix<V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>>(cor
 }
 
 impl Emission {
+    /// No light at all.
+    pub const NONE: Emission = Emission { radiance: Spectrum::ZERO, texture: None, two_sided: false, coverage: None };
+
+    /// Whether it sends out nothing anywhere on its triangle: the factor or all texels that it touches are black, or alpha leaves
+    /// nothing.
+    pub fn is_black(&self) -> bool {
+        let dark = |textured: &(Arc<Texture>, [Vec2; 3])| {
+            let [r, g, b, _] = textured.0.extremes(textured.1.into_iter()).max;
+            (self.radiance * Spectrum::from_rgb([r, g, b])).is_black()
+        };
+        let dark = self.radiance.is_black() || self.texture.as_deref().is_some_and(dark);
+        dark || self.coverage.as_ref().is_some_and(|c| c.is_nothing())
+    }
+
     /// Radiance at a point.
     #[inline]
     fn at(&self, barycentric: [f32; 2]) -> Spectrum {

@@ -118,6 +118,9 @@ pub struct Choices {
     /// Turn the map about the up axis, counter-clockwise seen from above [default: 0]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub env_rotation: Option<f64>,
+    /// Take this layer or part of an EXR map [default: the plain channels, else Combined, else the first]
+    #[arg(long, value_name = "NAME")]
+    pub env_layer: Option<String>,
     /// Multiply the radiance of --env [default: 1]
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     pub env_scale: Option<f32>,
@@ -203,6 +206,7 @@ impl Choices {
             two_stage: self.two_stage.or(fallback.two_stage),
             env: self.env.or(fallback.env),
             env_rotation: self.env_rotation.or(fallback.env_rotation.filter(|_| !surrounds_here)),
+            env_layer: self.env_layer.or(fallback.env_layer.filter(|_| !surrounds_here)),
             env_scale: self.env_scale.or(fallback.env_scale.filter(|_| !surrounds_here)),
             exposure: self.exposure.or(fallback.exposure),
             curve: self.curve.or(fallback.curve),
@@ -281,7 +285,7 @@ impl Choices {
     /// # Errors
     /// A rotation without a map, a scale without an environment, values out of range.
     pub fn surroundings(&self) -> Result<Option<Surroundings>> {
-        Surroundings::chosen(self.env.as_ref(), self.env_rotation, self.env_scale)
+        Surroundings::chosen(self.env.as_ref(), self.env_rotation, self.env_scale, self.env_layer.as_deref())
     }
 
     fn replicates(&self) -> u32 {

@@ -94,17 +94,21 @@ pub struct Surroundings {
     pub rotation: f64,
     /// What its radiance is multiplied by.
     pub scale: f32,
+    /// The layer or part of a file, if one was named.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layer: Option<String>,
 }
 
 impl Surroundings {
     /// What was chosen: `rotation` is for maps, `scale` for any environment.
     ///
     /// # Errors
-    /// A rotation or scale without what it is about, or out of range.
+    /// A rotation, scale or layer without what it is about, or out of range.
     pub(super) fn chosen(
         environment: Option<&Environment>,
         rotation: Option<f64>,
         scale: Option<f32>,
+        layer: Option<&str>,
     ) -> Result<Option<Surroundings>> {
         if scale.is_some_and(|s| !(0.0..=LARGEST_SCALE).contains(&s)) {
             return Err(Error::usage(format!("env-scale must be from 0 to {LARGEST_SCALE:e}")));
@@ -115,11 +119,15 @@ impl Surroundings {
         if rotation.is_some() && !matches!(environment, Some(Environment::File(_))) {
             return Err(Error::usage("env-rotation turns a map: give its file as env"));
         }
+        if layer.is_some() && !matches!(environment, Some(Environment::File(_))) {
+            return Err(Error::usage("env-layer chooses from a map: give its file as env"));
+        }
         if scale.is_some() && environment.is_none() {
             return Err(Error::usage("env-scale scales an environment: give one as env"));
         }
         let (rotation, scale) = (rotation.unwrap_or(0.0), scale.unwrap_or(1.0));
-        Ok(environment.cloned().map(|environment| Surroundings { environment, rotation, scale }))
+        let layer = layer.map(str::to_owned);
+        Ok(environment.cloned().map(|environment| Surroundings { environment, rotation, scale, layer }))
     }
 
     /// The same surroundings, as another process in another folder will find them.
@@ -128,7 +136,7 @@ impl Surroundings {
             Environment::File(path) => Environment::File(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
             radiance => radiance.clone(),
         };
-        Surroundings { environment, ..*self }
+        Surroundings { environment, ..self.clone() }
     }
 
     /// The same surroundings for reports, a file by its name alone.
@@ -137,7 +145,7 @@ impl Surroundings {
             Environment::File(path) => Environment::File(path.file_name().unwrap_or_default().into()),
             radiance => radiance.clone(),
         };
-        Surroundings { environment, ..*self }
+        Surroundings { environment, ..self.clone() }
     }
 
     /// Reads what must be read and puts it around `description`.
@@ -148,8 +156,9 @@ impl Surroundings {
         let environment = match &self.environment {
             Environment::Radiance(rgb) => description::Environment::Uniform(Spectrum::from_rgb(*rgb) * self.scale),
             Environment::File(path) => {
-                let loaded = environment::load(path)?;
-                description.warnings.extend(loaded.warning);
+                let loaded = environment::load(path, self.layer.as_deref())?;
+                description.warnings.extend(loaded.warnings);
+                description.ignored.extend(loaded.lost);
                 description::Environment::Map { map: Arc::new(loaded.map), scale: self.scale, rotation: self.rotation }
             }
         };
@@ -176,7 +185,7 @@ mod tests {
     #[test]
     fn what_is_recorded_is_read_back() {
         for environment in [Environment::Radiance([0.1, 0.2, 0.3]), Environment::File("/a/sky.hdr".into())] {
-            let surroundings = Surroundings { environment, rotation: 30.5, scale: 0.1 };
+            let surroundings = Surroundings { environment, rotation: 30.5, scale: 0.1, layer: Some("ViewLayer".into()) };
             let back: Surroundings = serde_json::from_value(serde_json::json!(surroundings)).unwrap();
             assert_eq!(back, surroundings);
         }
@@ -185,7 +194,7 @@ mod tests {
     #[test]
     fn rotation_and_scale_want_something_to_act_on() {
         let (file, grey) = (Environment::File("a.hdr".into()), Environment::Radiance([1.0; 3]));
-        let choose = |env: Option<&Environment>, rotation, scale| Surroundings::chosen(env, rotation, scale);
+        let choose = |env: Option<&Environment>, rotation, scale| Surroundings::chosen(env, rotation, scale, None);
         assert!(choose(None, None, None).unwrap().is_none());
         assert_eq!(choose(Some(&grey), None, Some(2.0)).unwrap().unwrap().scale, 2.0);
         assert_eq!(choose(Some(&file), Some(-90.0), None).unwrap().unwrap().rotation, -90.0);

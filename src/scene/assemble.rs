@@ -39,7 +39,7 @@ pub(super) fn assemble(
             };
             let material = &materials[primitive.material];
             let colors = primitive.colors.is_some();
-            let filtered = matches!(material.source.alpha_mode, AlphaMode::Mask { .. }) && material.has_holes(colors);
+            let filtered = matches!(material.source.alpha_mode, AlphaMode::Mask { .. });
             geometry.objects.push(Object { mesh, placement, filtered });
             let (material, instance) = (primitive.material as u32, index as u32);
             objects.push(ObjectInfo { material, first_light: None, instance, colors });

@@ -3,15 +3,18 @@
 use super::assemble::assemble;
 use super::description::{self, Description, PunctualKind};
 use super::extent::Extent;
-use super::material::Material;
+use super::material::{Material, settle};
 use super::rebase::Rebase;
+use super::usage::Usage;
 use super::view::Views;
 use super::{Absorption, Features, ObjectInfo, Scene, SceneInfo};
 use crate::accel::{Accel, Backend, Build};
-use crate::bsdf::{Bsdf, Lobes};
+use crate::bsdf::Lobes;
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Hit, MediumId};
-use crate::light::{AreaLight, Ball, DirectionalLight, Environment, LatLong, Light, Lights, PointLight, Sky, SpotLight};
+use crate::light::{
+    AreaLight, Ball, DirectionalLight, Emission, Environment, LatLong, Light, Lights, PointLight, Sky, SpotLight,
+};
 use crate::spectrum::Spectrum;
 use std::sync::Arc;
 use std::time::Instant;
@@ -49,8 +52,14 @@ impl Scene {
             ));
         }
         let mut media = Vec::new();
-        let compile = |m: &description::Material| Ok(Material::new(m.clone(), interior(m, &rebase, &mut media)?));
-        let materials = description.materials.iter().map(compile).collect::<Result<Vec<Material>>>()?;
+        let compile = |(m, mut usage): (&description::Material, Usage)| {
+            let mut m = m.clone();
+            settle(&mut m, &mut usage);
+            let interior = interior(&m, &rebase, &mut media)?;
+            Ok(Material::new(m, &usage, interior))
+        };
+        let usages = Usage::of_all(&description);
+        let materials = description.materials.iter().zip(usages).map(compile).collect::<Result<Vec<Material>>>()?;
         let (geometry, mut objects) = assemble(&description, &rebase, &materials)?;
         let mut lights = area_lights(&geometry, &mut objects, &materials);
         lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
@@ -68,8 +77,9 @@ impl Scene {
         let accel = Accel::build(&geometry, options.backend, options.build, options.threads)?;
         let centre = rebase.point((extent.min + extent.max) * 0.5).as_vec3();
         let ball = Ball { centre, radius: (extent.radius() * rebase.scale) as f32 };
+        let shining = lights.iter().filter(|light| light.power(ball.radius) > 0.0).count();
         let features = features(&geometry, &objects, &materials, &lights, &media);
-        let mut info = census(&geometry, &materials, lights.len(), features);
+        let mut info = census(&geometry, &materials, shining, features);
         info.instances = description.instances.len();
         info.texture_bytes += environment_bytes;
         info.ignored = description.ignored;
@@ -116,7 +126,7 @@ fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Mat
             let hit = Hit { object, primitive };
             let alphas = geometry.corner_colors(hit).map(|colors| colors.map(|c| c.w));
             let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), alphas);
-            Light::Area(AreaLight::new(geometry.triangle(hit), winding, emission, mean))
+            Light::Area(AreaLight::new(geometry.triangle(hit), winding, emission.unwrap_or(Emission::NONE), mean))
         }));
     }
     lights
@@ -154,12 +164,7 @@ fn features(
     media: &[Absorption],
 ) -> Features {
     let used = |test: &dyn Fn(&Material) -> bool| objects.iter().any(|o| test(&materials[o.material as usize]));
-    let holes = |mode: fn(description::AlphaMode) -> bool| {
-        objects.iter().any(|o| {
-            let material = &materials[o.material as usize];
-            mode(material.source.alpha_mode) && material.has_holes(o.colors)
-        })
-    };
+    let holes = |mode: fn(description::AlphaMode) -> bool| used(&|m| mode(m.source.alpha_mode));
     Features {
         masks: holes(|m| matches!(m, description::AlphaMode::Mask { .. })),
         blends: holes(|m| matches!(m, description::AlphaMode::Blend)),
@@ -168,8 +173,8 @@ fn features(
         textures: used(&Material::has_surface_textures),
         normal_maps: used(&|m| m.source.normal_texture.is_some()),
         shading_normals: geometry.meshes.iter().any(|m| m.attributes().normals.is_some()),
-        dirac: used(&|m| m.constant().is_some_and(|s| s.lobes().intersects(Lobes::DIRAC))),
-        refraction: used(&|m| m.source.transmission > 0.0 && m.source.volume.is_some()),
+        dirac: used(&|m| m.lobes().intersects(Lobes::DIRAC)),
+        refraction: used(&Material::refracts),
         instances: geometry.objects.iter().any(|o| o.placement.is_some()),
         dirac_lights: lights.iter().any(Light::is_dirac),
     }

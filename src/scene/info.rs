@@ -13,7 +13,7 @@ pub struct SceneInfo {
     pub instances: usize,
     /// Materials.
     pub materials: usize,
-    /// Lights; every emitting triangle is one.
+    /// Lights that shine; every emitting triangle is one.
     pub lights: usize,
     /// Distinct images in use.
     pub images: usize,

@@ -1,21 +1,28 @@
-//! Materials as shading uses them: a constant surface where nothing varies, textures looked up where something does.
+//! Materials as shading uses them: a constant surface where nothing varies, textures looked up where something does, and what may
+//! come of it anywhere.
 
 use super::description::{self, AlphaMode, MetalFresnel};
+use super::usage::Usage;
 use crate::bsdf::{Bsdf, Lobes, MetallicRoughness, Surface, Wall};
+use crate::defects::{Defect, planted};
 use crate::geometry::MediumId;
 use crate::light::{Coverage, Emission};
 use crate::spectrum::Spectrum;
-use crate::texture::Texture;
+use crate::texture::{Extremes, Texture};
 use glam::{Vec2, Vec4};
 use std::sync::Arc;
 
 /// A compiled material.
 #[derive(Debug)]
 pub(super) struct Material {
-    /// As loaded.
+    /// As loaded, what its textures say everywhere alike being in its factors; opaque if alpha makes no holes in it.
     pub(super) source: description::Material,
     /// The surface, if it is the same everywhere (vertex colours apart).
     constant: Option<Surface>,
+    /// Every lobe that it has somewhere.
+    lobes: Lobes,
+    /// The least roughness that it has somewhere.
+    least_roughness: f32,
     /// The emission texture, shared by the lights of the material.
     emission_texture: Option<Arc<Texture>>,
     /// What is inside an object of this material.
@@ -37,29 +44,54 @@ impl Coordinates {
     }
 }
 
+/// What textures and the vertex colour say at a point.
+struct Found {
+    base: [f32; 4],
+    metallic_roughness: [f32; 4],
+    specular: [f32; 4],
+    specular_color: [f32; 4],
+    transmission: [f32; 4],
+    color: [f32; 4],
+}
+
 impl Material {
-    pub(super) fn new(source: description::Material, interior: MediumId) -> Self {
-        let nowhere = Coordinates { uvs: [Vec2::ZERO; 2], color: Vec4::ONE };
+    /// The material `source` with what is in it, where `usage` is left of what varies: see [`settle`].
+    pub(super) fn new(source: description::Material, usage: &Usage, interior: MediumId) -> Self {
         let emission_texture = emission_map(&source).cloned().map(Arc::new);
-        let mut material = Material { source, constant: None, emission_texture, interior, culled: false };
+        let least_roughness = source.roughness * usage.metallic_roughness.min[1];
+        let (lobes, culled) = (Lobes::NONE, false);
+        let mut material = Material { source, constant: None, lobes, least_roughness, emission_texture, interior, culled };
         let m = &material.source;
         material.culled = !m.double_sided && material.emission().is_black() && m.transmission <= 0.0;
         if !material.has_surface_textures() {
-            material.constant = Some(material.resolve(&nowhere));
+            material.constant = Some(material.surface_of(&Found::corner(&Usage::NOTHING, 0)));
         }
+        material.lobes = material.possible_lobes(usage);
         material
     }
 
-    /// The slope deviation α of its gloss, textures apart; `None` if it has none.
-    pub(super) fn least_alpha(&self) -> Option<f64> {
+    /// The least slope deviation α of its gloss; `None` if it has none.
+    pub(super) fn least_slope(&self) -> Option<f64> {
         let m = &self.source;
         let is_glossy = !m.unlit && (m.metallic > 0.0 || m.specular > 0.0 || m.transmission > 0.0);
-        is_glossy.then(|| f64::from(m.roughness).powi(2))
+        is_glossy.then(|| f64::from(self.least_roughness).powi(2))
     }
 
     /// Whether something scatters it beyond a mirror's directions.
     pub(super) fn has_wide_lobes(&self) -> bool {
-        self.constant().is_none_or(|surface| surface.lobes().intersects(Lobes::SMOOTH))
+        self.lobes.intersects(Lobes::SMOOTH)
+    }
+
+    /// Every lobe of the surfaces at the corners of the box in which its parameters lie, and so of those between: a lobe is
+    /// there or not by the sign of a share, which ascends or descends with each parameter, or by the least roughness.
+    fn possible_lobes(&self, usage: &Usage) -> Lobes {
+        let corners = (0..Found::CORNERS).map(|corner| self.surface_of(&Found::corner(usage, corner)).lobes());
+        corners.fold(Lobes::NONE, Lobes::union)
+    }
+
+    /// Every lobe that it has somewhere on what wears it.
+    pub(super) fn lobes(&self) -> Lobes {
+        self.lobes
     }
 
     /// Whether a texture changes how it scatters.
@@ -89,19 +121,32 @@ impl Material {
         if m.unlit {
             return Surface::Black;
         }
-        let [r, g, b, _] = at.look_up(&m.base_color_texture);
-        let [_, rough, metal, _] = at.look_up(&m.metallic_roughness_texture);
-        let [sr, sg, sb, _] = at.look_up(&m.specular_color_texture);
-        let vertex = Spectrum::from_rgb(at.color.truncate().to_array());
-        let base = m.base_color * Spectrum::from_rgb([r, g, b]) * vertex;
+        self.surface_of(&Found {
+            base: at.look_up(&m.base_color_texture),
+            metallic_roughness: at.look_up(&m.metallic_roughness_texture),
+            specular: at.look_up(&m.specular_texture),
+            specular_color: at.look_up(&m.specular_color_texture),
+            transmission: at.look_up(&m.transmission_texture),
+            color: at.color.to_array(),
+        })
+    }
+
+    fn surface_of(&self, found: &Found) -> Surface {
+        let m = &self.source;
+        if m.unlit {
+            return Surface::Black;
+        }
+        let rgb = |[r, g, b, _]: [f32; 4]| Spectrum::from_rgb([r, g, b]);
+        let [_, rough, metal, _] = found.metallic_roughness;
+        let base = m.base_color * rgb(found.base) * rgb(found.color);
         MetallicRoughness {
             base,
             metallic: m.metallic * metal,
             roughness: m.roughness * rough,
-            specular: m.specular * at.look_up(&m.specular_texture)[3],
-            specular_color: m.specular_color * Spectrum::from_rgb([sr, sg, sb]),
+            specular: m.specular * found.specular[3],
+            specular_color: m.specular_color * rgb(found.specular_color),
             ior: m.ior,
-            transmission: m.transmission * at.look_up(&m.transmission_texture)[0],
+            transmission: m.transmission * found.transmission[0],
             wall: if m.volume.is_some() { Wall::Solid } else { Wall::Thin },
             metal_f90: if m.metal_fresnel == MetalFresnel::Constant { base } else { Spectrum::ONE },
         }
@@ -113,14 +158,9 @@ impl Material {
         self.source.alpha * at.look_up(&self.source.base_color_texture)[3] * at.color.w
     }
 
-    /// Whether alpha makes holes in it, whatever its textures say; `has_colors` if the mesh has vertex colours.
-    pub(super) fn has_holes(&self, has_colors: bool) -> bool {
-        let varies = self.source.base_color_texture.is_some() || has_colors;
-        match self.source.alpha_mode {
-            AlphaMode::Opaque => false,
-            AlphaMode::Mask { cutoff } => varies || self.source.alpha < cutoff,
-            AlphaMode::Blend => varies || self.source.alpha < 1.0,
-        }
+    /// Whether light passes through it into a body.
+    pub(super) fn refracts(&self) -> bool {
+        self.lobes.intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)) && self.source.volume.is_some()
     }
 
     /// Whether the camera sees through its back: single-sided, without light of its own or through it.
@@ -134,19 +174,21 @@ impl Material {
         if self.source.unlit { self.source.base_color } else { self.source.emission }
     }
 
-    /// The emission of a triangle with the given texture coordinates (by set) and vertex alpha at its corners.
-    pub(super) fn emission_of(&self, uvs: impl Fn(usize) -> Option<[Vec2; 3]>, alphas: Option<[f32; 3]>) -> Emission {
+    /// The emission of a triangle with the given texture coordinates (by set) and vertex alpha at its corners; `None` if it is
+    /// black or covered nowhere on it.
+    pub(super) fn emission_of(&self, uvs: impl Fn(usize) -> Option<[Vec2; 3]>, alphas: Option<[f32; 3]>) -> Option<Emission> {
         let corner_uvs = |t: &Texture| uvs(t.uv_set).unwrap_or_default();
         let texture = self.emission_texture.as_ref().map(|t| Box::new((Arc::clone(t), corner_uvs(t))));
         let m = &self.source;
-        let coverage = self.has_holes(alphas.is_some()).then(|| {
+        let coverage = (m.alpha_mode != AlphaMode::Opaque).then(|| {
             Box::new(Coverage {
                 corners: alphas.unwrap_or([1.0; 3]).map(|a| a * m.alpha),
                 texture: m.base_color_texture.as_ref().map(|t| (Arc::new(t.clone()), corner_uvs(t))),
                 cutoff: if let AlphaMode::Mask { cutoff } = m.alpha_mode { Some(cutoff) } else { None },
             })
         });
-        Emission { radiance: self.emission(), texture, two_sided: m.double_sided || m.unlit, coverage }
+        let emission = Emission { radiance: self.emission(), texture, two_sided: m.double_sided || m.unlit, coverage };
+        (!emission.is_black()).then_some(emission)
     }
 
     /// Mean linear colour of the emission texture, white without one.
@@ -178,4 +220,75 @@ impl Material {
 /// The texture that the emission factor is multiplied with.
 fn emission_map(source: &description::Material) -> Option<&Texture> {
     if source.unlit { source.base_color_texture.as_ref() } else { source.emission_texture.as_ref() }
+}
+
+impl Found {
+    /// How many corners the box of parameters has that decide about lobes.
+    const CORNERS: u32 = 1 << 5;
+
+    /// The extremes of one corner: a bit a parameter says which.
+    fn corner(usage: &Usage, corner: u32) -> Self {
+        let end = |bit: u32, of: &Extremes| if corner >> bit & 1 == 0 { of.min } else { of.max };
+        let [rough, metal] = [end(1, &usage.metallic_roughness)[1], end(2, &usage.metallic_roughness)[2]];
+        Found {
+            base: end(0, &usage.base),
+            metallic_roughness: [1.0, rough, metal, 1.0],
+            specular: end(3, &usage.specular),
+            specular_color: usage.specular_color.max,
+            transmission: end(4, &usage.transmission),
+            color: end(0, &usage.colors),
+        }
+    }
+}
+
+/// Puts what textures say everywhere alike into the factors, which drops these textures from both, and calls opaque what alpha
+/// makes no holes in.
+pub(super) fn settle(m: &mut description::Material, usage: &mut Usage) {
+    if planted(Defect::FeaturesIgnoreTextures) {
+        *usage = Usage::NOTHING;
+        return;
+    }
+    let holes = match m.alpha_mode {
+        AlphaMode::Opaque => false,
+        AlphaMode::Mask { cutoff } => least_alpha(m, usage) < cutoff,
+        AlphaMode::Blend => least_alpha(m, usage) < 1.0,
+    };
+    if !holes {
+        m.alpha_mode = AlphaMode::Opaque;
+    }
+    let rgb = |[r, g, b, _]: [f32; 4]| Spectrum::from_rgb([r, g, b]);
+    if let Some(base) = take(&mut m.base_color_texture, &mut usage.base, if holes { &[0, 1, 2, 3] } else { &[0, 1, 2] }) {
+        m.base_color = m.base_color * rgb(base);
+        m.alpha *= base[3];
+    }
+    if let Some([_, rough, metal, _]) = take(&mut m.metallic_roughness_texture, &mut usage.metallic_roughness, &[1, 2]) {
+        m.roughness *= rough;
+        m.metallic *= metal;
+    }
+    if let Some(emission) = take(&mut m.emission_texture, &mut usage.emission, &[0, 1, 2]) {
+        m.emission = m.emission * rgb(emission);
+    }
+    if let Some(specular) = take(&mut m.specular_texture, &mut usage.specular, &[3]) {
+        m.specular *= specular[3];
+    }
+    if let Some(color) = take(&mut m.specular_color_texture, &mut usage.specular_color, &[0, 1, 2]) {
+        m.specular_color = m.specular_color * rgb(color);
+    }
+    if let Some(transmission) = take(&mut m.transmission_texture, &mut usage.transmission, &[0]) {
+        m.transmission *= transmission[0];
+    }
+}
+
+/// Takes the texture away if the `channels` that matter are the same wherever it is used, and says what they are.
+fn take(texture: &mut Option<Texture>, extremes: &mut Extremes, channels: &[usize]) -> Option<[f32; 4]> {
+    let constant = texture.is_some() && extremes.is_constant(channels);
+    let value = constant.then_some(extremes.min)?;
+    (*texture, *extremes) = (None, Extremes::ONE);
+    Some(value)
+}
+
+fn least_alpha(m: &description::Material, usage: &Usage) -> f32 {
+    let ends = |e: &Extremes| [e.min[3], e.max[3]];
+    let products = ends(&usage.base).into_iter().flat_map(|base| ends(&usage.colors).map(|color| m.alpha * base * color));
+    products.fold(f32::INFINITY, f32::min)
 }

@@ -9,6 +9,7 @@ mod info;
 mod material;
 mod query;
 mod rebase;
+mod usage;
 mod view;
 
 pub use build::BuildOptions;
@@ -133,8 +134,8 @@ impl Scene {
     }
 
     /// The least slope deviation α of a mirror, gloss or glass that something in the scene has; `None` if all scatter widely.
-    pub fn least_alpha(&self) -> Option<f64> {
-        self.used_materials().filter_map(Material::least_alpha).min_by(f64::total_cmp)
+    pub fn least_slope(&self) -> Option<f64> {
+        self.used_materials().filter_map(Material::least_slope).min_by(f64::total_cmp)
     }
 
     /// Whether something in the scene scatters into more than a mirror's direction.

@@ -1,6 +1,7 @@
 //! Decoded images.
 
 use super::Encoding;
+use super::extremes::{self, Stored};
 use crate::pages::Pages;
 use std::sync::{LazyLock, OnceLock};
 
@@ -21,6 +22,7 @@ pub struct Image {
     /// What many materials may ask of one image, computed once.
     hash: OnceLock<blake3::Hash>,
     means: [OnceLock<[f32; 4]>; 2],
+    blocks: OnceLock<Box<[Stored]>>,
 }
 
 /// Size and content hash, never the texels.
@@ -79,7 +81,7 @@ impl Image {
             Texels::Rgba16(t) => t.len(),
         };
         assert!(width > 0 && height > 0 && count == width as usize * height as usize, "{count} texels for {width}x{height}");
-        Image { width, height, texels, hash: OnceLock::new(), means: Default::default() }
+        Image { width, height, texels, hash: OnceLock::new(), means: Default::default(), blocks: OnceLock::new() }
     }
 
     /// Width and height.
@@ -118,6 +120,28 @@ impl Image {
             }
             (Texels::Rgba16(t), _) => at.map(|row| row.map(|i| linear16(t[i], encoding))),
         }
+    }
+
+    /// The numbers of texel (x, y) as they are stored, 8 bits or 16.
+    pub(super) fn stored(&self, x: usize, y: usize) -> [u16; 4] {
+        let i = y * self.width as usize + x;
+        match &self.texels {
+            Texels::Rgba8(t) => t[i].map(u16::from),
+            Texels::Rgba16(t) => t[i],
+        }
+    }
+
+    /// What numbers stored in this image mean.
+    pub(super) fn linear(&self, stored: [u16; 4], encoding: Encoding) -> [f32; 4] {
+        match &self.texels {
+            Texels::Rgba8(_) => linear8(stored.map(|c| c as u8), if encoding == Encoding::Srgb { &SRGB8 } else { &LINEAR8 }),
+            Texels::Rgba16(_) => linear16(stored, encoding),
+        }
+    }
+
+    /// Extremes of its blocks: see [`extremes`].
+    pub(super) fn blocks(&self) -> &[Stored] {
+        self.blocks.get_or_init(|| extremes::blocks(self))
     }
 
     /// The mean linear value of all texels.

@@ -1,8 +1,10 @@
 //! Textures: decoded images, and how a material looks them up.
 
+mod extremes;
 mod image;
 mod radiance_map;
 
+pub use extremes::Extremes;
 pub use image::{Image, Texels};
 pub use radiance_map::RadianceMap;
 

@@ -25,6 +25,7 @@ mod enclosures;
 mod environments;
 mod equilibrium;
 mod exact;
+mod extremes;
 mod hard_cases;
 mod images_of_lights;
 mod invariance;

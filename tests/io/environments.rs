@@ -50,7 +50,7 @@ fn colours_are_found_under_their_usual_names() {
     let folder = Folder::new();
     let values = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
     for channels in [&["R", "G", "B", "A"][..], &["sky.R", "sky.G", "sky.B", "depth.Z"], &["Y"]] {
-        let map = environment::load(&folder.exr("a.exr", channels, values)).expect("a map").map;
+        let map = environment::load(&folder.exr("a.exr", channels, values), None).expect("a map").map;
         assert_eq!(map.size(), [3, 2]);
         assert_eq!(map.row(1), [[3.0; 3], [4.0; 3], [5.0; 3]], "{channels:?}");
     }
@@ -60,7 +60,7 @@ fn colours_are_found_under_their_usual_names() {
 fn radiance_pictures_are_read() {
     let folder = Folder::new();
     let path = folder.bytes("a.HDR", &hdr("-Y 2 +X 1", &[[128, 64, 32, 129], [1, 2, 4, 136]]));
-    let map = environment::load(&path).expect("a map").map;
+    let map = environment::load(&path, None).expect("a map").map;
     assert_eq!((map.row(0), map.row(1)), (&[[1.0, 0.5, 0.25]][..], &[[1.0, 2.0, 4.0]][..]));
 }
 
@@ -68,10 +68,9 @@ fn radiance_pictures_are_read() {
 fn negative_texels_count_as_black_and_are_counted() {
     let folder = Folder::new();
     let path = folder.exr("a.exr", &["R", "G", "B"], [1.0, -1.0, 0.0, -0.0, -2.0, 7.0]);
-    let loaded = environment::load(&path).expect("a map");
+    let loaded = environment::load(&path, None).expect("a map");
     assert_eq!(loaded.map.row(0), [[1.0; 3], [0.0; 3], [0.0; 3]]);
-    let warning = loaded.warning.expect("a warning");
-    assert!(warning.contains("a.exr: 2 texels"), "{warning}");
+    assert!(loaded.warnings[0].contains("a.exr: 2 texels") && loaded.lost.is_empty(), "{:?}", loaded.warnings);
 }
 
 #[test]
@@ -81,7 +80,7 @@ fn what_cannot_be_a_map_is_refused_in_one_sentence() {
     let nan = [1.0, f32::NAN, f32::INFINITY, 2e30, 0.0, 0.0];
     let header = "#?RADIANCE\n\n-Y 65536 +X 65536\n";
     for (path, what) in [
-        (folder.exr("nan.exr", &["R", "G", "B"], nan), "3 of its 6 texels are not finite or beyond 1e30"),
+        (folder.exr("nan.exr", &["R", "G", "B"], nan), "2 of its 6 texels are not numbers or beyond 1e30"),
         (folder.exr("rg.exr", &["R", "G"], ones), "no channels R, G and B"),
         (folder.bytes("text.exr", b"no picture at all"), "text.exr"),
         (folder.bytes("empty.hdr", b""), "not a Radiance picture"),
@@ -91,14 +90,14 @@ fn what_cannot_be_a_map_is_refused_in_one_sentence() {
         (folder.path("none.exr"), "none.exr"),
         (folder.path("none.hdr"), "none.hdr"),
     ] {
-        let said = sentence(&path, environment::load(&path));
+        let said = sentence(&path, environment::load(&path, None));
         assert!(said.contains(what), "{said}");
     }
     let device = Path::new("/dev/zero");
-    assert!(sentence(device, environment::load(device)).contains("regular file"));
+    assert!(sentence(device, environment::load(device, None)).contains("regular file"));
     let directory = folder.path("folder.hdr");
     std::fs::create_dir(&directory).expect("a folder");
-    assert!(sentence(&directory, environment::load(&directory)).contains("regular file"));
+    assert!(sentence(&directory, environment::load(&directory, None)).contains("regular file"));
 }
 
 /// Headers that claim billions of pixels are refused before memory is asked for.
@@ -113,7 +112,7 @@ fn claims_of_an_exr_header_are_bounded_by_its_file() {
         bytes[value + 8..value + 16].copy_from_slice(&[0xff, 0xff, 0x0f, 0, 0xff, 0xff, 0x0f, 0]);
     }
     let path = folder.bytes("claims.exr", &bytes);
-    assert!(sentence(&path, environment::load(&path)).contains("bytes can hold"));
+    assert!(sentence(&path, environment::load(&path, None)).contains("bytes can hold"));
 }
 
 #[test]
@@ -122,11 +121,73 @@ fn cut_files_end_in_a_sentence() {
     let whole = std::fs::read(folder.exr("a.exr", &["R", "G", "B"], [1.0; 6])).expect("a file");
     for length in (0..whole.len()).step_by(7) {
         let path = folder.bytes("cut.exr", &whole[..length]);
-        sentence(&path, environment::load(&path));
+        sentence(&path, environment::load(&path, None));
     }
     let whole = hdr("-Y 2 +X 3", &[[9, 9, 9, 130]; 6]);
     for length in 0..whole.len() {
         let path = folder.bytes("cut.hdr", &whole[..length]);
-        sentence(&path, environment::load(&path));
+        sentence(&path, environment::load(&path, None));
+    }
+}
+
+/// Values of a channel in every third, with the names of a Blender file.
+fn layered(folder: &Folder, names: [(&str, f32); 6]) -> PathBuf {
+    let layers = names.map(|(name, value)| Layer { name: name.into(), values: vec![value; 6] });
+    let path = folder.path("layers.exr");
+    exr::write(&path, 3, 2, None, &layers, &[]).expect("a written file");
+    path
+}
+
+/// What is likely to be the picture is taken and named, unless another layer is asked for by its name or the end of it.
+#[test]
+fn a_layer_is_chosen_and_named() {
+    let folder = Folder::new();
+    let [albedo, combined] = ["Denoising.Albedo", "ViewLayer.Combined"];
+    let names = [("R", 0.1), ("G", 0.1), ("B", 0.1)].map(|(c, v)| (format!("{albedo}.{c}"), v));
+    let more = ["R", "G", "B"].map(|c| (format!("{combined}.{c}"), 2.0));
+    let all: Vec<(&str, f32)> = names.iter().chain(&more).map(|(n, v)| (n.as_str(), *v)).collect();
+    let path = layered(&folder, all.try_into().expect("six channels"));
+    let taken = environment::load(&path, None).expect("a map");
+    assert_eq!(taken.map.row(0)[0], [2.0; 3]);
+    assert!(taken.warnings[0].contains("'ViewLayer.Combined' is taken") && taken.warnings[0].contains("--env-layer"));
+    for (name, value) in [(albedo, 0.1), ("Albedo", 0.1), (combined, 2.0), ("ViewLayer", 2.0)] {
+        assert_eq!(environment::load(&path, Some(name)).expect("a map").map.row(1)[2], [value; 3], "{name}");
+    }
+    let said = sentence(&path, environment::load(&path, Some("Combin")));
+    assert!(said.contains("no layer 'Combin'") && said.contains(albedo) && said.contains(combined), "{said}");
+    let hdr = folder.bytes("a.hdr", &hdr("-Y 1 +X 1", &[[1; 4]]));
+    assert!(sentence(&hdr, environment::load(&hdr, Some("x"))).contains("no layers"));
+}
+
+/// What is infinite becomes the largest finite number of the picture, and `--strict` can refuse it.
+#[test]
+fn infinite_texels_are_clamped_and_told() {
+    let folder = Folder::new();
+    let path = folder.exr("sun.exr", &["R", "G", "B"], [1.0, f32::INFINITY, 0.0, 9.0, f32::NEG_INFINITY, 2.0]);
+    assert!(sentence(&path, environment::load(&path, None)).contains("1 of its 6 texels"));
+    let path = folder.exr("sun.exr", &["R", "G", "B"], [1.0, f32::INFINITY, 0.0, 9.0, 3.0, 2.0]);
+    let loaded = environment::load(&path, None).expect("a map");
+    assert_eq!(loaded.map.row(0)[1], [9.0; 3]);
+    assert!(loaded.lost[0].contains("sun.exr: 1 texels are infinite and count as 9"), "{:?}", loaded.lost);
+}
+
+/// A picture of one colour, with its chromaticities in the header of a Radiance file: XYZ of (.5 .25 .125) in Rec. 709, and the
+/// same in ACES's AP0.
+#[test]
+fn colours_become_rec_709() {
+    let folder = Folder::new();
+    // A mantissa of 8 bits, rounded down or up.
+    let rounding = 1.0 / 128.0;
+    let [x, y, z] = [0.318_147, 0.294_124, 0.158_319].map(|v: f64| (v * 256.0).round() as u8);
+    let header = |lines: &str| format!("#?RADIANCE\n{lines}\n\n-Y 1 +X 1\n");
+    let ap0 = "PRIMARIES= .7347 .2653 0 1 .0001 -.077 .32168 .33767";
+    let [r, g, b] = [0.333_85, 0.262_1, 0.157].map(|v: f64| (v * 256.0).round() as u8);
+    for (lines, texel) in [("FORMAT=32-bit_rle_xyze", [x, y, z, 128]), (ap0, [r, g, b, 128])] {
+        let bytes = [header(lines).as_bytes(), &texel].concat();
+        let map = environment::load(&folder.bytes("a.hdr", &bytes), None).expect("a map").map;
+        for (lane, want) in map.row(0)[0].into_iter().zip([0.5, 0.25, 0.125]) {
+            // Half a step in each of three lanes, times coefficients up to 3.3 in all 5.3.
+            assert!((lane - want).abs() <= 5.3 * 0.5 * rounding, "{lines}: {lane} is not {want}");
+        }
     }
 }

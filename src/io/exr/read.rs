@@ -1,5 +1,6 @@
 //! Reading OpenEXR files of any origin.
 
+use super::super::primaries::Primaries;
 use super::{Attribute, Layer, hash_pixels};
 use crate::error::{Error, Result};
 use crate::film::Crop;
@@ -28,6 +29,12 @@ pub struct ExrImage {
     pub crop: Crop,
     /// All channels as f32, by name within the file's order. Channels of later parts are named `part.channel`.
     pub layers: Vec<Layer>,
+    /// Which of `layers` are stored in 16 bits.
+    pub half: Vec<bool>,
+    /// The name of the first part, if it has one.
+    pub part: Option<String>,
+    /// What colours the channels stand for, if the file says so.
+    pub primaries: Option<Primaries>,
     /// Text and number attributes that are not part of the format.
     pub attributes: BTreeMap<String, Attribute>,
 }
@@ -110,7 +117,13 @@ fn window(header: &Header) -> std::result::Result<Window, String> {
 
 fn convert(image: openexr::FlatImage, window: Window) -> ExrImage {
     let mut attributes = BTreeMap::new();
-    let mut layers = Vec::new();
+    let (mut layers, mut half) = (Vec::new(), Vec::new());
+    let part = image.layer_data.first().and_then(|part| part.attributes.layer_name.as_ref().map(decoded));
+    let primaries = image.attributes.chromaticities.map(|c| {
+        Primaries(
+            [c.red, c.green, c.blue, c.white].map(|xy| [xy.0, xy.1].map(f64::from)).as_flattened().try_into().unwrap_or_default(),
+        )
+    });
     collect(&mut attributes, image.attributes.other);
     for (index, part) in image.layer_data.into_iter().enumerate() {
         let name = part.attributes.layer_name.as_ref().map_or_else(|| index.to_string(), decoded);
@@ -118,10 +131,11 @@ fn convert(image: openexr::FlatImage, window: Window) -> ExrImage {
         for channel in part.channel_data.list {
             let plain = decoded(&channel.name);
             let name = if index == 0 { plain } else { format!("{name}.{plain}") };
+            half.push(matches!(channel.sample_data, FlatSamples::F16(_)));
             layers.push(Layer { name, values: floats(channel.sample_data) });
         }
     }
-    ExrImage { width: window.width, height: window.height, crop: window.crop, layers, attributes }
+    ExrImage { width: window.width, height: window.height, crop: window.crop, layers, half, part, primaries, attributes }
 }
 
 fn floats(samples: FlatSamples) -> Vec<f32> {

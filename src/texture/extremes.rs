@@ -1,0 +1,186 @@
+//! Between which values a texture lies where it is looked up: what can be there at all, without looking at every point.
+//!
+//! A bilinear value lies between those of its four texels, so that the extremes of all texels that a range of coordinates touches
+//! bound every lookup in it. An image keeps the extremes of its blocks as stored, whatever its encoding, which only ascends.
+
+use super::{Filter, Image, Texture, Wrap};
+use crate::defects::{Defect, planted};
+use glam::Vec2;
+use rayon::prelude::*;
+use std::ops::RangeInclusive;
+
+/// Side of a block in texels.
+const BLOCK: usize = 32;
+
+/// The least and the greatest value of each channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extremes {
+    /// The least.
+    pub min: [f32; 4],
+    /// The greatest.
+    pub max: [f32; 4],
+}
+
+impl Extremes {
+    /// Of no value at all: what is united with it stays as it is.
+    pub const NONE: Extremes = Extremes { min: [f32::INFINITY; 4], max: [f32::NEG_INFINITY; 4] };
+    /// Of a texture that is not there.
+    pub const ONE: Extremes = Extremes { min: [1.0; 4], max: [1.0; 4] };
+
+    /// Those of both together.
+    pub fn united(self, other: Self) -> Self {
+        let pairs = |a: [f32; 4], b: [f32; 4], f: fn(f32, f32) -> f32| std::array::from_fn(|i| f(a[i], b[i]));
+        Extremes { min: pairs(self.min, other.min, f32::min), max: pairs(self.max, other.max, f32::max) }
+    }
+
+    /// Those of the values and one more.
+    pub fn with(self, value: [f32; 4]) -> Self {
+        self.united(Extremes { min: value, max: value })
+    }
+
+    /// Whether the channels are each the same everywhere.
+    pub fn is_constant(&self, channels: &[usize]) -> bool {
+        channels.iter().all(|&c| self.min[c].total_cmp(&self.max[c]).is_eq())
+    }
+}
+
+/// Least and greatest stored numbers.
+#[derive(Clone, Copy)]
+pub(super) struct Stored {
+    min: [u16; 4],
+    max: [u16; 4],
+}
+
+impl Stored {
+    const NONE: Stored = Stored { min: [u16::MAX; 4], max: [0; 4] };
+
+    fn holds(&self, other: &Stored) -> bool {
+        (0..4).all(|c| self.min[c] <= other.min[c] && other.max[c] <= self.max[c])
+    }
+
+    fn take(&mut self, other: &Stored) {
+        for c in 0..4 {
+            self.min[c] = self.min[c].min(other.min[c]);
+            self.max[c] = self.max[c].max(other.max[c]);
+        }
+    }
+}
+
+type Span = RangeInclusive<usize>;
+
+/// Extremes of all blocks, row by row.
+pub(super) fn blocks(image: &Image) -> Box<[Stored]> {
+    let [columns, rows] = image.size().map(|side| (side as usize).div_ceil(BLOCK));
+    let block = |i: usize| scan(image, span(i % columns, image.size()[0]), span(i / columns, image.size()[1]));
+    (0..columns * rows).into_par_iter().map(block).collect()
+}
+
+/// The texels of block `i` along a side.
+fn span(i: usize, side: u32) -> Span {
+    i * BLOCK..=(i * BLOCK + BLOCK - 1).min(side as usize - 1)
+}
+
+fn scan(image: &Image, columns: Span, rows: Span) -> Stored {
+    let mut found = Stored::NONE;
+    for y in rows {
+        for x in columns.clone() {
+            let texel = image.stored(x, y);
+            found.take(&Stored { min: texel, max: texel });
+        }
+    }
+    found
+}
+
+/// Extremes of a rectangle: of whole blocks as they are known, of others by their texels unless these can add nothing.
+fn rectangle(image: &Image, columns: &Span, rows: &Span, found: &mut Stored) {
+    let [width, height] = image.size();
+    let known = image.blocks();
+    let (across, common) =
+        ((width as usize).div_ceil(BLOCK), |a: &Span, b: &Span| *a.start().max(b.start())..=*a.end().min(b.end()));
+    for by in rows.start() / BLOCK..=rows.end() / BLOCK {
+        for bx in columns.start() / BLOCK..=columns.end() / BLOCK {
+            let (block, x, y) = (known[by * across + bx], span(bx, width), span(by, height));
+            if found.holds(&block) {
+                continue;
+            }
+            let (cut_x, cut_y) = (common(&x, columns), common(&y, rows));
+            let whole = cut_x == x && cut_y == y;
+            found.take(&if whole { block } else { scan(image, cut_x, cut_y) });
+        }
+    }
+}
+
+impl Texture {
+    /// Between which values it lies at coordinates (of its own set) in the box around `uvs`: all channels, linear. Of no
+    /// coordinates [`Extremes::NONE`].
+    pub fn extremes(&self, uvs: impl Iterator<Item = Vec2>) -> Extremes {
+        if planted(Defect::ExtremesAtVertices) {
+            return uvs.fold(Extremes::NONE, |found, uv| found.with(self.at(uv)));
+        }
+        let place = |uv| self.transform.transform_point2(uv);
+        let (mut low, mut high, mut finite) = (Vec2::INFINITY, Vec2::NEG_INFINITY, true);
+        for p in uvs.map(place) {
+            finite &= p.is_finite();
+            (low, high) = (low.min(p), high.max(p));
+        }
+        if finite && low.x > high.x {
+            return Extremes::NONE;
+        }
+        let whole = !finite;
+        let size = self.image.size();
+        let mut found = Stored::NONE;
+        let spans = |axis: usize| {
+            if whole { vec![0..=size[axis] as usize - 1] } else { self.touched(axis, low[axis], high[axis]) }
+        };
+        let columns = spans(0);
+        for rows in spans(1) {
+            columns.iter().for_each(|columns| rectangle(&self.image, columns, &rows, &mut found));
+        }
+        let linear = |stored| self.image.linear(stored, self.encoding);
+        Extremes { min: linear(found.min), max: linear(found.max) }
+    }
+
+    /// Texels along `axis` that lookups between the coordinates `low` and `high` touch. A coordinate between is rounded: where
+    /// the nearest texel is taken that may be the next one, elsewhere the next one weighs no more than the rounding.
+    fn touched(&self, axis: usize, low: f32, high: f32) -> Vec<Span> {
+        let side = self.image.size()[axis];
+        let [a, b] = [low, high].map(|x| f64::from(x) * f64::from(side));
+        let [first, last] = match self.filter {
+            Filter::Linear => [(a - 0.5).floor(), (b - 0.5).ceil()],
+            Filter::Nearest => {
+                // Three products, two sums, the transform and the size: below eight roundings.
+                let rounding = 8.0 * f64::from(f32::EPSILON) * a.abs().max(b.abs());
+                [(a - rounding).floor(), (b + rounding).floor()]
+            }
+        };
+        self.wrap[axis].spans([first as i64, last as i64], side)
+    }
+}
+
+impl Wrap {
+    /// The texels that the places from `first` to `last` show.
+    fn spans(self, [first, last]: [i64; 2], side: u32) -> Vec<Span> {
+        let n = i64::from(side);
+        let span = |a: i64, b: i64| a as usize..=b as usize;
+        let whole = vec![span(0, n - 1)];
+        match self {
+            Wrap::Clamp => vec![span(first.clamp(0, n - 1), last.clamp(0, n - 1))],
+            _ if last.saturating_sub(first) >= n - 1 => whole,
+            Wrap::Repeat => match [first.rem_euclid(n), last.rem_euclid(n)] {
+                [a, b] if a <= b => vec![span(a, b)],
+                [a, b] => vec![span(a, n - 1), span(0, b)],
+            },
+            // Fewer than n places lie in at most two copies of the image, a mirrored one and a plain one.
+            Wrap::Mirror => {
+                let at = |i| i64::from(self.index(i, side));
+                let seam = (first.div_euclid(n) + 1).saturating_mul(n);
+                let ordered = |a: i64, b: i64| span(at(a).min(at(b)), at(a).max(at(b)));
+                if last < seam { vec![ordered(first, last)] } else { vec![ordered(first, seam - 1), ordered(seam, last)] }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "extremes_tests.rs"]
+mod tests;

@@ -1,0 +1,163 @@
+//! What a scene has, where textures decide about it: by the texels that are used, and by nothing else.
+
+use crate::picture::{Shot, agree, render, scene};
+use crate::studio::{add_square, camera, glass, matte, metal, point_light};
+use etendue::integrator::{Method, blind_spots};
+use etendue::scene::Features;
+use etendue::scene::description::{AlphaMode, Description, Material};
+use etendue::spectrum::Spectrum;
+use etendue::texture::{Encoding, Filter, Image, Texels, Texture, Wrap};
+use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
+use std::sync::Arc;
+
+fn strip(texels: Vec<[u8; 4]>) -> Option<Texture> {
+    let image = Arc::new(Image::new(texels.len() as u32, 1, Texels::Rgba8(texels.into())));
+    let (wrap, filter, encoding) = ([Wrap::Repeat; 2], Filter::Linear, Encoding::Linear);
+    Some(Texture { image, encoding, wrap, filter, uv_set: 0, transform: Affine2::IDENTITY })
+}
+
+fn flat(texel: [u8; 4]) -> Option<Texture> {
+    strip(vec![texel])
+}
+
+/// A square of `material` before the camera, with u from one number to the other.
+fn wearing(material: Material, [from, to]: [f32; 2]) -> Description {
+    let mut room = Description::default();
+    add_square(&mut room, Vec3::ZERO, Vec3::X, Vec3::Y, material);
+    room.meshes[0].primitives[0].uvs[0] = Some([from, to, to, from].map(|u| Vec2::new(u, 0.5)).to_vec());
+    add_square(&mut room, Vec3::Z * 6.0, Vec3::X * 4.0, Vec3::NEG_Y * 4.0, matte(0.0, 1.0));
+    room.cameras.push(camera(DVec3::Z * 3.0, DVec3::ZERO));
+    room
+}
+
+fn features(material: Material) -> Features {
+    scene(wearing(material, [0.0, 1.0])).features()
+}
+
+/// A factor, and a texture of one texel under a factor of 1, are one scene.
+#[test]
+fn a_flat_texture_is_a_factor() {
+    let mirror = || metal(0.8, 0.0);
+    let half = Material { alpha: 0.5, alpha_mode: AlphaMode::Blend, ..matte(0.5, 0.0) };
+    let cutoff = AlphaMode::Mask { cutoff: 0.5 };
+    let white = || flat([255; 4]);
+    let pairs = [
+        (Material { base_color_texture: white(), ..mirror() }, mirror()),
+        (Material { base_color_texture: white(), ..glass(0.0) }, glass(0.0)),
+        (Material { transmission_texture: white(), ..glass(0.0) }, glass(0.0)),
+        (Material { transmission_texture: flat([0; 4]), ..glass(0.0) }, Material { transmission: 0.0, ..glass(0.0) }),
+        (Material { metallic_roughness_texture: white(), ..mirror() }, mirror()),
+        (Material { metallic_roughness_texture: flat([0, 0, 255, 255]), ..metal(0.8, 1.0) }, mirror()),
+        (
+            Material { metallic_roughness_texture: flat([0, 255, 0, 255]), ..metal(0.8, 0.3) },
+            Material { metallic: 0.0, ..metal(0.8, 0.3) },
+        ),
+        (Material { specular_texture: flat([255, 255, 255, 0]), specular: 1.0, ..matte(0.5, 0.0) }, matte(0.5, 0.0)),
+        (Material { specular_color_texture: white(), ..mirror() }, mirror()),
+        (Material { emission_texture: flat([0; 4]), ..matte(0.5, 4.0) }, matte(0.5, 0.0)),
+        (Material { emission_texture: white(), ..matte(0.5, 4.0) }, matte(0.5, 4.0)),
+        (
+            Material { base_color_texture: flat([255, 255, 255, 0]), alpha: 1.0, ..half.clone() },
+            Material { alpha: 0.0, ..half.clone() },
+        ),
+        (Material { base_color_texture: white(), alpha: 1.0, ..half.clone() }, matte(0.5, 0.0)),
+        (Material { base_color_texture: white(), alpha_mode: cutoff, ..matte(0.5, 0.0) }, matte(0.5, 0.0)),
+        (
+            Material { base_color_texture: flat([255, 255, 255, 9]), alpha_mode: cutoff, ..matte(0.5, 0.0) },
+            Material { alpha: 0.1, alpha_mode: cutoff, ..matte(0.5, 0.0) },
+        ),
+    ];
+    for (index, (textured, plain)) in pairs.into_iter().enumerate() {
+        let [a, b] = [textured, plain].map(|m| scene(wearing(m, [0.0, 1.0])));
+        assert_eq!(a.features().names(), b.features().names(), "pair {index}");
+        assert_eq!(a.info().lights, b.info().lights, "pair {index}");
+        for method in [Method::PathNaive, Method::Path, Method::Light] {
+            assert_eq!(blind_spots(method, &a), blind_spots(method, &b), "pair {index}");
+        }
+    }
+}
+
+/// Where one of eight texels says something special, those know of it whose coordinates touch it.
+#[test]
+fn texels_count_where_they_are_used() {
+    let special = |usual: [u8; 4], other: [u8; 4]| {
+        let mut texels = vec![usual; 8];
+        texels[5] = other;
+        strip(texels)
+    };
+    let mirrors = Material { metallic_roughness_texture: special([255; 4], [0, 0, 255, 255]), ..metal(0.8, 1.0) };
+    let glass = Material { transmission_texture: special([0; 4], [255; 4]), ..glass(0.0) };
+    let lamp = Material { emission_texture: special([0; 4], [255; 4]), ..matte(0.5, 4.0) };
+    let hole =
+        Material { base_color_texture: special([255; 4], [255, 255, 255, 0]), alpha_mode: AlphaMode::Blend, ..matte(0.5, 0.0) };
+    let count = |m: &Material, uvs| {
+        let scene = scene(wearing(m.clone(), uvs));
+        let (f, lamps) = (scene.features(), scene.info().lights - 2);
+        [f.dirac && f.textures, f.refraction, lamps > 0, f.blends]
+    };
+    // Texel 5 is looked up from 4.5/8 to 6.5/8, and again one to the left and to the right.
+    for uvs in [[0.0, 1.0], [0.1, 0.57], [0.8, 0.9], [1.1, 1.6], [-0.4, -0.3], [0.6, 0.65]] {
+        assert_eq!(count(&mirrors, uvs), [true, false, false, false], "{uvs:?}");
+        assert_eq!(count(&hole, uvs)[3], true, "{uvs:?}");
+        assert_eq!(count(&lamp, uvs)[2], true, "{uvs:?}");
+        assert_eq!(count(&glass, uvs)[1], true, "{uvs:?}");
+    }
+    for uvs in [[0.0, 0.55], [0.82, 0.99], [0.85, 1.55], [-0.15, 0.55]] {
+        for material in [&mirrors, &lamp, &hole] {
+            assert_eq!(count(material, uvs), [false; 4], "{uvs:?}");
+        }
+        assert!(!count(&glass, uvs)[1], "{uvs:?}");
+    }
+}
+
+/// What vertex colours do to alpha counts as what textures do.
+#[test]
+fn vertex_alpha_makes_holes_where_it_is_below_one() {
+    for (alpha, holes) in [(1.0, false), (0.9, true)] {
+        let mut room = wearing(Material { alpha_mode: AlphaMode::Blend, ..matte(0.5, 0.0) }, [0.0, 1.0]);
+        room.meshes[0].primitives[0].colors = Some([1.0, alpha, 1.0, 1.0].map(|a| Vec4::new(1.0, 1.0, 1.0, a)).to_vec());
+        assert_eq!(scene(room).features().blends, holes);
+    }
+}
+
+/// Mirrors that only a texture makes are told of by the methods that do not see them, with the caustics of point lights.
+#[test]
+fn mirrors_of_a_texture_are_blind_spots() {
+    let rough = Material { metallic_roughness_texture: strip(vec![[255; 4], [0, 0, 255, 255]]), ..metal(0.8, 1.0) };
+    let mut room = wearing(rough, [0.0, 1.0]);
+    room.lights.push(point_light(DVec3::new(0.0, 1.0, 2.0), 1.0));
+    let room = scene(room);
+    let told = |method| blind_spots(method, &room).join(" ");
+    assert!(told(Method::Light).contains("mirrors"));
+    assert!(told(Method::PathNaive).contains("mirrors"));
+    assert!(told(Method::Path).contains("point, spot"));
+    assert!(told(Method::PathNee).contains("point, spot"));
+    assert!(told(Method::Bdpt).is_empty());
+    assert!(features(matte(0.5, 0.0)).names().iter().all(|name| *name != "dirac-materials"));
+}
+
+/// A lamp of many triangles of which a texture lights few: the same picture, whatever light is chosen.
+#[test]
+fn triangles_without_light_are_never_chosen() {
+    let lamp = Material { emission_texture: strip([vec![[0; 4]; 7], vec![[255; 4]]].concat()), ..matte(0.0, 8.0) };
+    let mut room = Description::default();
+    for i in 0..8 {
+        add_square(&mut room, Vec3::new(i as f32 * 0.4 - 1.4, 0.9, 0.0), Vec3::X * 0.2, Vec3::Z * 0.2, lamp.clone());
+        // One texel of the strip each, at its centre.
+        room.meshes[i].primitives[0].uvs[0] = Some(vec![Vec2::new((i as f32 + 0.5) / 8.0, 0.5); 4]);
+    }
+    add_square(
+        &mut room,
+        Vec3::ZERO,
+        Vec3::X * 2.0,
+        Vec3::NEG_Z * 2.0,
+        Material { base_color: Spectrum::splat(0.7), ..matte(0.7, 0.0) },
+    );
+    room.cameras.push(camera(DVec3::new(0.0, 0.6, 2.5), DVec3::new(0.0, 0.1, 0.0)));
+    let room = scene(room);
+    assert_eq!(room.info().lights, 2);
+    let [path, naive, bdpt] = [(Method::Path, 64), (Method::PathNaive, 512), (Method::Bdpt, 64)]
+        .map(|(method, spp)| render(&room, Shot::new(method, 32, spp)));
+    agree(&path, &naive, 4).unwrap_or_else(|e| panic!("path and path-naive: {e}"));
+    agree(&path, &bdpt, 4).unwrap_or_else(|e| panic!("path and bdpt: {e}"));
+}
