@@ -348,6 +348,23 @@ defects! {
     ReplicatesAlike "replicates-alike"
         "Replicates are divided by their mean number of passes and not by their own, so that error bars of interrupted renders are too wide."
         "review: sums that are taken for means";
+    // same_mean
+    ComparesPixels "compares-pixels"
+        "Pixels that share light walks or chains are compared as if they were independent, so that healthy pictures are said to differ."
+        "this renderer's own first `compare`";
+    ExactIsNoise "exact-is-noise"
+        "Two pictures without variance whose means differ are excused by bad luck, as if one had missed the light."
+        "this renderer's own first `verify`";
+    VerifyTrustsAll "verify-trusts-all"
+        "A picture with a heavy tail that it has hardly met is convicted for being too dark."
+        "this renderer's own first `verify`";
+    // hashes
+    HashOfAllOptions "hash-of-all-options"
+        "The settings hash holds options that the method does not read, so that equal pictures refuse to merge."
+        "this renderer's own first settings hash";
+    HashForgetsLargeStep "hash-forgets-large-step"
+        "The settings hash leaves the probability of large steps out, so that different pictures are merged."
+        "options that were added after the hash";
 }
 
 /// Whether `defect` is planted: a constant without the feature `defects`.

@@ -15,8 +15,8 @@ const LEVEL: f64 = 1e-3;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Exit code 7 if the means differ, 0 if they are identical, no difference was found or nothing could be tested (the verdict says \
-which). The test: Welch's t of each channel of the image and of its tiles, Holm-corrected; both images need standard errors \
-and seeds of their own, as two renders with different --seed have.")]
+which). The test: Welch's t of each channel of the image and of its tiles, Holm-corrected, with errors made of what the pixels of \
+the method share; both images need three replicates or more and seeds of their own, as two renders with different --seed have.")]
 pub(super) struct Args {
     /// The image, an .exr file
     image: PathBuf,
@@ -135,7 +135,7 @@ fn mean(mean: &MeanDifference) -> String {
 }
 
 fn rejection(rejection: &Rejection) -> String {
-    let Rejection { channel, tile, difference, standard_error, p } = rejection;
-    let place = tile.map_or_else(|| "image".into(), |[x, y]| format!("tile at {x},{y}"));
+    let Rejection { channel, tile, size: [width, height], difference, standard_error, p } = rejection;
+    let place = tile.map_or_else(|| "image".into(), |[x, y]| format!("{width}x{height} tile at {x},{y}"));
     format!("differs    {channel} of the {place}: {difference:+.3e} ± {standard_error:.1e}, corrected p {p:.2e}")
 }

@@ -7,7 +7,8 @@ use super::{Console, startup};
 use crate::accel::Backend;
 use crate::error::{Error, Kind, Result};
 use crate::integrator::Method;
-use crate::render::verify::{Candidate, Effort, Ran, Report, Request, affordable, judge, run as render, write_pictures};
+use crate::render::same_mean::{Outcome, Picture, Pyramid, judge};
+use crate::render::verify::{Candidate, Effort, Ran, Report, Request, affordable, run as render, write_pictures};
 use crate::render::{Budget, Choices, Stage, round_spp, writable};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -28,7 +29,8 @@ Examples:
   etendue verify cup.glb --spp 1024 -o pictures    equal samples; every picture and where the worst pair differs
 
 Exit codes:
-  0 no difference found   7 a difference found   2 usage, or fewer than two candidates   3 scene invalid
+  0 no difference found, or none that can be told: the last line says which
+  7 a difference found   2 usage, or fewer than two candidates   3 scene invalid
   4 output cannot be written   33 out of memory   75 stopped by a signal: nothing was verified";
 
 /// Arguments of `verify`.
@@ -93,13 +95,17 @@ pub(super) fn run(args: Args) -> Result<()> {
     let lineup = request.lineup(&stages[0].scene)?;
     let mut candidates = candidates(&stages, &lineup.methods, &choices)?;
     render_all(&mut candidates, effort(&args.who, &args.scene.choices), console)?;
-    let pictures: Vec<_> = candidates.iter().map(Candidate::pyramid).collect();
-    let methods: Vec<Method> = candidates.iter().map(|c| c.provenance.settings.method).collect();
-    let judgement = judge(&pictures, &methods, args.who.level);
+    let pyramids = candidates.iter().map(Candidate::pyramid).collect::<Result<Vec<Pyramid>>>()?;
+    let pictures: Vec<Picture<'_, Method>> = candidates
+        .iter()
+        .zip(&pyramids)
+        .map(|(c, pyramid)| Picture { pyramid, method: c.method(), is_trusted: c.doubt().is_none() })
+        .collect();
+    let judgement = judge(&pictures, args.who.level);
     if let Some(folder) = &args.who.output {
         write_pictures(folder, &candidates, &judgement)?;
     }
-    tell(&Report::new(&candidates, &pictures, lineup, judgement), console)
+    tell(&Report::new(&candidates, &pyramids, lineup, judgement), console)
 }
 
 /// The command as clap shows it: what of `render`'s flags means nothing here is hidden, what means something else says so.
@@ -179,5 +185,8 @@ fn render_all(candidates: &mut [Candidate<'_>], effort: Effort, console: Console
 fn tell(report: &Report, console: Console) -> Result<()> {
     console.document(report)?;
     report.lines().iter().try_for_each(|line| console.line(line))?;
-    if report.agree { Ok(()) } else { Err(Error::new(Kind::Differ, format!("{}: {}", report.scene, report.verdict()))) }
+    if report.outcome != Outcome::Differ {
+        return Ok(());
+    }
+    Err(Error::new(Kind::Differ, format!("{}: {}", report.scene, report.verdict())))
 }

@@ -2,7 +2,7 @@
 
 use super::primary::{Point, Source, Step, Stream};
 use super::*;
-use crate::sampling::{Address, Sampler, Slot};
+use crate::sampling::{Address, Independent, Sampler, Slot};
 use crate::stats::Moments;
 
 /// Independent chains of each test, and their steps.
@@ -112,6 +112,24 @@ fn a_mixture_keeps_the_shares_of_its_parts() {
 fn forbidden_places_are_not_visited() {
     let target = |x: f64| if (0.0..1.0).contains(&x) { 0.0 } else { f64::NEG_INFINITY };
     assert_moments(target, &[(|x| x, 0.5), (|x| x * x, 1.0 / 3.0), (|x| f64::from(u8::from(!(0.0..1.0).contains(&x))) + x, 0.5)]);
+}
+
+/// Any address has a number, the one that independent sampling gives it: those of roulette on connections lie beyond all bounces, and
+/// 12 slots a bounce do not wrap around at 2³².
+#[test]
+fn coordinates_at_the_highest_bounces_are_their_own() {
+    let (mut point, address) = (Point::default(), Address::new(3));
+    let bounces = [0, 1, 5_461, 5_462, 16_384, 1 << 30, (1 << 30) + (3 << 16) + 2, 357_913_942, u32::MAX];
+    let mut expected = Independent::new(address.with(Stream::Camera as u64));
+    let [mut camera, ..] = point.draw(address);
+    for bounce in bounces {
+        let (found, wanted) = (camera.u2(bounce, Slot::Direction), expected.u2(bounce, Slot::Direction));
+        assert_eq!(found.map(f32::to_bits), wanted.map(f32::to_bits), "bounce {bounce}");
+        assert_eq!(camera.u1(bounce, Slot::Roulette).to_bits(), expected.u1(bounce, Slot::Roulette).to_bits());
+    }
+    assert_eq!(point.dimension(), 3 * bounces.len());
+    point.clear();
+    assert_eq!(point.dimension(), 0);
 }
 
 /// A point of primary sample space whose value asks for more numbers in half of the space.

@@ -1,11 +1,12 @@
 //! Films as images: EXR with every layer and the report in its header, PNG to look at.
 
 use super::aov::Source;
+use super::same_mean::{Pyramid, RECORD, encode};
 use super::{Aov, Outputs, Provenance, Report, Settings, Stage};
 use crate::error::Result;
 use crate::film::{Film, Plane};
 use crate::integrator;
-use crate::io::exr::{self, Layer};
+use crate::io::exr::{self, Attribute, Layer};
 use crate::io::png;
 use std::path::Path;
 
@@ -37,7 +38,10 @@ pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, layers: &[
     let settings = &provenance.settings;
     let layout = settings.layout();
     if let Some(path) = &outputs.exr {
-        exr::write(path, layout.width, layout.height, settings.crop, layers, &report.attributes())?;
+        let record = Pyramid::of_film(film, settings.method.independent());
+        let record = record.map(|pyramid| (RECORD.to_owned(), Attribute::Text(encode(&pyramid))));
+        let attributes: Vec<_> = report.attributes().into_iter().chain(record).collect();
+        exr::write(path, layout.width, layout.height, settings.crop, layers, &attributes)?;
     }
     let labels = report.labels();
     outputs.png.as_ref().map_or(Ok(()), |path| write_png(path, provenance, film, &labels))

@@ -24,6 +24,7 @@ pub mod ray_bench;
 mod rendered;
 mod report;
 mod report_files;
+pub mod same_mean;
 mod session;
 mod settings;
 mod stage;

@@ -123,7 +123,7 @@ impl Provenance {
     /// What the whole image would be, as a hash: another run with the same would make the same again. How long it took, and on what,
     /// is not in it.
     pub fn identity(&self) -> String {
-        let what = (&self.program, &self.scene.hash, &self.settings, self.plan, self.look);
+        let what = (&self.program, &self.scene.hash, self.settings.read(), self.plan, self.look);
         blake3::hash(serde_json::json!(what).to_string().as_bytes()).to_hex()[..32].to_owned()
     }
 
@@ -158,7 +158,7 @@ impl Provenance {
             return Err(differ("seeds", &self.settings.seed.to_string(), &other.settings.seed.to_string()));
         }
         if self.settings.hash() != other.settings.hash() {
-            let (a, b) = (serde_json::json!(self.settings), serde_json::json!(other.settings));
+            let (a, b) = (self.settings.read(), other.settings.read());
             let (a, b) = first_difference(&a, &b);
             return Err(differ("settings", &a, &b));
         }
@@ -181,8 +181,8 @@ fn differ(what: &str, a: &str, b: &str) -> Error {
 
 /// The first field in which two JSON objects differ, as text.
 fn first_difference(a: &serde_json::Value, b: &serde_json::Value) -> (String, String) {
-    let fields = a.as_object().into_iter().flatten();
-    let different = fields.map(|(key, value)| (key, value, &b[key])).find(|(_, value, other)| value != other);
+    let [first, second] = [a, b].map(|json| json.as_object().into_iter().flatten().map(|(key, _)| key));
+    let different = first.chain(second).map(|key| (key, &a[key], &b[key])).find(|(_, value, other)| value != other);
     different.map_or_else(Default::default, |(key, value, other)| (format!("{key} {value}"), format!("{key} {other}")))
 }
 

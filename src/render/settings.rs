@@ -3,6 +3,7 @@
 
 use super::{Aov, Frame};
 use crate::accel::{Backend, Build};
+use crate::defects::{Defect, planted};
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{Method, MetropolisOptions, Options};
 use crate::path::{Technique, Techniques};
@@ -61,11 +62,59 @@ impl Settings {
         BuildOptions { backend: self.backend, build: self.build, threads }
     }
 
-    /// A hash of all of it, in hexadecimal.
+    /// A hash of what the method reads of it, in hexadecimal: what it does not read changes no pixel.
     pub fn hash(&self) -> String {
-        // serde_json writes fields in the order of the struct and floats in their shortest exact form.
-        let text = serde_json::json!(self).to_string();
+        // serde_json sorts fields by name and writes floats in their shortest exact form.
+        let text = self.read().to_string();
         blake3::hash(text.as_bytes()).to_hex().to_string()
+    }
+
+    /// What the method reads of it. Everything is taken apart without `..`: a new setting does not compile until it has its line here.
+    pub fn read(&self) -> serde_json::Value {
+        if planted(Defect::HashOfAllOptions) {
+            return serde_json::json!(self);
+        }
+        let Settings {
+            method,
+            width,
+            height,
+            crop,
+            camera,
+            frame,
+            depth,
+            filter,
+            sampler,
+            seed,
+            replicates,
+            backend,
+            build,
+            aovs,
+            clamp,
+            transparent,
+            without,
+            heuristic,
+            metropolis,
+        } = self;
+        let by_all = serde_json::json!({
+            "method": method, "width": width, "height": height, "crop": crop, "camera": camera, "frame": frame, "depth": depth,
+            "filter": filter, "sampler": sampler, "seed": seed, "replicates": replicates, "backend": backend, "build": build,
+            "aovs": aovs, "clamp": clamp, "transparent": transparent,
+        });
+        // Light tracing has one technique, whose weight is 1 by every heuristic.
+        let of_techniques = serde_json::json!({ "without": without, "heuristic": heuristic });
+        let MetropolisOptions { chains, large_step, lengths, mutations, limit, two_stage } = metropolis;
+        let of_chains = serde_json::json!({ "chains": chains, "limit": limit, "two-stage": two_stage });
+        let large_step = serde_json::json!({ "large-step": large_step });
+        let large_step = if planted(Defect::HashForgetsLargeStep) { serde_json::json!({}) } else { large_step };
+        let parts = match method {
+            Method::PathNaive | Method::PathNee | Method::Path | Method::Light => vec![by_all],
+            Method::Bdpt => vec![by_all, of_techniques],
+            Method::Pssmlt => vec![by_all, of_techniques, of_chains, large_step],
+            Method::Mmlt => vec![by_all, of_techniques, of_chains, large_step, serde_json::json!({ "lengths": lengths })],
+            Method::Mlt => vec![by_all, of_techniques, of_chains, serde_json::json!({ "mutations": mutations })],
+        };
+        let fields = parts.into_iter().filter_map(|part| part.as_object().cloned()).flatten();
+        serde_json::Value::Object(fields.filter(|(_, value)| !value.is_null()).collect())
     }
 
     /// What the integrators need of it.
@@ -114,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn every_setting_enters_the_hash() {
+    fn what_every_method_reads_enters_the_hash() {
         let base = settings();
         let other = if base.backend == Backend::Obvhs { Backend::Embree } else { Backend::Obvhs };
         let changed = [
@@ -123,12 +172,50 @@ mod tests {
             Settings { depth: Some(3), ..base.clone() },
             Settings { clamp: Some(1.0), ..base.clone() },
             Settings { transparent: true, ..base.clone() },
+            Settings { method: Method::Bdpt, ..base.clone() },
+            Settings { width: 7, ..base.clone() },
+            Settings { height: 7, ..base.clone() },
+            Settings { crop: Some(Crop { x0: 0, y0: 0, x1: 1, y1: 1 }), ..base.clone() },
+            Settings { camera: Some("0".into()), ..base.clone() },
+            Settings { filter: Filter::Box, ..base.clone() },
+            Settings { sampler: SamplerKind::Independent, ..base.clone() },
             Settings { build: Build::Fast, ..base.clone() },
             Settings { backend: other, ..base.clone() },
             Settings { aovs: vec![Aov::Depth], ..base.clone() },
             Settings { frame: Some(Frame { number: 0, fps: 24.0 }), ..base.clone() },
         ];
         assert!(changed.iter().all(|s| s.hash() != base.hash()));
+    }
+
+    /// What one option changes.
+    type Change = fn(&mut Settings);
+
+    /// The options that some methods read, each with those that do.
+    const OPTIONS: &[(&str, &[Method], Change)] = {
+        use Method::{Bdpt, Mlt, Mmlt, Pssmlt};
+        &[
+            ("heuristic", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.heuristic = Heuristic::Power),
+            ("without", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.without = vec![Technique::Splat]),
+            ("large-step", &[Pssmlt, Mmlt], |s| s.metropolis.large_step = 0.5),
+            ("lengths", &[Mmlt], |s| s.metropolis.lengths = 5),
+            ("mutations", &[Mlt], |s| s.metropolis.mutations.lens = 2.0),
+            ("chains", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.chains = Some(7)),
+            ("limit", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.limit = Some(0.0)),
+            ("two-stage", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.two_stage = true),
+        ]
+    };
+
+    #[test]
+    fn a_method_hashes_what_it_reads_and_nothing_else() {
+        for &method in <Method as clap::ValueEnum>::value_variants() {
+            let base = Settings { method, ..settings() };
+            for (name, readers, change) in OPTIONS {
+                let mut changed = base.clone();
+                change(&mut changed);
+                assert_ne!(changed, base, "{name} changes nothing");
+                assert_eq!(changed.hash() != base.hash(), readers.contains(&method), "{name} of {method:?}");
+            }
+        }
     }
 
     #[test]

@@ -28,12 +28,7 @@ pub struct Image {
 /// Size and content hash, never the texels.
 impl std::fmt::Debug for Image {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let bytes: &[u8] = match &self.texels {
-            Texels::Rgba8(t) => bytemuck::cast_slice(t),
-            Texels::Rgba16(t) => bytemuck::cast_slice(t),
-        };
-        let hash = self.hash.get_or_init(|| blake3::hash(bytes));
-        write!(f, "Image({}x{} {})", self.width, self.height, hash.to_hex())
+        write!(f, "Image({}x{} {})", self.width, self.height, self.texel_hash().to_hex())
     }
 }
 
@@ -82,6 +77,15 @@ impl Image {
         };
         assert!(width > 0 && height > 0 && count == width as usize * height as usize, "{count} texels for {width}x{height}");
         Image { width, height, texels, hash: OnceLock::new(), means: Default::default(), blocks: OnceLock::new() }
+    }
+
+    /// Hash of the texels as stored.
+    pub fn texel_hash(&self) -> &blake3::Hash {
+        let bytes: &[u8] = match &self.texels {
+            Texels::Rgba8(t) => bytemuck::cast_slice(t),
+            Texels::Rgba16(t) => bytemuck::cast_slice(t),
+        };
+        self.hash.get_or_init(|| blake3::hash(bytes))
     }
 
     /// Width and height.

@@ -12,8 +12,7 @@ pub struct RadianceMap {
 /// Size and content hash, never the texels.
 impl std::fmt::Debug for RadianceMap {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let hash = blake3::hash(bytemuck::cast_slice(&self.texels)).to_hex();
-        write!(f, "RadianceMap({}x{} {hash})", self.width, self.height)
+        write!(f, "RadianceMap({}x{} {})", self.width, self.height, self.texel_hash().to_hex())
     }
 }
 
@@ -30,6 +29,11 @@ impl RadianceMap {
         assert!(width > 0 && height > 0 && count == width as usize * height as usize, "{count} texels for {width}x{height}");
         assert!(texels.iter().flatten().all(|x| (0.0..=Self::BRIGHTEST).contains(x)), "a texel out of range");
         RadianceMap { width, height, texels: texels.into() }
+    }
+
+    /// Hash of the texels.
+    pub fn texel_hash(&self) -> blake3::Hash {
+        blake3::hash(bytemuck::cast_slice(&self.texels))
     }
 
     /// Width and height.

@@ -36,6 +36,7 @@ mod pixel_filters;
 mod reciprocity;
 mod references;
 mod rough_bodies;
+mod same_mean;
 mod sides;
 mod slopes;
 mod studio;

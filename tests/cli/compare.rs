@@ -36,8 +36,8 @@ fn another_seed_makes_no_difference_and_another_depth_does() {
     assert!(same["metrics"]["relmse"].as_f64().unwrap() > 0.0 && same["metrics"]["flip_hdr"].as_f64().unwrap() > 0.0);
     assert_eq!((&same["image"]["seed"], &same["reference"]["seed"]), (&1.into(), &2.into()));
     assert_eq!((&same["image"]["spp"], &same["image"]["hash_matches"]), (&16.into(), &true.into()));
-    // 16² × 16 samples a tile: four tiles of 16 pixels, three channels, and the image.
-    assert_eq!((&same["verdict"]["tile"], &same["verdict"]["tests"]), (&16.into(), &15.into()));
+    // Sixteen tiles of 8 pixels, four of 16 and the image, three channels each.
+    assert_eq!((&same["verdict"]["tile"], &same["verdict"]["tests"]), (&8.into(), &63.into()));
     for name in ["d.png", "f.png"] {
         assert_eq!(image_size(&place.path(name)), [32, 32], "{name}");
     }
@@ -140,5 +140,55 @@ fn only_like_can_be_compared() {
     }
     for line in ["compare a.exr", "compare a.exr a.exr --level 1", "compare a.exr a.exr --epsilon -1"] {
         assert_eq!(place.run(line).code(), 2, "{line}");
+    }
+}
+
+/// What pixels share is in the record that images carry, and no part of the pixels: where those were edited it says nothing of them.
+#[test]
+fn methods_whose_pixels_share_samples_are_compared_by_their_record() {
+    let place = Place::new();
+    for method in ["light", "bdpt", "pssmlt", "mmlt", "mlt"] {
+        render(&place, "a.exr", &format!("-m {method} --size 16x16 --seed 1"));
+        render(&place, "b.exr", &format!("-m {method} --size 16x16 --seed 2"));
+        let same = compare(&place, "a.exr b.exr", 0);
+        assert_eq!(same["verdict"]["outcome"], "no-difference", "{method}: {same}");
+    }
+    render(&place, "c.exr", "-m mlt --size 16x16 --seed 3 --depth 1");
+    assert_eq!(compare(&place, "c.exr b.exr", 7)["verdict"]["outcome"], "differ");
+    let b = place.path("b.exr");
+    change(&b, &b, |layers| {
+        layers.iter_mut().filter(|l| l.name == "B").for_each(|l| l.values.iter_mut().for_each(|v| *v *= 1.2))
+    });
+    let edited = compare(&place, "a.exr b.exr", 0);
+    assert!(edited["verdict"]["reason"].as_str().unwrap().contains("b.exr were changed after rendering"), "{edited}");
+}
+
+/// The record of a crop is that of its pixels, and shards make the record of the whole.
+#[test]
+fn crops_and_shards_have_their_records() {
+    let place = Place::new();
+    let record = |name: &str| exr::read(&place.path(name)).unwrap().attributes["etendue.tiles"].clone();
+    for method in ["path", "bdpt", "mmlt"] {
+        let line = format!("-m {method} --crop 3,5,21,17 --seed 1");
+        render(&place, "whole.exr", &line);
+        render(&place, "0.film", &format!("{line} --passes 0..7"));
+        render(&place, "1.film", &format!("{line} --passes 7..16"));
+        assert_eq!(place.run("merge 1.film 0.film -o merged.exr").code(), 0);
+        assert_eq!(record("merged.exr"), record("whole.exr"), "{method}");
+        render(&place, "other.exr", &format!("-m {method} --crop 3,5,21,17 --seed 2"));
+        assert_eq!(compare(&place, "merged.exr other.exr", 0)["verdict"]["outcome"], "no-difference", "{method}");
+    }
+}
+
+#[test]
+fn too_few_replicates_are_told() {
+    let place = Place::new();
+    render(&place, "a.exr", "--seed 1 --replicates 1");
+    render(&place, "b.exr", "--seed 2 --replicates 2");
+    render(&place, "c.exr", "--seed 3");
+    for (line, what) in [("a.exr c.exr", "a.exr has no standard errors"), ("b.exr c.exr", "b.exr has 2 replicates")] {
+        let found = compare(&place, line, 0);
+        assert_eq!(found["verdict"]["outcome"], "untested");
+        assert!(found["verdict"]["reason"].as_str().unwrap().contains(what), "{found}");
     }
 }

@@ -128,3 +128,27 @@ fn a_failed_render_leaves_the_old_image_whole() {
     place.run(&format!("render {} --camera nobody -o x.exr", cornell())).fails(2, "nobody");
     assert_eq!(std::fs::read(place.path("x.exr")).unwrap(), b"old");
 }
+
+/// Options that a method does not read are no part of a picture: films merge, and a finished picture is not rendered again.
+#[test]
+fn options_that_the_method_does_not_read_change_nothing() {
+    let place = Place::new();
+    let render = |options: &str| place.report(&format!("render {} --spp 8 {options} -o x.exr", cornell()));
+    for (method, unread, read) in [
+        ("path", "--large-step .5 --heuristic power --lengths 5 --limit 0", "--depth 2"),
+        ("light", "--heuristic power --without connect", "--depth 2"),
+        ("bdpt", "--large-step .5 --mutations bidirectional=2", "--heuristic power"),
+        ("mlt", "--large-step .5 --lengths 5", "--mutations bidirectional=2,lens=1 --limit 0"),
+        ("pssmlt", "--lengths 5 --mutations bidirectional=2", "--large-step .5 --limit 0"),
+    ] {
+        let size = "--size 8x8";
+        let [plain, same, other] = ["", unread, read].map(|more| render(&format!("-m {method} {size} {more}")));
+        for hash in ["settings_hash", "identity", "pixel_hash"] {
+            assert_eq!(plain[hash], same[hash], "{method}: {hash} with {unread}");
+            assert_ne!(plain[hash], other[hash], "{method}: {hash} with {read}");
+        }
+    }
+    place.report(&format!("render {} --spp 8 --passes 0..3 -o 0.film", cornell()));
+    place.report(&format!("render {} --spp 8 --passes 3..8 --large-step .5 -o 1.film", cornell()));
+    assert_eq!(place.run("merge 0.film 1.film -o x.exr").code(), 0);
+}

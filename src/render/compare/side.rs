@@ -1,8 +1,11 @@
 //! One of two images: its colours, their standard errors, and what its header says.
 
 use crate::error::{Error, Result};
-use crate::film::Crop;
+use crate::film::{Crop, Independent};
+use crate::integrator::Method;
 use crate::io::exr::{self, Attribute, ExrImage};
+use crate::render::same_mean::RECORD;
+use clap::ValueEnum;
 use serde::Serialize;
 use std::path::Path;
 
@@ -41,6 +44,8 @@ pub(super) struct Side {
     pub(super) colors: Vec<f32>,
     /// Their standard errors.
     pub(super) errors: Option<Vec<f32>>,
+    /// What is said of its tiles: see [`RECORD`].
+    pub(super) record: Option<String>,
 }
 
 impl Side {
@@ -53,12 +58,19 @@ impl Side {
             size: [image.width, image.height],
             crop: image.crop,
             errors: interleaved(&image, "stderr."),
+            record: Header(&image).text(RECORD),
             colors,
         })
     }
 }
 
 impl Origin {
+    /// What of the image is independent; `None` for a method that is not known.
+    pub(super) fn independent(&self) -> Option<Independent> {
+        let method = Method::from_str(self.method.as_deref()?, false).ok()?;
+        Some(method.independent())
+    }
+
     fn of(path: &Path, image: &ExrImage) -> Origin {
         let header = Header(image);
         let pixel_hash = image.hash_pixels();

@@ -1,29 +1,25 @@
-//! Could two images have the same mean? Welch's test of every channel of the whole image and of each tile, Holm-corrected
-//! so that all together reject a true hypothesis with the stated probability [Welch47; Holm79].
+//! Could two images have the same mean? [`same_mean`](crate::render::same_mean) tests every channel of the whole image and of its
+//! tiles, so that all together reject a true hypothesis with the stated probability.
 //!
-//! **What it stands on.** Both images carry standard errors from R replicates. A tile's mean is that of n pixels, which have
-//! samples of their own and are independent (all methods so far; not those whose pixels share chains or photons), so its variance
-//! is Σv/n². Each v is estimated with R − 1 degrees of freedom, their sum with (R − 1)(Σv)²/Σv² of them (Satterthwaite): a tile
-//! whose error is that of one firefly has R − 1, and its t of about 1 convicts nobody. Tiles are 8 pixels wide, or so many more
-//! that each has [`LEAST_SAMPLES`] samples for the central limit to work on.
+//! **What it stands on.** An image carries a record of its tiles that is made of what its method's pixels share. Where it has none, or
+//! its pixels were changed after rendering, the standard errors of pixels serve if the method's pixels are independent; other images
+//! are not tested.
 //!
 //! **What it does not see.** Images of the same seed share random numbers and are not independent: they are not tested. No
-//! difference found is no proof of equality: the interval of the mean's difference says how large a global one could be.
-//! Where a tile has few lit samples its mean is skewed, and the level is only approximate between images of very different sample
-//! counts; images of like counts are skewed alike and do no harm.
+//! difference found is no proof of equality: the interval of the mean's difference says how large a global one could be. Four
+//! replicates of a method whose pixels are not independent tell means apart that are some nine standard errors off at the usual level;
+//! sixteen, the default of methods with chains, do at five.
 
 use super::Pair;
 use super::side::Side;
-use crate::stats::{Estimate, TestResult, holm, welch_test};
+use crate::film::{Crop, Independent};
+use crate::render::same_mean::{CHANNELS, Finding, LEAST_REPLICATES, Picture, PixelErrors, Pyramid, Tested, decode, test_pair};
+use crate::stats::{Estimate, welch_test};
 use serde::Serialize;
 
-/// The smallest tile.
-const SMALLEST_TILE: usize = 8;
-/// Tiles grow until each has so many samples.
-const LEAST_SAMPLES: u64 = 4096;
-/// Relative differences that rounding can make: 16 half-ulps of f32, for values that were computed in another order.
-const ROUNDING: f64 = 16.0 / (1 << 24) as f64;
-const CHANNELS: [&str; 3] = ["R", "G", "B"];
+const NAMES: [&str; CHANNELS] = ["R", "G", "B"];
+/// Rejections that are told.
+const MOST_TOLD: usize = 10;
 
 /// What a comparison came to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -50,7 +46,7 @@ pub struct Verdict {
     pub level: f64,
     /// How many tests were made.
     pub tests: usize,
-    /// Side of the tiles in pixels.
+    /// Side of the smallest tiles in pixels.
     pub tile: usize,
     /// Pixels left out because a value or an error is not finite.
     pub pixels_left_out: usize,
@@ -71,6 +67,8 @@ pub struct Rejection {
     pub channel: &'static str,
     /// The tile's first pixel in the full image; `None` for the image mean.
     pub tile: Option<[u32; 2]>,
+    /// Its width and height.
+    pub size: [u32; 2],
     /// Mean of the image less mean of the reference.
     pub difference: f64,
     /// Standard error of that.
@@ -127,10 +125,10 @@ impl Verdict {
             Outcome::Identical => "the pixels are identical".into(),
             Outcome::Untested => format!("not tested: {}", self.reason.as_deref().unwrap_or_default()),
             Outcome::NoDifference => format!(
-                "no difference of the means found at level {level} in {tests} tests (image and {tile}x{tile} tiles by channel), smallest corrected p {smallest:.2e}"
+                "no difference of the means found at level {level} in {tests} tests (image and tiles from {tile}x{tile} up by channel), smallest corrected p {smallest:.2e}"
             ),
             Outcome::Differ => format!(
-                "the means differ at level {level} in {rejected} of {tests} tests (image and {tile}x{tile} tiles by channel), smallest corrected p {smallest:.2e}"
+                "the means differ at level {level} in {rejected} of {tests} tests (image and tiles from {tile}x{tile} up by channel), smallest corrected p {smallest:.2e}"
             ),
         }
     }
@@ -139,166 +137,118 @@ impl Verdict {
 /// What the tests are made of.
 struct Evidence<'a> {
     pair: &'a Pair,
-    errors: [&'a [f32]; 2],
-    replicates: [u64; 2],
-    tile: usize,
+    pyramids: [Pyramid; 2],
+    left_out: usize,
 }
 
 impl<'a> Evidence<'a> {
     /// All that is needed, or why it is not there.
     fn of(pair: &'a Pair) -> Result<Self, String> {
         let sides = [&pair.image, &pair.reference];
-        let errors =
-            sides.map(|side| side.errors.as_deref().ok_or_else(|| lacks(side, "standard errors (layers stderr.R, G, B)")));
-        let replicates = sides.map(|side| {
-            let known = side.origin.replicates.filter(|&r| r >= 2);
-            known.ok_or_else(|| lacks(side, "a number of replicates in its header"))
-        });
-        let ([ea, eb], [ra, rb]) = (errors, replicates);
-        let (errors, replicates) = ([ea?, eb?], [ra?, rb?]);
-        if let (Some(a), Some(b)) = (sides[0].origin.seed, sides[1].origin.seed) {
+        if let [Some(a), Some(b)] = sides.map(|side| side.origin.seed) {
             if a == b {
                 return Err(format!(
                     "both have seed {a}, so that their errors are not independent; render one with another --seed"
                 ));
             }
         }
-        let spp = sides.map(|side| side.origin.spp.unwrap_or(1));
-        Ok(Evidence { pair, errors, replicates, tile: tile(pair.extent(), spp[0].min(spp[1])) })
+        let left_out = (0..pair.image.crop.pixels()).filter(|&pixel| !sides.iter().all(|side| is_finite(side, pixel))).count();
+        if left_out == pair.image.crop.pixels() {
+            return Err("no pixel is finite in both".into());
+        }
+        let taken = |pixel: usize| sides.iter().all(|side| is_finite(side, pixel));
+        let [a, b] = sides.map(|side| match recorded(side).filter(|_| left_out == 0) {
+            Some(pyramid) => Ok(pyramid),
+            // It has the replicates that it takes.
+            None => pixel_errors(side)?.pyramid(taken).ok_or_else(|| lacks(side, "replicates enough")),
+        });
+        Ok(Evidence { pair, pyramids: [a?, b?], left_out })
     }
 
     fn judge(&self, level: f64) -> Verdict {
-        let [width, height] = self.pair.extent();
-        let corner = self.pair.image.crop;
-        let mut whole = [Sums::default(); 3];
-        let mut tested: Vec<Tested> = Vec::new();
-        for y in (0..height).step_by(self.tile) {
-            for x in (0..width).step_by(self.tile) {
-                let sums = self.sums([x, y], [(x + self.tile).min(width), (y + self.tile).min(height)]);
-                let place = [corner.x0 + x as u32, corner.y0 + y as u32];
-                whole.iter_mut().zip(&sums).for_each(|(all, tile)| all.add(tile));
-                tested.extend((0..3).filter_map(|c| self.test(&sums[c], c, Some(place))));
-            }
+        let sides = [&self.pair.image, &self.pair.reference];
+        let picture = |i: usize| Picture { pyramid: &self.pyramids[i], method: &sides[i].origin.method, is_trusted: true };
+        let tested: Tested = test_pair([&picture(0), &picture(1)]);
+        let found = tested.findings(level);
+        let outcome = if found.is_empty() { Outcome::NoDifference } else { Outcome::Differ };
+        Verdict {
+            tests: tested.count(),
+            tile: tested.smallest_side() as usize,
+            pixels_left_out: self.left_out,
+            smallest_p: tested.smallest_p(),
+            rejected: found.len(),
+            rejections: found.iter().take(MOST_TOLD).map(Rejection::of).collect(),
+            means: (0..CHANNELS).map(|channel| self.mean(channel)).collect(),
+            ..Verdict::without_tests(outcome, None, level)
         }
-        tested.extend((0..3).filter_map(|c| self.test(&whole[c], c, None)));
-        let mut verdict = conclude(&tested, level);
-        verdict.tile = self.tile;
-        verdict.pixels_left_out = width * height - whole[0].n as usize;
-        verdict.means = (0..3).filter_map(|c| self.mean(&whole[c], c)).collect();
-        verdict
     }
 
-    /// Sums of each channel over the pixels from `start` to before `end`.
-    fn sums(&self, start: [usize; 2], end: [usize; 2]) -> [Sums; 3] {
-        let width = self.pair.extent()[0];
-        let mut sums = [Sums::default(); 3];
-        for pixel in (start[1]..end[1]).flat_map(|y| (start[0]..end[0]).map(move |x| y * width + x)) {
-            let at = 3 * pixel..3 * pixel + 3;
-            let (a, b) = (&self.pair.image.colors[at.clone()], &self.pair.reference.colors[at.clone()]);
-            let [sa, sb] = self.errors.map(|errors| &errors[at.clone()]);
-            if [a, b, sa, sb].into_iter().flatten().all(|v| v.is_finite()) {
-                (0..3).for_each(|c| sums[c].push([a[c], b[c]].map(f64::from), [sa[c], sb[c]].map(f64::from)));
-            }
-        }
-        sums
-    }
-
-    fn test(&self, sums: &Sums, channel: usize, place: Option<[u32; 2]>) -> Option<Tested> {
-        let [a, b] = self.estimates(sums)?;
-        let rounding = ROUNDING * sums.size / sums.n;
-        let difference = a.value - b.value;
-        let beyond = difference.signum() * (difference.abs() - rounding).max(0.0);
-        let result = welch_test(&Estimate { value: beyond, ..a }, &Estimate { value: 0.0, ..b });
-        Some(Tested { channel, place, difference, standard_error: a.standard_error.hypot(b.standard_error), result })
-    }
-
-    fn mean(&self, sums: &Sums, channel: usize) -> Option<MeanDifference> {
-        let [a, b] = self.estimates(sums)?;
-        let dof = welch_test(&a, &b).dof;
+    fn mean(&self, channel: usize) -> MeanDifference {
+        let [a, b] = [0, 1].map(|i: usize| self.pyramids[i].image_mean(channel));
         let (value, standard_error) = (a.value - b.value, a.standard_error.hypot(b.standard_error));
-        let interval = Estimate { value, standard_error, dof }.interval95();
-        Some(MeanDifference { channel: CHANNELS[channel], difference: value, interval, reference: b.value })
+        let interval = Estimate { value, standard_error, dof: welch_test(&a, &b).dof }.interval95();
+        MeanDifference { channel: NAMES[channel], difference: value, interval, reference: b.value }
     }
+}
 
-    /// The means of both images and their errors; `None` without pixels.
-    fn estimates(&self, sums: &Sums) -> Option<[Estimate; 2]> {
-        let estimate = |i: usize| {
-            let (variance, own) = (sums.variance[i], self.replicates[i] as f64 - 1.0);
-            let dof = if sums.squares[i] > 0.0 { own * variance * variance / sums.squares[i] } else { own };
-            Estimate { value: sums.mean[i] / sums.n, standard_error: variance.sqrt() / sums.n, dof }
-        };
-        (sums.n > 0.0).then(|| [estimate(0), estimate(1)])
+/// The tiles that an image carries, if its pixels are those that it was rendered with.
+fn recorded(side: &Side) -> Option<Pyramid> {
+    let is_as_rendered = side.origin.hash_matches == Some(true);
+    decode(side.record.as_deref().filter(|_| is_as_rendered)?, side.crop)
+}
+
+/// The errors of the pixels of an image, if they say how far tiles may be off.
+fn pixel_errors(side: &Side) -> Result<PixelErrors<'_>, String> {
+    let errors = side.errors.as_deref().ok_or_else(|| lacks(side, "standard errors (layers stderr.R, G, B)"))?;
+    let known = side.origin.replicates.ok_or_else(|| lacks(side, "number of replicates in its header"))?;
+    let replicates =
+        usize::try_from(known).ok().filter(|r| (LEAST_REPLICATES..=MOST_REPLICATES).contains(r)).ok_or_else(|| {
+            format!("{} has {known} replicates, and a test takes three or more: render it with --replicates 4", side.origin.path)
+        })?;
+    let method = side.origin.method.as_deref().unwrap_or_default();
+    match side.origin.independent() {
+        Some(Independent::Pixels) => {
+            let spp = side.origin.spp.unwrap_or(1);
+            Ok(PixelErrors { crop: side.crop, means: &side.colors, errors, replicates, spp })
+        }
+        None => Err(lacks(side, "known method in its header, so that nothing says what its pixels share")),
+        Some(_) if side.origin.hash_matches == Some(false) => Err(format!(
+            "the pixels of {} were changed after rendering, and those of {method} are not independent",
+            side.origin.path
+        )),
+        Some(_) => Err(format!(
+            "{} carries no sound record of its tiles, and the pixels of {method} are not independent: render it with this version",
+            side.origin.path
+        )),
     }
+}
+
+/// More than any render has: a header may say anything.
+const MOST_REPLICATES: usize = 256;
+
+/// Whether a pixel's colour and its errors are finite.
+fn is_finite(side: &Side, pixel: usize) -> bool {
+    let at = CHANNELS * pixel..CHANNELS * (pixel + 1);
+    let errors = side.errors.as_deref().map_or(&[][..], |errors| &errors[at.clone()]);
+    side.colors[at].iter().chain(errors).all(|v| v.is_finite())
 }
 
 fn lacks(side: &Side, what: &str) -> String {
-    format!("{} has no {}", side.origin.path, what.trim_start_matches("a "))
-}
-
-/// The side of tiles with enough samples.
-fn tile(size: [usize; 2], spp: u64) -> usize {
-    let mut side = SMALLEST_TILE;
-    while ((side * side) as u64).saturating_mul(spp) < LEAST_SAMPLES && side < size[0].max(size[1]) {
-        side *= 2;
-    }
-    side
-}
-
-/// Sums over pixels, of the image and of the reference.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    n: f64,
-    mean: [f64; 2],
-    /// Of the pixels' variances.
-    variance: [f64; 2],
-    /// Of their squares.
-    squares: [f64; 2],
-    /// Of the absolute values of both.
-    size: f64,
-}
-
-impl Sums {
-    fn push(&mut self, mean: [f64; 2], error: [f64; 2]) {
-        let variance = error.map(|s| s * s);
-        self.add(&Sums { n: 1.0, mean, variance, squares: variance.map(|v| v * v), size: mean[0].abs() + mean[1].abs() });
-    }
-
-    fn add(&mut self, other: &Sums) {
-        let both = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
-        self.n += other.n;
-        self.mean = both(self.mean, other.mean);
-        self.variance = both(self.variance, other.variance);
-        self.squares = both(self.squares, other.squares);
-        self.size += other.size;
-    }
-}
-
-struct Tested {
-    channel: usize,
-    place: Option<[u32; 2]>,
-    difference: f64,
-    standard_error: f64,
-    result: TestResult,
-}
-
-fn conclude(tested: &[Tested], level: f64) -> Verdict {
-    if tested.is_empty() {
-        return Verdict::without_tests(Outcome::Untested, Some("no pixel is finite in both".into()), level);
-    }
-    let corrected = holm(&tested.iter().map(|t| t.result.p_value).collect::<Vec<_>>());
-    let mut rejections: Vec<Rejection> = tested.iter().zip(&corrected).filter(|(_, p)| **p < level).map(Rejection::of).collect();
-    rejections.sort_by(|a, b| a.p.total_cmp(&b.p).then(a.tile.is_some().cmp(&b.tile.is_some())));
-    let rejected = rejections.len();
-    rejections.truncate(10);
-    let outcome = if rejected > 0 { Outcome::Differ } else { Outcome::NoDifference };
-    let smallest_p = corrected.iter().copied().reduce(f64::min);
-    Verdict { tests: tested.len(), smallest_p, rejections, rejected, ..Verdict::without_tests(outcome, None, level) }
+    format!("{} has no {what}", side.origin.path)
 }
 
 impl Rejection {
-    fn of((test, &p): (&Tested, &f64)) -> Rejection {
-        let Tested { channel, place, difference, standard_error, .. } = *test;
-        Rejection { channel: CHANNELS[channel], tile: place, difference, standard_error, p }
+    fn of(found: &Finding) -> Rejection {
+        let Crop { x0, y0, x1, y1 } = found.area;
+        let standard_error = found.a.standard_error.hypot(found.b.standard_error);
+        Rejection {
+            channel: NAMES[found.channel],
+            tile: (!found.is_image).then_some([x0, y0]),
+            size: [x1 - x0, y1 - y0],
+            difference: found.a.value - found.b.value,
+            standard_error,
+            p: found.p,
+        }
     }
 }
 

@@ -12,7 +12,7 @@ const REPLICATES: usize = 4;
 fn side(name: &str, seed: u64, colors: Vec<f32>, errors: Option<Vec<f32>>) -> Side {
     let origin = Origin {
         path: name.into(),
-        method: None,
+        method: Some("path".into()),
         spp: Some(SPP),
         seed: Some(seed),
         replicates: errors.as_ref().map(|_| REPLICATES as u64),
@@ -23,7 +23,7 @@ fn side(name: &str, seed: u64, colors: Vec<f32>, errors: Option<Vec<f32>>) -> Si
         hash_matches: None,
     };
     let size = SIZE.map(|s| s as u32);
-    Side { origin, size, crop: Crop { x0: 0, y0: 0, x1: size[0], y1: size[1] }, colors, errors }
+    Side { origin, size, crop: Crop { x0: 0, y0: 0, x1: size[0], y1: size[1] }, colors, errors, record: None }
 }
 
 /// An image of exponential samples whose mean at pixel i and channel c is `mean(i, c)`, with its errors.
@@ -118,8 +118,22 @@ fn what_is_not_finite_is_left_out() {
     assert_eq!(verdict(nothing, render(19, plain), 1e-3).outcome, Outcome::Untested);
 }
 
+/// Of methods whose pixels are not independent the errors of pixels say nothing, and of unknown ones nothing is known.
 #[test]
-fn tiles_have_enough_samples() {
-    assert_eq!([1, 4, 16, 64, 4096].map(|spp| tile([2000, 1000], spp)), [64, 32, 16, 8, 8]);
-    assert_eq!(tile([20, 10], 1), 32);
+fn pixels_that_share_samples_take_a_record() {
+    let with = |method: &str, seed| {
+        let mut side = render(seed, plain);
+        side.origin.method = Some(method.into());
+        side
+    };
+    for method in ["bdpt", "light", "mlt", "mmlt", "pssmlt"] {
+        let found = verdict(with(method, 20), with(method, 21), 1e-3);
+        assert!(found.outcome == Outcome::Untested && found.sentence().contains("no sound record"), "{found:?}");
+    }
+    let found = verdict(with("photons", 20), render(21, plain), 1e-3);
+    assert!(found.outcome == Outcome::Untested && found.sentence().contains("no known method"), "{found:?}");
+    let mut few = render(22, plain);
+    few.origin.replicates = Some(2);
+    let found = verdict(few, render(23, plain), 1e-3);
+    assert!(found.outcome == Outcome::Untested && found.sentence().contains("has 2 replicates"), "{found:?}");
 }

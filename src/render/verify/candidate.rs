@@ -1,12 +1,12 @@
 //! One method with one backend, and its picture in work.
 
 use super::lineup::{name, settings};
-use super::tiles::Pyramid;
-use crate::error::Result;
-use crate::film::{Film, Layout, PassFilm, Plane};
+use crate::error::{Error, Kind, Result};
+use crate::film::{Film, Layout, PassFilm};
 use crate::integrator::{self, Integrator, Method};
 use crate::parallel::Cancel;
 use crate::render::machine::Stopwatch;
+use crate::render::same_mean::{self, Pyramid};
 use crate::render::{Choices, Plan, Provenance, Selection, Stage, Stop};
 
 /// Independent replicates of each candidate: their scatter is the error that differences are measured by.
@@ -91,14 +91,21 @@ impl<'a> Candidate<'a> {
     }
 
     /// The means of its tiles.
-    pub fn pyramid(&self) -> Pyramid {
-        let (layout, unit) = (self.film.layout(), self.film.units().of(Plane::Color));
-        let scale: Vec<f64> = (0..REPLICATES).map(|r| unit / self.film.passes_of(r).max(1) as f64).collect();
-        let channels = layout.channels();
-        Pyramid::new(layout.crop, |pixel, channel, means: &mut Vec<f64>| {
-            let index = pixel * channels + channel;
-            means.clear();
-            means.extend(self.film.sums().iter().zip(&scale).map(|(sums, scale)| sums.value(index) * scale));
-        })
+    ///
+    /// # Errors
+    /// Internal, before the first block is rendered.
+    pub fn pyramid(&self) -> Result<Pyramid> {
+        let nothing = || Error::new(Kind::Internal, format!("{} has rendered nothing", self.name));
+        Pyramid::of_film(&self.film, self.method().independent()).ok_or_else(nothing)
+    }
+
+    /// The method.
+    pub fn method(&self) -> Method {
+        self.provenance.settings.method
+    }
+
+    /// Why its errors are not to be trusted, if they are not.
+    pub fn doubt(&self) -> Option<&'static str> {
+        self.film.image_error(self.method().independent()).as_ref().and_then(same_mean::doubt)
     }
 }

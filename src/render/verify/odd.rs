@@ -1,8 +1,9 @@
 //! Which candidates are to blame, as far as who differs from whom tells.
 
-use super::{Candidate, Judgement};
+use super::Candidate;
 use crate::accel::Backend;
 use crate::integrator::Method;
+use crate::render::same_mean::Judgement;
 use serde::Serialize;
 
 /// Candidates that all differences have in common.
@@ -25,7 +26,7 @@ impl Odd {
     }
 
     pub(super) fn of(candidates: &[Label], judgement: &Judgement) -> Option<Odd> {
-        let different: Vec<[usize; 2]> = judgement.pairs.iter().filter(|p| p.differs).map(|p| [p.a, p.b]).collect();
+        let different: Vec<[usize; 2]> = judgement.pairs.iter().filter(|p| p.differs()).map(|p| [p.a, p.b]).collect();
         if different.is_empty() || candidates.len() < 3 {
             return None;
         }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::render::verify::{Pair, Worst};
+use crate::render::same_mean::{Outcome, Pair, Worst};
 
 fn labels(methods: &[Method], backends: &[Backend]) -> Vec<Label> {
     let all = backends.iter().flat_map(|&b| methods.iter().map(move |&m| (m, b)));
@@ -13,7 +13,7 @@ fn judgement(count: usize, differ: impl Fn(usize, usize) -> bool) -> Judgement {
     let pair = |a, b| Pair {
         a,
         b,
-        differs: differ(a, b),
+        outcome: if differ(a, b) { Outcome::Differ } else { Outcome::Agree },
         image,
         tile: None,
         tiles_different: 0,

@@ -1,11 +1,11 @@
 //! The pictures behind a judgement: each candidate's, and where the worst pair differs, in standard errors.
 
-use super::judge::{Judgement, Pair};
 use super::{Candidate, REPLICATES};
 use crate::error::{Error, Kind, Result};
 use crate::film::Plane;
 use crate::io::png::Curve;
 use crate::io::{exr, png};
+use crate::render::same_mean::{Judgement, Pair};
 use crate::render::{Outputs, Report, images};
 use std::path::Path;
 

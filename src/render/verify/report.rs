@@ -1,17 +1,19 @@
 //! What `verify` tells: one document for programs, and the table that is made of it for people.
 
 use super::lineup::Excluded;
-use super::tiles::CHANNELS;
-use super::{Candidate, Judgement, Lineup, Odd, Pyramid, REPLICATES};
+use super::{Candidate, Lineup, Odd, REPLICATES};
 use crate::integrator::{Guards, Method};
 use crate::render::Program;
+use crate::render::same_mean::{CHANNELS, Judgement, Outcome, Pyramid};
 use serde::Serialize;
 
 /// The result of a verification.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
-    /// Whether no difference was found.
+    /// Whether no difference was found and every pair could be told.
     pub agree: bool,
+    /// What all pairs come to: a difference if one has it.
+    pub outcome: Outcome,
     /// The scene's file.
     pub scene: String,
     /// The hash of its content.
@@ -51,6 +53,8 @@ pub struct Entry {
     pub mean: [f64; CHANNELS],
     /// Its standard error.
     pub standard_error: [f64; CHANNELS],
+    /// Why that is not to be trusted, if it is not.
+    pub doubt: Option<&'static str>,
     /// How often guards changed a sample.
     pub guards: Guards,
 }
@@ -61,7 +65,8 @@ impl Report {
         let entries: Vec<Entry> = candidates.iter().zip(pictures).map(|(c, p)| Entry::new(c, p)).collect();
         let provenance = &candidates[0].provenance;
         Report {
-            agree: judgement.pairs.iter().all(|p| !p.differs),
+            agree: judgement.outcome() == Outcome::Agree,
+            outcome: judgement.outcome(),
             scene: candidates[0].stage.path.display().to_string(),
             scene_hash: provenance.scene.hash.clone(),
             program: provenance.program.clone(),
@@ -78,7 +83,7 @@ impl Report {
 impl Entry {
     fn new(candidate: &Candidate<'_>, picture: &Pyramid) -> Entry {
         let settings = &candidate.provenance.settings;
-        let image = std::array::from_fn::<_, CHANNELS, _>(|c| picture.image().estimate(c));
+        let image = std::array::from_fn::<_, CHANNELS, _>(|c| picture.image_mean(c));
         Entry {
             name: candidate.name.clone(),
             method: settings.method,
@@ -88,6 +93,7 @@ impl Entry {
             seconds: candidate.seconds(),
             mean: image.map(|e| e.value),
             standard_error: image.map(|e| e.standard_error),
+            doubt: candidate.doubt(),
             guards: candidate.provenance.work.passes.guards,
         }
     }

@@ -1,7 +1,7 @@
 //! The report as lines for people, at most some 90 columns wide.
 
 use super::report::{Entry, Report};
-use super::{Pair, Worst};
+use crate::render::same_mean::{Outcome, Pair, Worst};
 
 impl Report {
     /// The candidates, the pairs and the verdict.
@@ -19,14 +19,17 @@ impl Report {
         lines.push(format!("{:37} {:>10} {:>9}  {:>8} {:>14}", "pair", "differs by", "seen from", "different", "seen from"));
         lines.extend(self.judgement.pairs.iter().map(|pair| self.pair_line(pair)));
         lines.push(String::new());
-        lines.extend(self.judgement.pairs.iter().filter(|p| p.differs).map(|pair| self.difference(pair)));
+        lines.extend(self.judgement.pairs.iter().filter(|p| p.differs()).map(|pair| self.difference(pair)));
         lines.push(self.verdict());
         lines
     }
 
     /// The last line: what to make of it.
     pub fn verdict(&self) -> String {
-        let (count, level) = (self.judgement.pairs.iter().filter(|p| p.differs).count(), self.judgement.level);
+        let (count, level) = (self.judgement.pairs.iter().filter(|p| p.differs()).count(), self.judgement.level);
+        if self.outcome == Outcome::CannotTell {
+            return self.untold();
+        }
         if count == 0 {
             let seen = self.judgement.pairs.iter().map(|p| p.detectable).collect::<Option<Vec<_>>>();
             let worth = match seen.map(|s| s.into_iter().fold(0.0, f64::max)) {
@@ -45,6 +48,19 @@ impl Report {
         }
     }
 
+    /// Whose error keeps pairs from being told, and why.
+    fn untold(&self) -> String {
+        let untold: Vec<&Pair> = self.judgement.pairs.iter().filter(|p| p.outcome == Outcome::CannotTell).collect();
+        let is_part = |i: usize| untold.iter().any(|pair| [pair.a, pair.b].contains(&i));
+        let of = |(i, c): (usize, &Entry)| {
+            let doubt = c.doubt.filter(|_| is_part(i))?;
+            Some(format!("the error of {} is not to be trusted ({doubt})", c.name))
+        };
+        let who: Vec<String> = self.candidates.iter().enumerate().filter_map(of).collect();
+        let (count, all) = (untold.len(), self.judgement.pairs.len());
+        format!("cannot tell {count} of {all} pairs: {}; give them a larger --budget", who.join(", "))
+    }
+
     fn names(&self, pair: &Pair) -> String {
         format!("{} - {}", self.candidates[pair.a].name, self.candidates[pair.b].name)
     }
@@ -56,7 +72,11 @@ impl Report {
         };
         let different = format!("{}/{}", pair.tiles_different, pair.tiles);
         let image = pair.detectable.map_or_else(|| "too noisy".into(), percent);
-        let mark = if pair.differs { "  DIFFERENT" } else { "" };
+        let mark = match pair.outcome {
+            Outcome::Agree => "",
+            Outcome::Differ => "  DIFFERENT",
+            Outcome::CannotTell => "  CANNOT TELL",
+        };
         format!("{:37} {:>10} {image:>9}  {different:>8} {tile:>14}{mark}", self.names(pair), signed(pair.image.relative))
     }
 
@@ -84,7 +104,8 @@ impl Entry {
             0 => String::new(),
             n => format!("  ({n} samples not finite)"),
         };
-        format!("{:18} {:>8} {:>9.2}   {}{guards}", self.name, self.spp, self.seconds, mean.join("  "))
+        let doubt = if self.doubt.is_some() { "  (not to be trusted)" } else { "" };
+        format!("{:18} {:>8} {:>9.2}   {}{doubt}{guards}", self.name, self.spp, self.seconds, mean.join("  "))
     }
 }
 

@@ -1,42 +1,379 @@
-//! Hash of what a description says, wherever its files lie and whatever their format.
+//! Hash of what a description says, wherever its files lie and whatever their format: the bytes of its fields, each with its length
+//! where it has one, each choice with its number.
+//!
+//! Every struct is taken apart without `..`, so that a new field does not compile until it has its line here: `field.feed(bytes)`, or
+//! `field: _` if no picture depends on it, as none does on names that nothing is chosen by.
 
-use super::{Description, Primitive};
-use bytemuck::Pod;
+use super::{
+    AlphaMode, Camera, Description, Environment, Instance, Material, Mesh, MetalFresnel, Primitive, Projection, PunctualKind,
+    PunctualLight, Volume,
+};
+use crate::spectrum::Spectrum;
+use crate::texture::{Encoding, Filter, Image, RadianceMap, Texture, Wrap};
+use glam::{Affine2, DAffine3};
+use std::sync::Arc;
 
 /// Hexadecimal BLAKE3 of everything that can change a picture.
 pub(in crate::scene) fn of(description: &Description) -> String {
-    let mut hasher = blake3::Hasher::new();
-    let mut text = |what: String| {
-        hasher.update(&(what.len() as u64).to_le_bytes());
-        hasher.update(what.as_bytes());
-    };
-    // Debug output holds every field of the plain data; images print the hash of their texels.
-    text(format!("{:?}", description.materials));
-    text(format!("{:?}", description.instances));
-    text(format!("{:?}", description.lights));
-    text(format!("{:?} {:?}", description.cameras, description.environment));
-    for primitive in description.meshes.iter().flat_map(|m| &m.primitives) {
-        geometry(&mut hasher, primitive);
+    let mut bytes = Bytes::new();
+    description.feed(&mut bytes);
+    bytes.finalize().to_hex()[..32].to_owned()
+}
+
+type Bytes = blake3::Hasher;
+
+/// What has bytes for the hash.
+trait Content {
+    /// Adds them; no two values of a type have the same, nor does one begin with another's.
+    fn feed(&self, bytes: &mut Bytes);
+}
+
+impl Content for Description {
+    fn feed(&self, bytes: &mut Bytes) {
+        // Images are hashed where textures use them; the rest is about the file and not about the picture.
+        let Description {
+            meshes,
+            instances,
+            materials,
+            images: _,
+            lights,
+            cameras,
+            environment,
+            animation_end: _,
+            ignored: _,
+            warnings: _,
+        } = self;
+        meshes.feed(bytes);
+        instances.feed(bytes);
+        materials.feed(bytes);
+        lights.feed(bytes);
+        cameras.feed(bytes);
+        environment.feed(bytes);
     }
-    hasher.finalize().to_hex()[..32].to_owned()
 }
 
-fn geometry(hasher: &mut blake3::Hasher, primitive: &Primitive) {
-    array(hasher, Some(&primitive.positions));
-    array(hasher, Some(&primitive.triangles));
-    array(hasher, primitive.normals.as_ref());
-    array(hasher, primitive.tangents.as_ref());
-    array(hasher, primitive.uvs[0].as_ref());
-    array(hasher, primitive.uvs[1].as_ref());
-    array(hasher, primitive.colors.as_ref());
-    hasher.update(&(primitive.material as u64).to_le_bytes());
+impl Content for Environment {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            Environment::Uniform(radiance) => {
+                0_u8.feed(bytes);
+                radiance.feed(bytes);
+            }
+            Environment::Map { map, scale, rotation } => {
+                1_u8.feed(bytes);
+                map.feed(bytes);
+                scale.feed(bytes);
+                rotation.feed(bytes);
+            }
+        }
+    }
 }
 
-/// Length (−1 for none) and bytes.
-fn array<T: Pod>(hasher: &mut blake3::Hasher, values: Option<&Vec<T>>) {
-    let length = values.map_or(-1, |v| v.len() as i64);
-    hasher.update(&length.to_le_bytes());
+impl Content for Mesh {
+    fn feed(&self, bytes: &mut Bytes) {
+        let Mesh { name: _, primitives } = self;
+        primitives.feed(bytes);
+    }
+}
+
+impl Content for Primitive {
+    fn feed(&self, bytes: &mut Bytes) {
+        let Primitive { positions, triangles, normals, tangents, uvs: [uv_0, uv_1], colors, material } = self;
+        array(bytes, Some(positions));
+        array(bytes, Some(triangles));
+        array(bytes, normals.as_ref());
+        array(bytes, tangents.as_ref());
+        array(bytes, uv_0.as_ref());
+        array(bytes, uv_1.as_ref());
+        array(bytes, colors.as_ref());
+        material.feed(bytes);
+    }
+}
+
+impl Content for Instance {
+    fn feed(&self, bytes: &mut Bytes) {
+        let Instance { name: _, mesh, transform } = self;
+        mesh.feed(bytes);
+        transform.feed(bytes);
+    }
+}
+
+impl Content for Material {
+    fn feed(&self, bytes: &mut Bytes) {
+        let Material {
+            name: _,
+            base_color,
+            alpha,
+            base_color_texture,
+            metallic,
+            roughness,
+            metallic_roughness_texture,
+            normal_texture,
+            emission,
+            emission_texture,
+            alpha_mode,
+            double_sided,
+            specular,
+            specular_texture,
+            specular_color,
+            specular_color_texture,
+            ior,
+            transmission,
+            transmission_texture,
+            volume,
+            metal_fresnel,
+            unlit,
+        } = self;
+        base_color.feed(bytes);
+        alpha.feed(bytes);
+        base_color_texture.feed(bytes);
+        metallic.feed(bytes);
+        roughness.feed(bytes);
+        metallic_roughness_texture.feed(bytes);
+        normal_texture.feed(bytes);
+        emission.feed(bytes);
+        emission_texture.feed(bytes);
+        alpha_mode.feed(bytes);
+        double_sided.feed(bytes);
+        specular.feed(bytes);
+        specular_texture.feed(bytes);
+        specular_color.feed(bytes);
+        specular_color_texture.feed(bytes);
+        ior.feed(bytes);
+        transmission.feed(bytes);
+        transmission_texture.feed(bytes);
+        volume.feed(bytes);
+        metal_fresnel.feed(bytes);
+        unlit.feed(bytes);
+    }
+}
+
+impl Content for AlphaMode {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            AlphaMode::Opaque => 0_u8.feed(bytes),
+            AlphaMode::Mask { cutoff } => {
+                1_u8.feed(bytes);
+                cutoff.feed(bytes);
+            }
+            AlphaMode::Blend => 2_u8.feed(bytes),
+        }
+    }
+}
+
+impl Content for MetalFresnel {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            MetalFresnel::Schlick => 0_u8.feed(bytes),
+            MetalFresnel::Constant => 1_u8.feed(bytes),
+        }
+    }
+}
+
+impl Content for Volume {
+    fn feed(&self, bytes: &mut Bytes) {
+        let Volume { attenuation_distance, attenuation_color } = self;
+        attenuation_distance.feed(bytes);
+        attenuation_color.feed(bytes);
+    }
+}
+
+impl Content for PunctualLight {
+    fn feed(&self, bytes: &mut Bytes) {
+        let PunctualLight { name: _, kind, intensity, transform } = self;
+        kind.feed(bytes);
+        intensity.feed(bytes);
+        transform.feed(bytes);
+    }
+}
+
+impl Content for PunctualKind {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            PunctualKind::Point => 0_u8.feed(bytes),
+            PunctualKind::Spot { inner, outer } => {
+                1_u8.feed(bytes);
+                inner.feed(bytes);
+                outer.feed(bytes);
+            }
+            PunctualKind::Directional => 2_u8.feed(bytes),
+        }
+    }
+}
+
+impl Content for Camera {
+    fn feed(&self, bytes: &mut Bytes) {
+        // Cameras are chosen by name.
+        let Camera { name, projection, transform } = self;
+        name.feed(bytes);
+        projection.feed(bytes);
+        transform.feed(bytes);
+    }
+}
+
+impl Content for Projection {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            Projection::Perspective { yfov, aspect } => {
+                0_u8.feed(bytes);
+                yfov.feed(bytes);
+                aspect.feed(bytes);
+            }
+            Projection::Orthographic { xmag, ymag } => {
+                1_u8.feed(bytes);
+                xmag.feed(bytes);
+                ymag.feed(bytes);
+            }
+        }
+    }
+}
+
+impl Content for Texture {
+    fn feed(&self, bytes: &mut Bytes) {
+        let Texture { image, encoding, wrap, filter, uv_set, transform } = self;
+        image.feed(bytes);
+        encoding.feed(bytes);
+        wrap.feed(bytes);
+        filter.feed(bytes);
+        uv_set.feed(bytes);
+        transform.feed(bytes);
+    }
+}
+
+impl Content for Encoding {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            Encoding::Srgb => 0_u8.feed(bytes),
+            Encoding::Linear => 1_u8.feed(bytes),
+        }
+    }
+}
+
+impl Content for Wrap {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            Wrap::Repeat => 0_u8.feed(bytes),
+            Wrap::Mirror => 1_u8.feed(bytes),
+            Wrap::Clamp => 2_u8.feed(bytes),
+        }
+    }
+}
+
+impl Content for Filter {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            Filter::Nearest => 0_u8.feed(bytes),
+            Filter::Linear => 1_u8.feed(bytes),
+        }
+    }
+}
+
+impl Content for Image {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.size().feed(bytes);
+        bytes.update(self.texel_hash().as_bytes());
+    }
+}
+
+impl Content for RadianceMap {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.size().feed(bytes);
+        bytes.update(self.texel_hash().as_bytes());
+    }
+}
+
+/// Many plain numbers: their length, −1 if there are none, and their bytes as they lie in memory, little end first here.
+fn array<T: bytemuck::Pod>(bytes: &mut Bytes, values: Option<&Vec<T>>) {
+    values.map_or(-1, |values| values.len() as i64).feed(bytes);
     if let Some(values) = values {
-        hasher.update(bytemuck::cast_slice(values));
+        bytes.update(bytemuck::cast_slice(values));
     }
 }
+
+/// Plain numbers, in little-endian order.
+macro_rules! numbers {
+    ($($number:ty),*) => {
+        $(impl Content for $number {
+            fn feed(&self, bytes: &mut Bytes) {
+                bytes.update(&self.to_le_bytes());
+            }
+        })*
+    };
+}
+
+numbers!(u8, u32, u64, i64, f32, f64);
+
+impl Content for usize {
+    fn feed(&self, bytes: &mut Bytes) {
+        (*self as u64).feed(bytes);
+    }
+}
+
+impl Content for bool {
+    fn feed(&self, bytes: &mut Bytes) {
+        u8::from(*self).feed(bytes);
+    }
+}
+
+impl Content for String {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.len().feed(bytes);
+        bytes.update(self.as_bytes());
+    }
+}
+
+impl Content for Spectrum {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.0.feed(bytes);
+    }
+}
+
+/// Vectors and transforms, lane by lane.
+macro_rules! lanes {
+    ($($kind:ty, $lanes:ident);*) => {
+        $(impl Content for $kind {
+            fn feed(&self, bytes: &mut Bytes) {
+                self.$lanes().feed(bytes);
+            }
+        })*
+    };
+}
+
+lanes!(Affine2, to_cols_array; DAffine3, to_cols_array);
+
+impl<T: Content, const N: usize> Content for [T; N] {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.iter().for_each(|item| item.feed(bytes));
+    }
+}
+
+impl<T: Content> Content for Vec<T> {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.len().feed(bytes);
+        self.iter().for_each(|item| item.feed(bytes));
+    }
+}
+
+impl<T: Content> Content for Option<T> {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.is_some().feed(bytes);
+        self.iter().for_each(|item| item.feed(bytes));
+    }
+}
+
+impl<T: Content> Content for Arc<T> {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.as_ref().feed(bytes);
+    }
+}
+
+impl<A: Content, B: Content> Content for (A, B) {
+    fn feed(&self, bytes: &mut Bytes) {
+        self.0.feed(bytes);
+        self.1.feed(bytes);
+    }
+}
+
+#[cfg(test)]
+#[path = "hash_tests.rs"]
+mod tests;

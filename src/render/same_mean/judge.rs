@@ -1,12 +1,39 @@
-//! The verdict. Half of the family's level goes to the image means, which show the smallest errors, and half to the tiles, which
+//! The verdict on pairs of pictures. Half of the family's level goes to the image means, which show the smallest errors, and half to the tiles, which
 //! show where; within each half all pairs, tiles and channels are corrected together by Holm's method [Holm79]. So the probability
 //! that anything is said to differ where all candidates are right is at most the level.
+//!
+//! That holds where errors are what they say. A picture whose error is not to be trusted (a heavy tail that it has hardly met) is too
+//! dark and too certain as a rule: where it is the darker one nothing is concluded, and the pair cannot be told.
 
 use super::measured::{Comparison, Kin, compare};
 use super::tiles::Pyramid;
+use crate::defects::{Defect, planted};
 use crate::film::Crop;
-use crate::stats::{holm, student_quantile, welch_test};
+use crate::stats::{Estimate, holm, student_quantile, welch_test};
 use serde::Serialize;
+
+/// A picture with what is known of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a, M> {
+    /// Its tiles.
+    pub pyramid: &'a Pyramid,
+    /// The method that made it.
+    pub method: M,
+    /// Whether its errors are to be trusted.
+    pub is_trusted: bool,
+}
+
+/// What comes of two pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// No difference was found.
+    Agree,
+    /// The means differ.
+    Differ,
+    /// They would differ if the error of the darker picture were what it says, and that is not to be trusted.
+    CannotTell,
+}
 
 /// What all pairs say.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,8 +53,8 @@ pub struct Pair {
     pub a: usize,
     /// The second.
     pub b: usize,
-    /// Whether anything differs.
-    pub differs: bool,
+    /// What the tests say.
+    pub outcome: Outcome,
     /// The channel of the image's mean that differs most.
     pub image: Worst,
     /// The tile and channel that differ most; `None` for an image of one tile.
@@ -68,29 +95,63 @@ pub struct Worst {
     pub p_value: f64,
 }
 
-/// All comparisons of a pair and what they gave.
-struct Tested {
-    levels: Vec<Vec<Comparison>>,
-    t: Vec<f64>,
-    p: Vec<f64>,
+/// A mean that differs.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::render) struct Finding {
+    pub(in crate::render) area: Crop,
+    pub(in crate::render) channel: usize,
+    /// The first mean.
+    pub(in crate::render) a: Estimate,
+    /// The second.
+    pub(in crate::render) b: Estimate,
+    /// Corrected for all tests.
+    pub(in crate::render) p: f64,
+    /// Whether it is that of the whole image.
+    pub(in crate::render) is_image: bool,
 }
 
-/// Compares all pairs. `methods` says of each picture which method made it; `level` is the family's.
+/// All comparisons of a pair and what they gave.
+pub(in crate::render) struct Tested {
+    levels: Vec<Vec<Comparison>>,
+    /// Side of the tiles of each level, in pixels.
+    sides: Vec<u32>,
+    t: Vec<f64>,
+    p: Vec<f64>,
+    /// How many differ but for the distrust of the darker picture.
+    in_doubt: usize,
+}
+
+/// Compares all pairs; `level` is the family's.
 ///
 /// # Panics
-/// Unless 0 < level < 1, there are two pictures or more and as many methods.
-pub fn judge<M: PartialEq>(pictures: &[Pyramid], methods: &[M], level: f64) -> Judgement {
+/// Unless 0 < level < 1 and there are two pictures or more.
+pub fn judge<M: PartialEq + Copy>(pictures: &[Picture<'_, M>], level: f64) -> Judgement {
     let n = pictures.len();
-    assert!(n >= 2 && methods.len() == n && level > 0.0 && level < 1.0, "{n} pictures at level {level}");
+    assert!(n >= 2 && level > 0.0 && level < 1.0, "{n} pictures at level {level}");
     let numbers: Vec<[usize; 2]> = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b])).collect();
-    let kin = |[a, b]: [usize; 2]| if methods[a] == methods[b] { Kin::SameMethod } else { Kin::OtherMethod };
-    let mut pairs: Vec<Tested> =
-        numbers.iter().map(|&[a, b]| Tested::new(compare(&pictures[a], &pictures[b], kin([a, b])))).collect();
-    let image_tests = correct(&mut pairs, |tested| tested.tile_tests()..tested.p.len());
-    let tile_tests = correct(&mut pairs, |tested| 0..tested.tile_tests());
+    let mut pairs: Vec<Tested> = numbers.iter().map(|pair| Tested::new(pair.map(|i| &pictures[i]))).collect();
+    let [tile_tests, image_tests] = correct_all(&mut pairs);
     let each = [level / 2.0 / tile_tests.max(1) as f64, level / 2.0 / image_tests as f64];
-    let pairs = numbers.iter().zip(&pairs).map(|(&[a, b], tested)| tested.pair(a, b, level, each)).collect();
+    let of = |(&[a, b], tested): (&[usize; 2], &mut Tested)| {
+        tested.excuse([a, b].map(|i| pictures[i].is_trusted), level);
+        tested.pair(a, b, level, each)
+    };
+    let pairs = numbers.iter().zip(&mut pairs).map(of).collect();
     Judgement { level, tests: image_tests + tile_tests, pairs }
+}
+
+/// All tests of two pictures, corrected for their number.
+pub(in crate::render) fn test_pair<M: PartialEq>(pictures: [&Picture<'_, M>; 2]) -> Tested {
+    let mut pairs = [Tested::new(pictures)];
+    correct_all(&mut pairs);
+    let [pair] = pairs;
+    pair
+}
+
+/// Corrects the p-values of all pairs; how many tests of tiles and of images there are.
+fn correct_all(pairs: &mut [Tested]) -> [usize; 2] {
+    let image_tests = correct(pairs, |tested| tested.tile_tests()..tested.p.len());
+    [correct(pairs, |tested| 0..tested.tile_tests()), image_tests]
 }
 
 /// Corrects the p-values in a range of every pair as one half of the family, and says how many they are.
@@ -105,9 +166,50 @@ fn correct(pairs: &mut [Tested], range: impl Fn(&Tested) -> std::ops::Range<usiz
 }
 
 impl Tested {
-    fn new(levels: Vec<Vec<Comparison>>) -> Tested {
-        let (t, p) = levels.iter().flatten().map(|c| c.test().into()).unzip();
-        Tested { levels, t, p }
+    fn new<M: PartialEq>([a, b]: [&Picture<'_, M>; 2]) -> Tested {
+        let kin = if a.method == b.method { Kin::SameMethod } else { Kin::OtherMethod };
+        let levels = compare(a.pyramid, b.pyramid, kin);
+        let first = a.pyramid.levels.len() - levels.len();
+        let sides = (0..levels.len()).map(|i| a.pyramid.side(first + i)).collect();
+        let (t, p) = levels.iter().flatten().map(|c| c.test()).map(|test| (test.statistic, test.p_value)).unzip();
+        Tested { levels, sides, t, p, in_doubt: 0 }
+    }
+
+    /// Concludes nothing from a mean that is too dark in a picture that is not `trusted`.
+    fn excuse(&mut self, trusted: [bool; 2], level: f64) {
+        for (p, c) in self.p.iter_mut().zip(self.levels.iter().flatten()) {
+            let darker = usize::from(c.b.value < c.a.value);
+            if *p < level && !trusted[darker] && !planted(Defect::VerifyTrustsAll) {
+                *p = 1.0;
+                self.in_doubt += 1;
+            }
+        }
+    }
+
+    /// How many tests there are.
+    pub(in crate::render) fn count(&self) -> usize {
+        self.p.len()
+    }
+
+    /// The smallest p-value, corrected.
+    pub(in crate::render) fn smallest_p(&self) -> Option<f64> {
+        self.p.iter().copied().reduce(f64::min)
+    }
+
+    /// Side in pixels of the smallest tiles that were tested.
+    pub(in crate::render) fn smallest_side(&self) -> u32 {
+        self.sides[0]
+    }
+
+    /// The means that differ at `level`, the most significant first, those of the image before those of tiles.
+    pub(in crate::render) fn findings(&self, level: f64) -> Vec<Finding> {
+        let split = self.tile_tests();
+        let finding = |(i, (c, &p)): (usize, (&Comparison, &f64))| {
+            (p < level).then(|| Finding { area: c.area, channel: c.channel, a: c.a, b: c.b, p, is_image: i >= split })
+        };
+        let mut found: Vec<Finding> = self.levels.iter().flatten().zip(&self.p).enumerate().filter_map(finding).collect();
+        found.sort_by(|a, b| a.p.total_cmp(&b.p).then(b.is_image.cmp(&a.is_image)));
+        found
     }
 
     /// How many tests come before those of the whole image.
@@ -123,10 +225,15 @@ impl Tested {
         let decided = areas(all[..split].iter().filter(|c| c.detectable(each[0]).is_finite()).map(|c| c.area));
         let tiles = areas(all[..split].iter().map(|c| c.area));
         let smallest = self.smallest_decided(each[0]);
+        let outcome = match self.in_doubt {
+            _ if self.p.iter().any(|&p| p < level) => Outcome::Differ,
+            0 => Outcome::Agree,
+            _ => Outcome::CannotTell,
+        };
         Pair {
             a,
             b,
-            differs: self.p.iter().any(|&p| p < level),
+            outcome,
             image: self.worst(split..all.len(), &all, each[1]).unwrap_or_else(|| worst_of(all[split], 0.0, 1.0, each[1])),
             tile: self.worst(0..split, &all, each[0]),
             tiles_different: different,
@@ -144,7 +251,7 @@ impl Tested {
             let mut found: Vec<f64> = level.iter().filter(|c| c.mean() > 0.0).map(|c| c.detectable(each)).collect();
             found.sort_by(f64::total_cmp);
             let median = *found.get(found.len() / 2)?;
-            (median <= 1.0).then_some((median, super::tiles::SIDE << i))
+            (median <= 1.0).then_some((median, self.sides[i]))
         };
         self.levels[..self.levels.len() - 1].iter().enumerate().find_map(of)
     }
@@ -154,6 +261,21 @@ impl Tested {
         let worse = |&i: &usize, &j: &usize| self.p[j].total_cmp(&self.p[i]).then(self.t[i].abs().total_cmp(&self.t[j].abs()));
         let worst = range.max_by(worse)?;
         Some(worst_of(all[worst], self.t[worst], self.p[worst], each))
+    }
+}
+
+impl Judgement {
+    /// What all pairs come to: a difference if one has it.
+    pub fn outcome(&self) -> Outcome {
+        let has = |outcome| self.pairs.iter().any(|pair| pair.outcome == outcome);
+        [Outcome::Differ, Outcome::CannotTell].into_iter().find(|&outcome| has(outcome)).unwrap_or(Outcome::Agree)
+    }
+}
+
+impl Pair {
+    /// Whether the means differ.
+    pub fn differs(&self) -> bool {
+        self.outcome == Outcome::Differ
     }
 }
 

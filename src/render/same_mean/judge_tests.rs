@@ -1,4 +1,6 @@
 use super::*;
+use crate::film::Independent;
+use crate::render::same_mean::sum::Replicates;
 use crate::stats::test_random::Random;
 
 /// How a picture's samples are spread: all have the mean 1.
@@ -17,9 +19,13 @@ fn picture(seed: u64, noise: Noise) -> Pyramid {
 }
 
 fn sized(side: u32, seed: u64, noise: Noise) -> Pyramid {
+    sized_of(side, seed, noise, Independent::Pixels)
+}
+
+fn sized_of(side: u32, seed: u64, noise: Noise, independent: Independent) -> Pyramid {
     let random = std::cell::RefCell::new(Random::new(seed));
     let crop = Crop { x0: 0, y0: 0, x1: side, y1: side };
-    Pyramid::new(crop, |pixel, _, means| {
+    Pyramid::new(crop, independent, Replicates::of(&[1; REPLICATES]).unwrap(), |pixel, _, means| {
         let mut random = random.borrow_mut();
         means.clear();
         let left = pixel as u32 % side < side / 2;
@@ -35,7 +41,13 @@ fn sized(side: u32, seed: u64, noise: Noise) -> Pyramid {
 }
 
 fn differs(a: &Pyramid, b: &Pyramid, level: f64) -> bool {
-    judge(&[a.clone(), b.clone()], &[0, 1], level).pairs[0].differs
+    judged(&[a, b], &[0, 1], level).pairs[0].differs()
+}
+
+fn judged(pyramids: &[&Pyramid], methods: &[u8], level: f64) -> Judgement {
+    let both = pyramids.iter().zip(methods);
+    let pictures: Vec<_> = both.map(|(&pyramid, &method)| Picture { pyramid, method, is_trusted: true }).collect();
+    judge(&pictures, level)
 }
 
 /// How many of `runs` pairs of right pictures are said to differ at level 0.05.
@@ -68,7 +80,7 @@ fn right_candidates_are_acquitted_at_the_level_whatever_their_noise() {
 #[test]
 fn a_wrong_candidate_is_convicted_and_the_detectable_difference_says_when() {
     let (a, b) = (picture(1, Noise::Smooth), picture(2, Noise::Smooth));
-    let judgement = judge(&[a.clone(), b.clone()], &[0, 1], 1e-3);
+    let judgement = judged(&[&a, &b], &[0, 1], 1e-3);
     let detectable = judgement.pairs[0].detectable.unwrap();
     assert!((0.02..0.06).contains(&detectable), "{detectable}");
     let trials = 40;
@@ -88,9 +100,9 @@ fn a_local_difference_is_found_in_its_tile() {
     let (a, mut b) = (picture(5, Noise::Smooth), picture(6, Noise::Smooth));
     let wrong = picture(7, Noise::Smooth).times(1.6);
     b.levels[0].tiles[6] = wrong.levels[0].tiles[6].clone();
-    let judgement = judge(&[a, b], &[0, 1], 1e-3);
+    let judgement = judged(&[&a, &b], &[0, 1], 1e-3);
     let tile = judgement.pairs[0].tile.unwrap();
-    assert!(judgement.pairs[0].differs && tile.p_value < 1e-3);
+    assert!(judgement.pairs[0].differs() && tile.p_value < 1e-3);
     assert_eq!(tile.area, Crop { x0: 16, y0: 8, x1: 24, y1: 16 });
     assert!(tile.interval[1] < 0.0 && tile.interval[0] < tile.relative && tile.relative < tile.interval[1]);
 }
@@ -98,7 +110,70 @@ fn a_local_difference_is_found_in_its_tile() {
 #[test]
 fn a_black_picture_convicts_within_a_method_and_is_bad_luck_between_methods() {
     let (a, black) = (picture(8, Noise::Smooth), picture(9, Noise::Smooth).times(0.0));
-    let differs = |methods: [u8; 2]| judge(&[a.clone(), black.clone()], &methods, 1e-3).pairs[0].differs;
+    let differs = |methods: [u8; 2]| judged(&[&a, &black], &methods, 1e-3).pairs[0].differs();
     assert!(differs([1, 1]));
     assert!(!differs([1, 2]));
+}
+
+/// A picture that is the same in every replicate.
+fn exact(value: f64) -> Pyramid {
+    let crop = Crop { x0: 0, y0: 0, x1: 16, y1: 16 };
+    Pyramid::new(crop, Independent::Pixels, Replicates::of(&[1; REPLICATES]).unwrap(), |_, _, means| {
+        means.clear();
+        means.resize(REPLICATES, value);
+    })
+}
+
+/// Without noise there is no bad luck: a mirror that shows .8 and one that is black are two pictures.
+#[test]
+fn exact_pictures_differ_if_their_means_do() {
+    let differs =
+        |a: f64, b: f64| [[1, 1], [1, 2]].map(|methods| judged(&[&exact(a), &exact(b)], &methods, 1e-9).pairs[0].differs());
+    assert_eq!(differs(0.8, 0.0), [true; 2]);
+    assert_eq!(differs(0.0, 0.8), [true; 2]);
+    assert_eq!(differs(0.399, 1.0), [true; 2]);
+    assert_eq!(differs(0.8, 0.8), [false; 2]);
+    assert_eq!(differs(0.0, 0.0), [false; 2]);
+    // Rounding of f32.
+    assert_eq!(differs(0.8, 0.8 * (1.0 + 1e-6)), [false; 2]);
+}
+
+/// The darker picture may owe its darkness to a tail that it has hardly met; the brighter one has no such excuse.
+#[test]
+fn a_picture_that_is_not_to_be_trusted_is_convicted_of_too_much_light_only() {
+    let (plain, bright) = (picture(20, Noise::Smooth), picture(21, Noise::Smooth).times(1.3));
+    let outcome = |trusted: [bool; 2]| {
+        let [plain, bright] =
+            [(&plain, trusted[0]), (&bright, trusted[1])].map(|(pyramid, is_trusted)| Picture { pyramid, method: 0, is_trusted });
+        judge(&[plain, bright], 1e-3)
+    };
+    assert_eq!(outcome([true, true]).outcome(), Outcome::Differ);
+    assert_eq!(outcome([true, false]).outcome(), Outcome::Differ);
+    let untold = outcome([false, true]);
+    assert_eq!((untold.outcome(), untold.pairs[0].tiles_different), (Outcome::CannotTell, 0));
+    assert_eq!(outcome([false, false]).outcome(), Outcome::CannotTell);
+}
+
+/// Every pixel of a replicate rises and falls as one, as if one chain had them all. At level .05 of 200 pairs no more than
+/// 10 + 3.1 √9.5 are convicted but for a chance of 1e-3; taken as independent nearly all are.
+#[test]
+fn what_all_pixels_share_convicts_nobody() {
+    let tied = |seed: u64, independent| {
+        let mut random = Random::new(seed);
+        let scales: Vec<f64> = (0..16).map(|_| (0..8).map(|_| random.exponential()).sum::<f64>() / 8.0).collect();
+        let crop = Crop { x0: 0, y0: 0, x1: 16, y1: 16 };
+        Pyramid::new(crop, independent, Replicates::of(&[1; 16]).unwrap(), |pixel, _, means| {
+            means.clear();
+            means.extend(scales.iter().enumerate().map(|(r, s)| s * (1.0 + 0.1 * ((pixel * 7 + r * 5) % 11) as f64)));
+        })
+    };
+    let alarms = |independent| {
+        let alarm = |&i: &u64| differs(&tied(2 * i + 1000, independent), &tied(2 * i + 1001, independent), 0.05);
+        (0..200).filter(alarm).count()
+    };
+    for independent in [Independent::Replicates, Independent::Blocks] {
+        let found = alarms(independent);
+        assert!(found <= 19, "{independent:?}: {found} of 200");
+    }
+    assert!(alarms(Independent::Pixels) > 100);
 }

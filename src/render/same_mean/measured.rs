@@ -4,9 +4,10 @@
 //! three places, whichever says most: the tile itself, the 5×5 tiles around it, and all tiles of that size that are at least a
 //! tenth as bright as the picture; the latter two relative to the brightness, which under the hypothesis is that of either candidate.
 
-use super::tiles::{CHANNELS, Level, Pyramid};
+use super::tiles::{CHANNELS, Pyramid};
+use crate::defects::{Defect, planted};
 use crate::film::Crop;
-use crate::stats::{Estimate, Skewness, detectable_difference, skewed_welch_test};
+use crate::stats::{Estimate, Skewness, TestResult, detectable_difference, skewed_welch_test};
 
 /// Differences up to this share of the brighter mean are rounding: some hundred roundings of f32 (2⁻²⁴ each) all in one
 /// direction, as two backends may make them.
@@ -36,11 +37,12 @@ pub(super) enum Kin {
 }
 
 impl Comparison {
-    /// t, corrected for skewness, and its two-sided p-value.
-    pub(super) fn test(&self) -> [f64; 2] {
+    /// t, corrected for skewness, and its two-sided p-value. Two means without errors are not noisy: they are the same, or they are not.
+    pub(super) fn test(&self) -> TestResult {
         let slack = ROUNDING * self.a.value.abs().max(self.b.value.abs());
-        let test = skewed_welch_test(&self.a, &self.b, self.skewness, slack);
-        [test.statistic, test.p_value]
+        let is_exact = is_certain(&self.a) && is_certain(&self.b) && !planted(Defect::ExactIsNoise);
+        let skewness = if is_exact { Skewness::default() } else { self.skewness };
+        skewed_welch_test(&self.a, &self.b, skewness, slack)
     }
 
     /// The relative difference that would have been found at `level`; infinite where none can be.
@@ -56,30 +58,33 @@ impl Comparison {
     }
 }
 
-/// The comparisons of all levels, each level apart: the smallest tiles first, the image last.
+/// Whether all samples behind a mean are the same but for rounding, that of the film's sums included.
+fn is_certain(mean: &Estimate) -> bool {
+    mean.standard_error <= ROUNDING * mean.value.abs()
+}
+
+/// The comparisons of all levels that both have samples for, each level apart: the smallest tiles first, the image last.
 pub(super) fn compare(a: &Pyramid, b: &Pyramid, kin: Kin) -> Vec<Vec<Comparison>> {
-    let blind = [a, b].map(|p| (0..CHANNELS).map(|c| saw_nothing(p, c)).collect::<Vec<_>>());
-    let of = |(a, b): (&Level, &Level)| {
-        let channels = (0..CHANNELS).flat_map(|c| {
-            let lucky = |which: usize| kin == Kin::OtherMethod && blind[which][c] && !blind[1 - which][c];
-            channel(a, b, c, [lucky(0), lucky(1)])
-        });
-        channels.collect()
+    let lucky = |channel: usize| {
+        let [black_a, black_b] = [a, b].map(|p| saw_nothing(p, channel));
+        let is_between = kin == Kin::OtherMethod;
+        [is_between && black_a && !black_b, is_between && black_b && !black_a]
     };
-    a.levels.iter().zip(&b.levels).map(of).collect()
+    let level = |i: usize| (0..CHANNELS).flat_map(|c| channel([a, b], i, c, lucky(c))).collect();
+    (a.first.max(b.first)..a.levels.len().min(b.levels.len())).map(level).collect()
 }
 
 /// Whether all of a channel is black and certain.
 fn saw_nothing(picture: &Pyramid, channel: usize) -> bool {
-    let estimate = picture.image().estimate(channel);
+    let estimate = picture.image_mean(channel);
     estimate.value <= 0.0 && estimate.standard_error <= 0.0
 }
 
 /// All tiles of one level in one channel; a side that is `unlucky` may be missing anything.
-fn channel(a: &Level, b: &Level, channel: usize, unlucky: [bool; 2]) -> Vec<Comparison> {
-    let estimates = [a, b].map(|level| level.tiles.iter().map(|t| t.estimate(channel)).collect::<Vec<_>>());
+fn channel(pictures: [&Pyramid; 2], level: usize, channel: usize, unlucky: [bool; 2]) -> Vec<Comparison> {
+    let estimates = pictures.map(|p| p.levels[level].tiles.iter().map(|t| p.estimate(t, channel)).collect::<Vec<_>>());
     let darker: Vec<f64> = estimates[0].iter().zip(&estimates[1]).map(|(a, b)| a.value.min(b.value).max(0.0)).collect();
-    let thirds = [a, b].map(|level| thirds(level, channel, &darker));
+    let thirds = pictures.map(|p| thirds(p, level, channel, &darker));
     let comparison = |i: usize| {
         let (x, y) = (estimates[0][i], estimates[1][i]);
         let brighter = x.value.max(y.value).max(0.0).powi(3);
@@ -89,9 +94,10 @@ fn channel(a: &Level, b: &Level, channel: usize, unlucky: [bool; 2]) -> Vec<Comp
             third if third > 0.0 => third / deviation,
             _ => 0.0,
         };
-        Comparison { area: a.tiles[i].area, channel, a: x, b: y, skewness: Skewness { of_a: lambda(0), of_b: lambda(1) } }
+        let skewness = Skewness { of_a: lambda(0), of_b: lambda(1) };
+        Comparison { area: pictures[0].levels[level].tiles[i].area, channel, a: x, b: y, skewness }
     };
-    (0..a.tiles.len()).map(comparison).collect()
+    (0..darker.len()).map(comparison).collect()
 }
 
 /// The third cumulant of a tile's mean.
@@ -107,8 +113,9 @@ impl Third {
     }
 }
 
-fn thirds(level: &Level, channel: usize, darker: &[f64]) -> Vec<Third> {
-    let own: Vec<f64> = level.tiles.iter().map(|t| t.third(channel)).collect();
+fn thirds(picture: &Pyramid, level: usize, channel: usize, darker: &[f64]) -> Vec<Third> {
+    let level = &picture.levels[level];
+    let own: Vec<f64> = level.tiles.iter().map(|t| picture.third(t, channel)).collect();
     let cubes: Vec<f64> = darker.iter().map(|m| m.powi(3)).collect();
     let mean = darker.iter().sum::<f64>() / darker.len() as f64;
     let bright: Vec<usize> = (0..own.len()).filter(|&i| darker[i] > 0.0 && darker[i] >= DARK * mean).collect();

@@ -1,0 +1,244 @@
+//! The sum over the pixels of a tile in one channel, and how far it may be off.
+
+use crate::defects::{Defect, planted};
+use crate::film::Independent;
+use crate::stats::Estimate;
+
+/// The replicates behind a picture: each by its share of the passes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Replicates(Vec<f64>);
+
+impl Replicates {
+    /// Replicates of that many passes each; `None` if one is empty or there are fewer than [`super::LEAST_REPLICATES`].
+    pub(super) fn of(passes: &[u64]) -> Option<Self> {
+        let is_usable = passes.len() >= super::LEAST_REPLICATES && passes.iter().all(|&n| n > 0);
+        let total: f64 = passes.iter().map(|&n| n as f64).sum();
+        is_usable.then(|| Replicates(passes.iter().map(|&n| n as f64 / total).collect()))
+    }
+
+    /// Replicates of these shares of the passes, as a file says.
+    pub(super) fn of_shares(shares: &[f32]) -> Option<Self> {
+        let total: f64 = shares.iter().map(|&share| f64::from(share)).sum();
+        let is_usable = shares.len() >= super::LEAST_REPLICATES && shares.iter().all(|&s| s > 0.0 && s.is_finite());
+        is_usable.then(|| Replicates(shares.iter().map(|&share| f64::from(share) / total).collect()))
+    }
+
+    /// Their shares of the passes.
+    pub(super) fn shares(&self) -> &[f64] {
+        &self.0
+    }
+
+    /// How many.
+    pub(super) fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Degrees of freedom of a variance between them.
+    pub(super) fn dof(&self) -> f64 {
+        self.0.len() as f64 - 1.0
+    }
+
+    /// The mean of all passes, from the means of the replicates.
+    pub(super) fn mean(&self, means: &[f64]) -> f64 {
+        means.iter().zip(&self.0).map(|(mean, share)| mean * share).sum()
+    }
+
+    /// The variance of that mean, without bias where a replicate's goes as one over its passes.
+    pub(super) fn variance(&self, means: &[f64]) -> f64 {
+        let mean = self.mean(means);
+        means.iter().zip(&self.0).map(|(m, share)| share * (m - mean) * (m - mean)).sum::<f64>() / self.dof()
+    }
+
+    /// The third cumulant of that mean: Fisher's k₃ over R² where all shares are equal, to first order where they are not.
+    pub(super) fn third(&self, means: &[f64]) -> f64 {
+        let (mean, n) = (self.mean(means), self.0.len() as f64);
+        let cubes: f64 = means.iter().zip(&self.0).map(|(m, share)| share * share * (m - mean).powi(3)).sum();
+        cubes * n / ((n - 1.0) * (n - 2.0))
+    }
+}
+
+/// Sums over parts of a tile whose errors are independent: value, variance, its square, third cumulant.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Parts {
+    pub(super) value: f64,
+    pub(super) variance: f64,
+    pub(super) squares: f64,
+    pub(super) third: f64,
+}
+
+impl Parts {
+    /// One part.
+    pub(super) fn one(value: f64, variance: f64, third: f64) -> Self {
+        Parts { value, variance, squares: variance * variance, third }
+    }
+
+    pub(super) fn add(&mut self, other: &Parts) {
+        self.value += other.value;
+        self.variance += other.variance;
+        self.squares += other.squares;
+        self.third += other.third;
+    }
+}
+
+/// A sum over pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Sum {
+    /// Of pixels that have samples of their own: their errors add up.
+    OfPixels(Parts),
+    /// Of pixels that share light walks: by replicate, and by smallest tile for the skewness, since a walk lights few of them.
+    OfSplats {
+        /// Sums of the means of each replicate.
+        by_replicate: Vec<f64>,
+        /// Over the smallest tiles.
+        tiles: Parts,
+    },
+    /// Of pixels that share chains: by replicate alone.
+    OfChains(Vec<f64>),
+}
+
+impl Sum {
+    /// Nothing yet, of pixels of which that is `independent`.
+    pub(super) fn new(independent: Independent, replicates: &Replicates) -> Self {
+        let by_replicate = vec![0.0; replicates.count()];
+        match independent {
+            Independent::Pixels => Sum::OfPixels(Parts::default()),
+            _ if planted(Defect::ComparesPixels) => Sum::OfPixels(Parts::default()),
+            Independent::Blocks => Sum::OfSplats { by_replicate, tiles: Parts::default() },
+            Independent::Replicates => Sum::OfChains(by_replicate),
+        }
+    }
+
+    /// Adds a pixel by the means of its replicates.
+    pub(super) fn add_pixel(&mut self, means: &[f64], replicates: &Replicates) {
+        match self {
+            Sum::OfPixels(parts) => parts.add(&part(means, replicates)),
+            Sum::OfSplats { by_replicate: sums, .. } | Sum::OfChains(sums) => add(sums, means),
+        }
+    }
+
+    /// What a smallest tile is when all its pixels are added.
+    pub(super) fn finish(&mut self, replicates: &Replicates) {
+        if let Sum::OfSplats { by_replicate, tiles } = self {
+            *tiles = part(by_replicate, replicates);
+        }
+    }
+
+    /// Adds another tile of the same picture.
+    pub(super) fn merge(&mut self, other: &Sum) {
+        match (self, other) {
+            (Sum::OfPixels(a), Sum::OfPixels(b)) => a.add(b),
+            (Sum::OfSplats { by_replicate: a, tiles }, Sum::OfSplats { by_replicate: b, tiles: more }) => {
+                add(a, b);
+                tiles.add(more);
+            }
+            (Sum::OfChains(a), Sum::OfChains(b)) => add(a, b),
+            (a, b) => debug_assert!(false, "{a:?} and {b:?} in one picture"),
+        }
+    }
+
+    /// The mean over `pixels` pixels.
+    pub(super) fn estimate(&self, pixels: f64, replicates: &Replicates) -> Estimate {
+        let own = replicates.dof();
+        let of = |value: f64, variance: f64, dof: f64| Estimate {
+            value: value / pixels,
+            standard_error: variance.sqrt() / pixels,
+            dof,
+        };
+        match self {
+            // Satterthwaite's: a tile whose error is that of one firefly has those of one pixel.
+            Sum::OfPixels(parts) if parts.squares > 0.0 => {
+                of(parts.value, parts.variance, own * parts.variance * parts.variance / parts.squares)
+            }
+            Sum::OfPixels(parts) => of(parts.value, parts.variance, own),
+            Sum::OfSplats { by_replicate, .. } | Sum::OfChains(by_replicate) => {
+                of(replicates.mean(by_replicate), replicates.variance(by_replicate), own)
+            }
+        }
+    }
+
+    /// The third cumulant of that mean.
+    pub(super) fn third(&self, pixels: f64, replicates: &Replicates) -> f64 {
+        let third = match self {
+            Sum::OfPixels(parts) => parts.third,
+            Sum::OfSplats { by_replicate, tiles } => {
+                // Few replicates say little of a third cumulant, and smallest tiles together much. Where k tiles get the same light of
+                // a walk the variance of their sum is k times the sum of theirs, and its third cumulant k² times.
+                let ties = if tiles.variance > 0.0 { replicates.variance(by_replicate) / tiles.variance } else { 1.0 };
+                tiles.third * ties.max(1.0).powi(2)
+            }
+            Sum::OfChains(by_replicate) => replicates.third(by_replicate),
+        };
+        third / pixels.powi(3)
+    }
+
+    /// The same with every mean times `factor`: what a wrong renderer would show.
+    #[cfg(test)]
+    pub(super) fn scale(&mut self, factor: f64) {
+        let scale = |parts: &mut Parts| {
+            parts.value *= factor;
+            parts.variance *= factor * factor;
+            parts.squares *= factor.powi(4);
+            parts.third *= factor.powi(3);
+        };
+        match self {
+            Sum::OfPixels(parts) => scale(parts),
+            Sum::OfSplats { by_replicate, tiles } => {
+                by_replicate.iter_mut().for_each(|s| *s *= factor);
+                scale(tiles);
+            }
+            Sum::OfChains(by_replicate) => by_replicate.iter_mut().for_each(|s| *s *= factor),
+        }
+    }
+}
+
+fn part(means: &[f64], replicates: &Replicates) -> Parts {
+    Parts::one(replicates.mean(means), replicates.variance(means), replicates.third(means))
+}
+
+fn add(sums: &mut [f64], more: &[f64]) {
+    sums.iter_mut().zip(more).for_each(|(sum, m)| *sum += m);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::{Moments, third_cumulant_of_mean};
+
+    /// Some operations on values of about 1.
+    const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+    #[test]
+    fn replicates_of_equal_length_give_the_usual_moments() {
+        let (values, replicates) = ([0.25, 1.0, 2.0, 0.5], Replicates::of(&[3; 4]).unwrap());
+        let usual = values.iter().copied().collect::<Moments>().estimate().unwrap();
+        assert!((replicates.mean(&values) - usual.value).abs() < ROUNDING);
+        assert!((replicates.variance(&values).sqrt() - usual.standard_error).abs() < ROUNDING);
+        assert!((replicates.third(&values) - third_cumulant_of_mean(&values, usual.value)).abs() < ROUNDING);
+        assert_eq!(Replicates::of(&[4, 4]), None);
+        assert_eq!(Replicates::of(&[4, 0, 4, 4]), None);
+    }
+
+    /// Two pixels that always have the same value: their sum's standard error is twice one's if they share chains, √2 times if they
+    /// were independent.
+    #[test]
+    fn what_pixels_share_decides_the_error() {
+        let (means, replicates) = ([1.0, 3.0, 2.0, 2.0], Replicates::of(&[1; 4]).unwrap());
+        let of = |independent| {
+            let mut sum = Sum::new(independent, &replicates);
+            sum.add_pixel(&means, &replicates);
+            sum.add_pixel(&means, &replicates);
+            sum.finish(&replicates);
+            sum.estimate(2.0, &replicates)
+        };
+        let one = replicates.variance(&means).sqrt();
+        for (independent, error, dof) in [
+            (Independent::Pixels, one / 2.0_f64.sqrt(), 6.0),
+            (Independent::Blocks, one, 3.0),
+            (Independent::Replicates, one, 3.0),
+        ] {
+            let estimate = of(independent);
+            assert!((estimate.value - 2.0).abs() < ROUNDING && (estimate.dof - dof).abs() < ROUNDING, "{estimate:?}");
+            assert!((estimate.standard_error - error).abs() < ROUNDING, "{independent:?}: {estimate:?}");
+        }
+    }
+}

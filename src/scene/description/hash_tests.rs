@@ -1,0 +1,100 @@
+//! Every field of a description is one that pictures depend on, or is named here as one that they do not.
+
+use super::*;
+use crate::texture::Texels;
+
+fn texture() -> Texture {
+    Texture {
+        image: Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[1; 4], [2; 4]].into()))),
+        encoding: Encoding::Linear,
+        wrap: [Wrap::Repeat; 2],
+        filter: Filter::Linear,
+        uv_set: 0,
+        transform: Affine2::IDENTITY,
+    }
+}
+
+fn description() -> Description {
+    let primitive = Primitive { positions: vec![glam::Vec3::ZERO; 3], triangles: vec![[0, 1, 2]], ..Primitive::default() };
+    Description {
+        meshes: vec![Mesh { name: "mesh".into(), primitives: vec![primitive] }],
+        instances: vec![Instance { name: "node".into(), mesh: 0, transform: DAffine3::IDENTITY }],
+        materials: vec![Material { base_color_texture: Some(texture()), ..Material::default() }],
+        lights: vec![PunctualLight {
+            name: "lamp".into(),
+            kind: PunctualKind::Spot { inner: 0.1, outer: 0.2 },
+            intensity: Spectrum::ONE,
+            transform: DAffine3::IDENTITY,
+        }],
+        cameras: vec![Camera {
+            name: "camera".into(),
+            projection: Projection::Perspective { yfov: 1.0, aspect: None },
+            transform: DAffine3::IDENTITY,
+        }],
+        ..Description::default()
+    }
+}
+
+type Change = fn(&mut Description);
+
+/// Whether `change` changes the hash.
+fn changes(change: Change) -> bool {
+    let mut changed = description();
+    change(&mut changed);
+    of(&changed) != of(&description())
+}
+
+#[test]
+fn whatever_a_picture_depends_on_changes_the_hash() {
+    let changed: &[(&str, Change)] = &[
+        ("positions", |d| d.meshes[0].primitives[0].positions[1].x = 1.0),
+        ("triangles", |d| d.meshes[0].primitives[0].triangles[0] = [0, 2, 1]),
+        ("normals", |d| d.meshes[0].primitives[0].normals = Some(vec![glam::Vec3::Z; 3])),
+        ("no normals", |d| d.meshes[0].primitives[0].normals = Some(vec![])),
+        ("second coordinates", |d| d.meshes[0].primitives[0].uvs[1] = Some(vec![glam::Vec2::ONE; 3])),
+        ("colours", |d| d.meshes[0].primitives[0].colors = Some(vec![glam::Vec4::ONE; 3])),
+        ("material", |d| d.meshes[0].primitives[0].material = 1),
+        ("parts of meshes", |d| d.meshes.insert(0, Mesh { name: "mesh".into(), primitives: vec![] })),
+        ("place", |d| d.instances[0].transform.translation.x = 1e-9),
+        ("roughness", |d| d.materials[0].roughness = 0.5),
+        ("unlit", |d| d.materials[0].unlit = true),
+        ("double sided", |d| d.materials[0].double_sided = true),
+        ("alpha mode", |d| d.materials[0].alpha_mode = AlphaMode::Mask { cutoff: 0.0 }),
+        ("volume", |d| {
+            d.materials[0].volume = Some(Volume { attenuation_distance: 1.0, attenuation_color: Spectrum::ONE });
+        }),
+        ("which texture", |d| d.materials[0].emission_texture = d.materials[0].base_color_texture.take()),
+        ("texel", |d| {
+            let image = Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[1; 4], [3; 4]].into())));
+            d.materials[0].base_color_texture = Some(Texture { image, ..texture() });
+        }),
+        ("shape of an image", |d| {
+            let image = Arc::new(Image::new(1, 2, Texels::Rgba8(vec![[1; 4], [2; 4]].into())));
+            d.materials[0].base_color_texture = Some(Texture { image, ..texture() });
+        }),
+        ("wrap", |d| d.materials[0].base_color_texture = Some(Texture { wrap: [Wrap::Repeat, Wrap::Clamp], ..texture() })),
+        ("intensity", |d| d.lights[0].intensity = Spectrum::ZERO),
+        ("cone", |d| d.lights[0].kind = PunctualKind::Spot { inner: 0.1, outer: 0.3 }),
+        ("projection", |d| d.cameras[0].projection = Projection::Orthographic { xmag: 1.0, ymag: 1.0 }),
+        ("a camera's name", |d| d.cameras[0].name = "other".into()),
+        ("environment", |d| d.environment = Some(Environment::Uniform(Spectrum::ZERO))),
+    ];
+    for (what, change) in changed {
+        assert!(changes(*change), "{what}");
+    }
+}
+
+#[test]
+fn names_and_notes_do_not() {
+    let kept: &[(&str, Change)] = &[
+        ("a material's name", |d| d.materials[0].name = "other".into()),
+        ("a mesh's name", |d| d.meshes[0].name = "other".into()),
+        ("a node's name", |d| d.instances[0].name = "other".into()),
+        ("a lamp's name", |d| d.lights[0].name = "other".into()),
+        ("warnings", |d| d.warnings.push("doubtful".into())),
+        ("another copy of an image", |d| d.materials[0].base_color_texture = Some(texture())),
+    ];
+    for (what, change) in kept {
+        assert!(!changes(*change), "{what}");
+    }
+}
