@@ -110,6 +110,12 @@ impl Light {
         }
     }
 
+    /// Whether it is seen and lights nothing.
+    #[inline]
+    pub fn is_only_seen(&self) -> bool {
+        matches!(self, Light::Area(light) if light.is_only_seen())
+    }
+
     /// Whether a scattered ray can never find it.
     pub fn is_dirac(&self) -> bool {
         matches!(self, Light::Point(_) | Light::Spot(_) | Light::Directional(_))

@@ -15,6 +15,7 @@ pub(in crate::scene) fn of(description: &Description) -> String {
     text(format!("{:?}", description.instances));
     text(format!("{:?}", description.lights));
     text(format!("{:?} {:?}", description.cameras, description.environment));
+    text(format!("{} {}", description.has_punctual_lights, description.has_emission));
     for primitive in description.meshes.iter().flat_map(|m| &m.primitives) {
         geometry(&mut hasher, primitive);
     }
