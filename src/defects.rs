@@ -169,6 +169,12 @@ defects! {
     PointLightLinear "point-light-linear"
         "A point light falls off with the distance and not with its square."
         "lights of raster engines";
+    UnlitIsLamp "unlit-is-lamp"
+        "Unlit surfaces light what is around them."
+        "this renderer before issue 8";
+    UnlitWithoutVertexColours "unlit-without-vertex-colours"
+        "Unlit surfaces show no vertex colours."
+        "this renderer before issue 8";
     SpotEdgeLinear "spot-edge-linear"
         "A spot's edge is a ramp and not the ramp's square."
         "KHR_lights_punctual read in haste";
@@ -336,6 +342,12 @@ defects! {
     UvRotatesFirst "uv-rotates-first"
         "Texture coordinates are rotated before they are scaled, which shears the image where the scale is uneven."
         "review: KHR_texture_transform, its matrices in the other order";
+    TangentsUntransformed "tangents-untransformed"
+        "Tangents made for a normal map are those of coordinates that the map's transform was not applied to."
+        "this renderer before issue 8; glTF-Sample-Assets issue 156";
+    CameraKeepsScale "camera-keeps-scale"
+        "The scale of a camera's node turns and shears its axes."
+        "this renderer before issue 8; glTF 2.0, 3.10.2";
     MapSeam "map-seam"
         "The last column of an environment map blends with itself and not with the first, in sampling and lookup alike."
         "review: a border that is clamped and not wrapped";

@@ -266,7 +266,7 @@ impl<'a> Bidirectional<'a> {
         let Some((index, light)) = self.scene.light_at(&z.point) else { return };
         let Light::Area(area) = light else { return };
         let radiance = area.radiance(z.point.barycentric, z.known);
-        if radiance.is_black() || !self.wants(0, t) {
+        if radiance.is_black() || !self.wants(0, t) || !path.walk.sees(area) {
             return;
         }
         let density = light.emission_density(self.scene.ball(), z.known);

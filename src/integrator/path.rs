@@ -118,8 +118,8 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let Some((index, Light::Area(light))) = self.scene.light_at(point) else { return Spectrum::ZERO };
         let wi = walk.ray.direction;
         let radiance = light.radiance(point.barycentric, -wi);
-        if radiance.is_black() {
-            return radiance;
+        if radiance.is_black() || !walk.sees(light) {
+            return Spectrum::ZERO;
         }
         let pdf = |from: &Receiver| {
             if planted(Defect::HitPdfOverArea) {

@@ -17,8 +17,13 @@ pub struct Emission {
     pub radiance: Spectrum,
     /// A texture and its coordinates at the corners.
     pub texture: Option<Box<(Arc<Texture>, [Vec2; 3])>>,
+    /// Factors at the corners, if they differ.
+    pub corners: Option<Box<[Spectrum; 3]>>,
     /// Whether the back emits as the front does.
     pub two_sided: bool,
+    /// Whether it is seen and lights nothing (KHR_materials_unlit): it is never sampled, and found only from the camera, directly and by
+    /// mirrors and clear glass.
+    pub only_seen: bool,
     /// Where alpha leaves something to emit, if not everywhere.
     pub coverage: Option<Box<Coverage>>,
 }
@@ -65,7 +70,8 @@ fn mix<V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>>(cor
 
 impl Emission {
     /// No light at all.
-    pub const NONE: Emission = Emission { radiance: Spectrum::ZERO, texture: None, two_sided: false, coverage: None };
+    pub const NONE: Emission =
+        Emission { radiance: Spectrum::ZERO, texture: None, corners: None, two_sided: false, only_seen: false, coverage: None };
 
     /// Whether it sends out nothing anywhere on its triangle: the factor or all texels that it touches are black, or alpha leaves
     /// nothing.
@@ -81,10 +87,14 @@ impl Emission {
     /// Radiance at a point.
     #[inline]
     fn at(&self, barycentric: [f32; 2]) -> Spectrum {
-        let Some(textured) = &self.texture else { return self.radiance };
+        let mut radiance = self.radiance;
+        if let Some(corners) = &self.corners {
+            radiance = radiance * mix(corners, barycentric);
+        }
+        let Some(textured) = &self.texture else { return radiance };
         let (texture, uvs) = &**textured;
         let [red, green, blue, _] = texture.at(mix(uvs, barycentric));
-        self.radiance * Spectrum::from_rgb([red, green, blue])
+        radiance * Spectrum::from_rgb([red, green, blue])
     }
 }
 
@@ -179,8 +189,17 @@ impl AreaLight {
         f64::from(self.emission.radiance.mean())
     }
 
-    /// π times area times mean radiance, for each emitting side.
+    /// Whether it is seen and lights nothing: see [`Emission::only_seen`].
+    #[inline]
+    pub fn is_only_seen(&self) -> bool {
+        self.emission.only_seen
+    }
+
+    /// π times area times mean radiance, for each emitting side; 0 for what lights nothing, so that nobody samples it.
     pub fn power(&self) -> f64 {
+        if self.emission.only_seen && !planted(Defect::UnlitIsLamp) {
+            return 0.0;
+        }
         let sides = if self.emission.two_sided { 2.0 } else { 1.0 };
         sides * PI * self.triangle.area() * f64::from(self.mean_radiance.mean())
     }

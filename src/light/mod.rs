@@ -113,10 +113,16 @@ impl Light {
     /// The largest radiance (mean over the lanes) that a ray finds on it, by magnitude; `None` where none can find it.
     pub fn largest_radiance(&self) -> Option<f64> {
         match self {
-            Light::Area(light) => Some(light.largest_radiance()),
+            Light::Area(light) => (!light.is_only_seen()).then(|| light.largest_radiance()),
             Light::Environment(light) => Some(light.largest_radiance()),
             Light::Point(_) | Light::Spot(_) | Light::Directional(_) => None,
         }
+    }
+
+    /// Whether it is seen and lights nothing.
+    #[inline]
+    pub fn is_only_seen(&self) -> bool {
+        matches!(self, Light::Area(light) if light.is_only_seen())
     }
 
     /// Whether a scattered ray can never find it.

@@ -10,6 +10,7 @@ use crate::bsdf::shading::folds;
 use crate::bsdf::sides::{Sided, Sources};
 use crate::bsdf::{Bsdf, Lobes, Surface};
 use crate::camera::Camera;
+use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Local, SurfacePoint};
 use crate::light::{End, Light, Receiver};
 use crate::scene::Scene;
@@ -231,12 +232,19 @@ impl<'a> FullPath<'a> {
         let k = self.k();
         let factors: Vec<Factors> = (1..k).map(|i| self.factors(i)).collect();
         let seen = self.camera.seen(self.nodes[k - 2].point.p).map_or(0.0, |seen| f64::from(seen.magnification));
+        let radiance = if self.is_dark() { Spectrum::ZERO } else { self.emitter.radiance };
         // We G of the last edge: the film covers |cos| magnification per area.
-        let mut f = self.emitter.radiance.cast::<f64>() * (seen * self.cosines(k - 1)[1]);
+        let mut f = radiance.cast::<f64>() * (seen * self.cosines(k - 1)[1]);
         for (i, factors) in (1..k).zip(&factors) {
             f = f * factors.f * self.geometry(i - 1);
         }
         (f, self.steps_of(&factors, seen))
+    }
+
+    /// Whether it begins at what is seen and lights nothing, and scatters other than by Dirac components.
+    fn is_dark(&self) -> bool {
+        let light = &self.scene.lights().all()[self.emitter.index];
+        light.is_only_seen() && !planted(Defect::UnlitIsLamp) && !self.nodes.iter().all(Node::is_dirac)
     }
 
     /// G of edge `i` < k − 1, from xᵢ to xᵢ₊₁.

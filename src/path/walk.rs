@@ -7,7 +7,7 @@ use crate::accel::RayClass;
 use crate::bsdf::{ShadingSample, Surface};
 use crate::defects::{Defect, planted};
 use crate::geometry::{MediumId, Ray, SurfacePoint};
-use crate::light::Receiver;
+use crate::light::{AreaLight, Receiver};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
@@ -86,6 +86,8 @@ pub struct Walk<'a> {
     pub bounce: u32,
     /// Probability of having survived roulette so far: the throughput is over it.
     pub survival: f32,
+    /// Whether it came from its beginning by Dirac components alone.
+    pub straight: bool,
     /// What takes out of the throughput that which roulette must not see: the emitted power, or the square of the refractive index
     /// at the camera over the one here, since radiance is scaled by it and will be scaled back.
     scale: f32,
@@ -96,13 +98,35 @@ impl<'a> Walk<'a> {
     #[inline]
     pub fn new(scene: &'a Scene, ray: Ray) -> Self {
         let (beta, departure) = (Spectrum::ONE, Departure::Camera);
-        Walk { scene, toward: Transport::Light, ray, beta, departure, depth: 0, bounce: 0, survival: 1.0, scale: 1.0 }
+        Walk {
+            scene,
+            toward: Transport::Light,
+            ray,
+            beta,
+            departure,
+            depth: 0,
+            bounce: 0,
+            survival: 1.0,
+            straight: true,
+            scale: 1.0,
+        }
     }
 
     /// A walk along a ray of light that stands for `power`, which is not black.
     pub fn from_light(scene: &'a Scene, ray: Ray, power: Spectrum) -> Self {
         let (departure, scale) = (Departure::Light, power.max_lane().recip());
-        Walk { scene, toward: Transport::Camera, ray, beta: power, departure, depth: 0, bounce: 1, survival: 1.0, scale }
+        Walk {
+            scene,
+            toward: Transport::Camera,
+            ray,
+            beta: power,
+            departure,
+            depth: 0,
+            bounce: 1,
+            survival: 1.0,
+            straight: true,
+            scale,
+        }
     }
 
     /// Follows the current edge to the surface at its end; `None` where it leaves the scene. A blended surface is met with
@@ -180,6 +204,13 @@ impl<'a> Walk<'a> {
         self.scene.medium_toward(point, -self.ray.direction, self.ray.medium, w)
     }
 
+    /// Whether the walk sees what `light`, which it found on a surface, emits: what lights nothing is seen by those of the camera that
+    /// came by Dirac components alone.
+    #[inline]
+    pub fn sees(&self, light: &AreaLight) -> bool {
+        self.straight || !light.is_only_seen() || planted(Defect::UnlitIsLamp)
+    }
+
     /// The numbers for scattering by `surface`. Models with one lobe do not look at the one that chooses among several.
     #[inline]
     pub fn scattering_numbers(&self, surface: &Surface, sampler: &mut impl Sampler) -> [f32; 3] {
@@ -195,6 +226,7 @@ impl<'a> Walk<'a> {
         if self.toward == Transport::Light {
             self.scale *= scatter.eta * scatter.eta;
         }
+        self.straight &= scatter.density.is_delta();
         self.depth += 1;
         self.bounce += 1;
         let medium = self.medium_toward(point, scatter.direction);

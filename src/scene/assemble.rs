@@ -21,12 +21,18 @@ pub(super) fn assemble(
     description.instances.iter().for_each(|i| uses[i.mesh] += 1);
     let mut geometry = Geometry::default();
     let mut objects = Vec::new();
+    let mut flat = 0;
     let mut shared: HashMap<(usize, usize), u32> = HashMap::new();
     for (index, instance) in description.instances.iter().enumerate() {
         let to_scene = rebase.transform(&instance.transform);
         for (part, primitive) in description.meshes[instance.mesh].primitives.iter().enumerate() {
             let name = part_name(description, instance, part);
-            let (mesh, placement) = if uses[instance.mesh] == 1 {
+            let placement = (uses[instance.mesh] > 1).then(|| placement(&to_scene)).flatten();
+            let (mesh, placement) = if placement.is_none() {
+                flat += if uses[instance.mesh] > 1 { primitive.triangles.len() } else { 0 };
+                if flat > MOST_FLAT {
+                    return Err(Error::scene(format!("'{name}': {FLAT_COPIES} of more than {MOST_FLAT} triangles")));
+                }
                 (add(&mut geometry, bake(name, primitive, &to_scene)?), None)
             } else {
                 let key = (instance.mesh, part);
@@ -35,7 +41,7 @@ pub(super) fn assemble(
                     None => add(&mut geometry, keep(name.clone(), primitive)?),
                 };
                 shared.insert(key, mesh);
-                (mesh, Some(placement(&name, &to_scene)?))
+                (mesh, placement)
             };
             let material = &materials[primitive.material];
             let colors = primitive.colors.is_some();
@@ -59,18 +65,18 @@ fn add(geometry: &mut Geometry, mesh: TriangleMesh) -> u32 {
     (geometry.meshes.len() - 1) as u32
 }
 
-/// The instance's transform in f32.
-fn placement(name: &str, to_scene: &DAffine3) -> Result<Affine3A> {
+/// Triangles of copies that no transform places, since it cannot be inverted: each is a mesh of its own.
+const MOST_FLAT: usize = 1 << 22;
+const FLAT_COPIES: &str = "the scene has flat or tiny copies of one mesh, which cannot be instances,";
+
+/// The instance's transform in f32; `None` if that cannot be inverted.
+fn placement(to_scene: &DAffine3) -> Option<Affine3A> {
     let m = to_scene.matrix3;
     let placement = Affine3A::from_mat3_translation(
         Mat3::from_cols(m.x_axis.as_vec3(), m.y_axis.as_vec3(), m.z_axis.as_vec3()),
         to_scene.translation.as_vec3(),
     );
-    if is_placement(&placement) {
-        Ok(placement)
-    } else {
-        Err(Error::scene(format!("'{name}' is placed by a transform that cannot be inverted")))
-    }
+    is_placement(&placement).then_some(placement)
 }
 
 /// The primitive as the file stores it.
@@ -97,7 +103,9 @@ fn bake(name: String, primitive: &Primitive, to_scene: &DAffine3) -> Result<Tria
     let cofactors = normal_matrix(&to_scene.matrix3);
     let direction = |m: &DMat3, v: Vec3| (*m * v.as_dvec3()).normalize_or_zero().as_vec3();
     if let Some(normals) = &mut attributes.normals {
-        normals.iter_mut().for_each(|n| *n = direction(&cofactors, *n));
+        // Of a flattened mesh only normals along the flat direction are left; the others stand on triangles without area.
+        let any = |n: Vec3| if n == Vec3::ZERO { Vec3::Z } else { n };
+        normals.iter_mut().for_each(|n| *n = any(direction(&cofactors, *n)));
     }
     if let Some(tangents) = &mut attributes.tangents {
         let sign = if mirrored { -1.0 } else { 1.0 };

@@ -7,15 +7,12 @@ use super::material::{Material, settle};
 use super::rebase::Rebase;
 use super::usage::Usage;
 use super::view::Views;
-use super::{Absorption, Features, ObjectInfo, Scene, SceneInfo};
+use super::{Absorption, Features, ObjectInfo, Scene, SceneInfo, coincident, surroundings};
 use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::Lobes;
 use crate::error::{Error, Result};
 use crate::geometry::{Geometry, Hit, MediumId};
-use crate::light::{
-    AreaLight, Ball, DirectionalLight, Emission, Environment, LatLong, Light, Lights, PointLight, Sky, SpotLight,
-};
-use crate::spectrum::Spectrum;
+use crate::light::{AreaLight, Ball, DirectionalLight, Emission, Environment, Light, Lights, PointLight, SpotLight};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -39,6 +36,7 @@ impl Scene {
         let start = Instant::now();
         let hash = description::hash::of(&description);
         let extent = Extent::of(&description)?;
+        extent.check()?;
         let rebase = Rebase::new(extent.detail, extent.radius());
         let mut warnings = std::mem::take(&mut description.warnings);
         if description.cameras.is_empty() {
@@ -63,14 +61,10 @@ impl Scene {
         let (geometry, mut objects) = assemble(&description, &rebase, &materials)?;
         let mut lights = area_lights(&geometry, &mut objects, &materials);
         lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
-        let environment = description.environment.or_else(|| {
-            let dark = lights.iter().all(|l| l.power(1.0) <= 0.0);
-            if dark {
-                warnings.push("the file has no light: a uniform white environment of radiance 1 is added".to_owned());
-            }
-            dark.then_some(description::Environment::Uniform(Spectrum::ONE))
-        });
-        let environment = environment.and_then(surroundings);
+        warnings.extend(coincident::emitters(&description, &objects, &geometry, &lights));
+        let environment =
+            description.environment.take().or_else(|| surroundings::by_default(&description, &lights, &mut warnings));
+        let environment = environment.and_then(surroundings::light);
         let environment_bytes = environment.as_ref().map_or(0, Environment::bytes);
         lights.extend(environment.map(Light::Environment));
         let prepare_seconds = start.elapsed().as_secs_f64();
@@ -124,8 +118,7 @@ fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Mat
         let (winding, mean) = (geometry.winding(object), material.mean_emission_texture());
         lights.extend((0..geometry.mesh_of(object).triangles().len() as u32).map(|primitive| {
             let hit = Hit { object, primitive };
-            let alphas = geometry.corner_colors(hit).map(|colors| colors.map(|c| c.w));
-            let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), alphas);
+            let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), geometry.corner_colors(hit));
             Light::Area(AreaLight::new(geometry.triangle(hit), winding, emission.unwrap_or(Emission::NONE), mean))
         }));
     }
@@ -141,17 +134,6 @@ fn punctual(light: &description::PunctualLight, rebase: &Rebase) -> Light {
         PunctualKind::Point => Light::Point(point),
         PunctualKind::Spot { inner, outer } => Light::Spot(SpotLight::new(point, -backward, inner, outer)),
         PunctualKind::Directional => Light::Directional(DirectionalLight { toward: backward, irradiance: light.intensity }),
-    }
-}
-
-/// The light of the environment; `None` if it is black.
-fn surroundings(environment: description::Environment) -> Option<Environment> {
-    match environment {
-        description::Environment::Uniform(radiance) if radiance.is_black() => None,
-        description::Environment::Uniform(radiance) => Some(Environment::Uniform(Sky { radiance })),
-        description::Environment::Map { map, scale, rotation } => {
-            LatLong::new(map, scale, rotation).map(|map| Environment::Map(Box::new(map)))
-        }
     }
 }
 

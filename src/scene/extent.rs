@@ -1,6 +1,7 @@
 //! Where a scene is, how large, and where its detail lies, in the file's world.
 
 use super::description::{Description, Instance, Primitive};
+use super::rebase::MOST;
 use crate::error::{Error, Result};
 use glam::DVec3;
 
@@ -33,10 +34,31 @@ impl Extent {
             let detail = centre_of_detail(description, (min + max) * 0.5);
             Ok(Extent { min, max, detail, spoilt: spoilt(description, detail) })
         } else if min.x > max.x {
-            Err(Error::scene("the scene has no triangles"))
+            if description.hides { Ok(Extent::nothing(description)) } else { Err(Error::scene("the scene has no triangles")) }
         } else {
             Err(Error::scene("the scene has positions that are not finite"))
         }
+    }
+
+    /// Of a scene of which everything is hidden: where its camera stands.
+    fn nothing(description: &Description) -> Extent {
+        let at = description.cameras.first().map_or(DVec3::ZERO, |c| c.transform.translation);
+        Extent { min: at, max: at, detail: at, spoilt: 0 }
+    }
+
+    /// Whether single precision can render a scene of this size, of which squares and inverses are taken.
+    ///
+    /// # Errors
+    /// A scene error that says how large it is.
+    pub(super) fn check(&self) -> Result<()> {
+        let radius = self.radius();
+        if radius == 0.0 || (MOST.recip()..=MOST).contains(&radius) {
+            return Ok(());
+        }
+        let least = MOST.recip();
+        Err(Error::scene(format!(
+            "the scene has a radius of {radius:.3e} m, and only radii of {least:e} to {MOST:e} m can be rendered in single precision"
+        )))
     }
 
     /// Half the diagonal of the box.

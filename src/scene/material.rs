@@ -62,7 +62,8 @@ impl Material {
         let (lobes, culled) = (Lobes::NONE, false);
         let mut material = Material { source, constant: None, lobes, least_roughness, emission_texture, interior, culled };
         let m = &material.source;
-        material.culled = !m.double_sided && material.emission().is_black() && m.transmission <= 0.0;
+        let seen_through = m.unlit || material.emission().is_black() && m.transmission <= 0.0;
+        material.culled = !m.double_sided && seen_through;
         if !material.has_surface_textures() {
             material.constant = Some(material.surface_of(&Found::corner(&Usage::NOTHING, 0)));
         }
@@ -163,7 +164,7 @@ impl Material {
         self.lobes.intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)) && self.source.volume.is_some()
     }
 
-    /// Whether the camera sees through its back: single-sided, without light of its own or through it.
+    /// Whether the camera sees through its back: single-sided, without light of its own that reaches others, or through it.
     #[inline]
     pub(super) fn is_culled(&self) -> bool {
         self.culled
@@ -174,20 +175,24 @@ impl Material {
         if self.source.unlit { self.source.base_color } else { self.source.emission }
     }
 
-    /// The emission of a triangle with the given texture coordinates (by set) and vertex alpha at its corners; `None` if it is
+    /// The emission of a triangle with the given texture coordinates (by set) and vertex colours at its corners; `None` if it is
     /// black or covered nowhere on it.
-    pub(super) fn emission_of(&self, uvs: impl Fn(usize) -> Option<[Vec2; 3]>, alphas: Option<[f32; 3]>) -> Option<Emission> {
+    pub(super) fn emission_of(&self, uvs: impl Fn(usize) -> Option<[Vec2; 3]>, colors: Option<[Vec4; 3]>) -> Option<Emission> {
         let corner_uvs = |t: &Texture| uvs(t.uv_set).unwrap_or_default();
         let texture = self.emission_texture.as_ref().map(|t| Box::new((Arc::clone(t), corner_uvs(t))));
         let m = &self.source;
         let coverage = (m.alpha_mode != AlphaMode::Opaque).then(|| {
             Box::new(Coverage {
-                corners: alphas.unwrap_or([1.0; 3]).map(|a| a * m.alpha),
+                corners: colors.map_or([1.0; 3], |colors| colors.map(|c| c.w)).map(|a| a * m.alpha),
                 texture: m.base_color_texture.as_ref().map(|t| (Arc::new(t.clone()), corner_uvs(t))),
                 cutoff: if let AlphaMode::Mask { cutoff } = m.alpha_mode { Some(cutoff) } else { None },
             })
         });
-        let emission = Emission { radiance: self.emission(), texture, two_sided: m.double_sided || m.unlit, coverage };
+        // Vertex colours are factors of the base colour, which is what unlit materials show [KHR_materials_unlit].
+        let shown = colors.filter(|_| m.unlit && !planted(Defect::UnlitWithoutVertexColours));
+        let corners = shown.map(|colors| Box::new(colors.map(|c| Spectrum::from_rgb(c.truncate().to_array()))));
+        let (radiance, two_sided, only_seen) = (self.emission(), m.double_sided, m.unlit);
+        let emission = Emission { radiance, texture, corners, two_sided, only_seen, coverage };
         (!emission.is_black()).then_some(emission)
     }
 

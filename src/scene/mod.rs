@@ -3,12 +3,14 @@
 
 mod assemble;
 mod build;
+mod coincident;
 pub mod description;
 mod extent;
 mod info;
 mod material;
 mod query;
 mod rebase;
+mod surroundings;
 mod usage;
 mod view;
 

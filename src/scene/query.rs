@@ -9,7 +9,8 @@ use crate::defects::{Defect, planted};
 use crate::geometry::{AnyHit, Frame, Hit, MediumId, Opaque, Ray, SurfacePoint};
 use crate::light::Light;
 use crate::spectrum::Spectrum;
-use glam::Vec3;
+use crate::texture::Texture;
+use glam::{Vec2, Vec3};
 use std::borrow::Cow;
 
 /// Alpha masks: a hit counts where the alpha of its material reaches the cutoff.
@@ -177,7 +178,7 @@ impl Scene {
         let [x, y, z, _] = texture.at(at.uvs[texture.uv_set]);
         let ns = point.frame.n;
         let (tangent, handedness) =
-            self.geometry.tangent(point.hit, point.barycentric).or_else(|| self.uv_tangent(point, texture.uv_set))?;
+            self.geometry.tangent(point.hit, point.barycentric).or_else(|| self.uv_tangent(point, texture))?;
         let s = (tangent - ns * ns.dot(tangent)).try_normalize()?;
         let t = ns.cross(s) * if planted(Defect::NormalMapGreen) { -handedness } else { handedness };
         let bent = s * ((2.0 * x - 1.0) * scale) + t * ((2.0 * y - 1.0) * scale) + ns * (2.0 * z - 1.0);
@@ -185,9 +186,12 @@ impl Scene {
         (n.dot(point.ng) > 0.0).then(|| Frame::around(n))
     }
 
-    /// A tangent along u from the triangle's texture coordinates, for meshes without tangents, and the handedness.
-    fn uv_tangent(&self, point: &SurfacePoint, set: usize) -> Option<(Vec3, f32)> {
-        let [a, b, c] = self.geometry.corner_uvs(point.hit, set)?;
+    /// A tangent along u from the triangle's texture coordinates as `texture` transforms them, for meshes without tangents, and the
+    /// handedness. Tangents that a mesh has are taken as they are: glTF gives them for the map as it is looked up.
+    fn uv_tangent(&self, point: &SurfacePoint, texture: &Texture) -> Option<(Vec3, f32)> {
+        let uvs = self.geometry.corner_uvs(point.hit, texture.uv_set)?;
+        let seen = |uv: Vec2| if planted(Defect::TangentsUntransformed) { uv } else { texture.transform.transform_point2(uv) };
+        let [a, b, c] = uvs.map(seen);
         let [pa, pb, pc] = self.geometry.triangle(point.hit).vertices;
         let (e1, e2, d1, d2) = (pb - pa, pc - pa, b - a, c - a);
         let det = d1.perp_dot(d2);

@@ -13,6 +13,9 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+/// The largest scale and radius: beyond them the scale itself or its square would leave the range of f32.
+pub(super) const MOST: f64 = 1e18;
+
 /// x ↦ (x − centre) · scale.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Rebase {
@@ -25,8 +28,6 @@ pub struct Rebase {
 impl Rebase {
     /// The transform that brings `centre` to the origin and lengths of `radius` to 1.
     pub fn new(centre: DVec3, radius: f64) -> Self {
-        // Beyond this the scale itself or its square would leave the range of f32.
-        const MOST: f64 = 1e18;
         let scale = if radius > 0.0 { radius.recip() } else { 1.0 };
         Rebase { centre, scale: scale.clamp(MOST.recip(), MOST) }
     }

@@ -1,7 +1,7 @@
 //! Cameras, in f64.
 
 use super::document::{Document, name_or};
-use crate::error::{Error, Result};
+use super::notes::Notes;
 use crate::scene::description::{Camera, Projection};
 use ::gltf::json::camera::Type;
 use ::gltf::json::validation::Checked;
@@ -10,32 +10,36 @@ use serde_json::Value;
 use std::f64::consts::PI;
 
 /// Camera `index` of the file, standing at `transform`. The clipping planes are not read: a ray tracer has none.
-///
-/// # Errors
-/// A scene error that names the camera if its projection is missing or its numbers are out of range.
-pub(super) fn load(document: &Document, index: usize, transform: DAffine3) -> Result<Camera> {
+/// `None`, and a note, if its projection is missing or its numbers say nothing.
+pub(super) fn load(document: &Document, index: usize, transform: DAffine3, notes: &mut Notes) -> Option<Camera> {
     let source = &document.root.cameras[index];
     let name = name_or(&source.name, "camera", index);
     let raw = &document.raw["cameras"][index];
     let projection = match source.type_ {
-        Checked::Valid(Type::Perspective) => perspective(&raw["perspective"]),
-        Checked::Valid(Type::Orthographic) => orthographic(&raw["orthographic"]),
+        Checked::Valid(Type::Perspective) => perspective(&raw["perspective"], &name, notes),
+        Checked::Valid(Type::Orthographic) => orthographic(&raw["orthographic"], &name, notes),
         Checked::Invalid => None,
     };
-    let projection = projection.ok_or_else(|| Error::scene(format!("camera '{name}' has no valid projection")))?;
-    Ok(Camera { name, projection, transform })
+    if projection.is_none() {
+        notes.add(format!("camera '{name}' has no valid projection and is left out"));
+    }
+    Some(Camera { name, projection: projection?, transform })
 }
 
-fn perspective(raw: &Value) -> Option<Projection> {
+fn perspective(raw: &Value, name: &str, notes: &mut Notes) -> Option<Projection> {
     let yfov = raw["yfov"].as_f64().filter(|&angle| angle > 0.0 && angle < PI)?;
-    let aspect = match raw.get("aspectRatio") {
-        Some(ratio) => Some(ratio.as_f64().filter(|&r| r > 0.0)?),
-        None => None,
-    };
+    let aspect = raw["aspectRatio"].as_f64().filter(|&ratio| ratio > 0.0);
+    if aspect.is_none() && raw.get("aspectRatio").is_some() {
+        notes.add(format!("camera '{name}' has an aspect ratio that is not positive: it is taken not to have any"));
+    }
     Some(Projection::Perspective { yfov, aspect })
 }
 
-fn orthographic(raw: &Value) -> Option<Projection> {
-    let half = |key: &str| raw[key].as_f64().filter(|&x| x > 0.0);
-    Some(Projection::Orthographic { xmag: half("xmag")?, ymag: half("ymag")? })
+fn orthographic(raw: &Value, name: &str, notes: &mut Notes) -> Option<Projection> {
+    let half = |key: &str| raw[key].as_f64().filter(|&x| x != 0.0);
+    let [xmag, ymag] = [half("xmag")?, half("ymag")?];
+    if xmag < 0.0 || ymag < 0.0 {
+        notes.add(format!("camera '{name}' has a negative magnification, whose sign is ignored"));
+    }
+    Some(Projection::Orthographic { xmag: xmag.abs(), ymag: ymag.abs() })
 }

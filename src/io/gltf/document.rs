@@ -193,10 +193,20 @@ fn tolerated(path: &str, defect: Defect) -> bool {
     match defect {
         Defect::Unsupported => path.starts_with("extensionsRequired"),
         // An accessor without data is all zeros; a texture may have its image in an extension that is not read.
-        Defect::Missing => positions || path.ends_with("].bufferView") || path.ends_with("].source"),
-        Defect::Invalid => positions && (path.ends_with(".min") || path.ends_with(".max")),
-        Defect::IndexOutOfBounds | Defect::Oversize => false,
+        Defect::Missing => {
+            positions || path.ends_with("].bufferView") || path.ends_with("].source") || path.starts_with("cameras[")
+        }
+        Defect::Invalid => positions && (path.ends_with(".min") || path.ends_with(".max")) || is_forgiven(path),
+        Defect::IndexOutOfBounds => path.contains(".khr_lights_punctual") || path.contains(".KHR_lights_punctual"),
+        Defect::Oversize => false,
     }
+}
+
+/// Whether an invalid value has a default or is in what can be left out: see docs/forgiven.md.
+fn is_forgiven(path: &str) -> bool {
+    const WITH_DEFAULTS: [&str; 7] = [".alphaMode", ".wrapS", ".wrapT", ".magFilter", ".minFilter", ".target", ".mimeType"];
+    let left_out = path.starts_with("cameras[") || path.contains("lights_punctual");
+    left_out || path.contains(".mode") || WITH_DEFAULTS.iter().any(|end| path.ends_with(end))
 }
 
 fn sentence_end(defect: Defect) -> &'static str {

@@ -2,7 +2,7 @@
 
 use super::animation::{Moved, Pose};
 use super::document::{Document, name_or, numbers};
-use super::notes::Notes;
+use crate::defects::{Defect, planted};
 use crate::error::{Error, Result};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use serde_json::Value;
@@ -13,34 +13,44 @@ pub(super) struct Placement {
     pub(super) node: usize,
     /// Local to world.
     pub(super) transform: DAffine3,
+    /// Where its camera or light stands: unit axes at right angles, whatever scales the node or its ancestors.
+    pub(super) stand: DAffine3,
+    /// Whether it is scaled to zero along every axis, which hides its mesh and its light.
+    pub(super) hidden: bool,
 }
 
-/// The nodes of the scene in that pose, parents before children, in file order. Parts whose transform is singular are left
-/// out, and a note says so.
+/// A node's way from its root: its transform, and that without the signs and the zeros of scales.
+#[derive(Clone, Copy)]
+struct Way {
+    transform: DAffine3,
+    axes: DMat3,
+}
+
+/// The nodes of the scene in that pose, parents before children, in file order.
 ///
 /// # Errors
 /// A scene error that names the node if one has two parents or is its own ancestor, or a transform is not valid.
-pub(super) fn placements(document: &Document, pose: &Pose, notes: &mut Notes) -> Result<Vec<Placement>> {
+pub(super) fn placements(document: &Document, pose: &Pose) -> Result<Vec<Placement>> {
     let name = |node: usize| name_or(&document.root.nodes[node].name, "node", node);
     let mut seen = vec![false; document.root.nodes.len()];
-    let mut stack: Vec<(usize, DAffine3)> = roots(document)?.into_iter().rev().map(|n| (n, DAffine3::IDENTITY)).collect();
+    let root = Way { transform: DAffine3::IDENTITY, axes: DMat3::IDENTITY };
+    let mut stack: Vec<(usize, Way)> = roots(document)?.into_iter().rev().map(|n| (n, root)).collect();
     let mut placements = Vec::new();
     while let Some((node, parent)) = stack.pop() {
         if std::mem::replace(&mut seen[node], true) {
             return Err(Error::scene(format!("node '{}' is its own ancestor, or a root below another root", name(node))));
         }
         let local = local_transform(&document.raw["nodes"][node], pose.of(node));
-        let transform = parent * local.map_err(|e| e.context(format!("node '{}'", name(node))))?;
+        let local = local.map_err(|e| e.context(format!("node '{}'", name(node))))?;
+        let (transform, axes) = (parent.transform * local.transform, parent.axes * local.axes);
         if !transform.is_finite() {
             return Err(Error::scene(format!("node '{}' has a transform that is not finite", name(node))));
         }
-        if is_singular(&transform.matrix3) {
-            notes.add(format!("node '{}' is scaled to zero and is left out, with all below it", name(node)));
-            continue;
-        }
         let children = document.root.nodes[node].children.as_deref().unwrap_or_default();
-        stack.extend(children.iter().rev().map(|c| (c.value(), transform)));
-        placements.push(Placement { node, transform });
+        stack.extend(children.iter().rev().map(|c| (c.value(), Way { transform, axes })));
+        let stand = DAffine3 { matrix3: upright(&axes, &transform.matrix3), translation: transform.translation };
+        let hidden = transform.matrix3 == DMat3::ZERO;
+        placements.push(Placement { node, transform, stand, hidden });
     }
     Ok(placements)
 }
@@ -75,9 +85,10 @@ fn parents(document: &Document) -> Result<Vec<Option<usize>>> {
 }
 
 /// A node's transform; what moves of it has no matrix.
-fn local_transform(node: &Value, moved: Option<&Moved>) -> Result<DAffine3> {
+fn local_transform(node: &Value, moved: Option<&Moved>) -> Result<Way> {
     if let Some(matrix) = numbers::<16>(&node["matrix"]) {
-        return affine(&DMat4::from_cols_array(&matrix));
+        let transform = affine(&DMat4::from_cols_array(&matrix))?;
+        return Ok(Way { transform, axes: regular(&transform.matrix3) });
     }
     let own = |key: &str, default: DVec3| numbers(&node[key]).map_or(default, DVec3::from);
     let translation = moved.and_then(|m| m.translation).unwrap_or_else(|| own("translation", DVec3::ZERO));
@@ -87,7 +98,30 @@ fn local_transform(node: &Value, moved: Option<&Moved>) -> Result<DAffine3> {
         None => numbers(&node["rotation"]).map_or(Some(DQuat::IDENTITY), unit_quaternion),
     };
     let rotation = rotation.ok_or_else(|| Error::scene("the rotation is not a unit quaternion"))?;
-    Ok(DAffine3::from_scale_rotation_translation(scale, rotation, translation))
+    let stretch = DVec3::from(scale.to_array().map(|s| if s == 0.0 { 1.0 } else { s.abs() }));
+    Ok(Way {
+        transform: DAffine3::from_scale_rotation_translation(scale, rotation, translation),
+        axes: DMat3::from_quat(rotation) * DMat3::from_diagonal(stretch),
+    })
+}
+
+/// A matrix that tells nothing of its scales apart: mirrored ones are taken to mirror x, and what has no axes left does not turn.
+fn regular(matrix: &DMat3) -> DMat3 {
+    match matrix.determinant() {
+        d if d > 0.0 => *matrix,
+        d if d < 0.0 => DMat3::from_cols(-matrix.x_axis, matrix.y_axis, matrix.z_axis),
+        _ => DMat3::IDENTITY,
+    }
+}
+
+/// Unit axes at right angles: z is kept, since cameras and lights look along it, then y as far as it can be [glTF20 §3.10.2].
+fn upright(axes: &DMat3, scaled: &DMat3) -> DMat3 {
+    if planted(Defect::CameraKeepsScale) {
+        return *scaled;
+    }
+    let z = axes.z_axis.try_normalize().unwrap_or(DVec3::Z);
+    let y = (axes.y_axis - z * z.dot(axes.y_axis)).try_normalize().unwrap_or_else(|| z.any_orthonormal_vector());
+    DMat3::from_cols(y.cross(z), y, z)
 }
 
 /// Files round quaternions to f32, which would scale the node by as much.
@@ -103,7 +137,7 @@ fn affine(matrix: &DMat4) -> Result<DAffine3> {
     Ok(DAffine3::from_mat4(*matrix))
 }
 
-/// Whether no inverse can be computed.
-pub(super) fn is_singular(matrix: &DMat3) -> bool {
-    !matrix.determinant().recip().is_finite()
+/// Whether no triangle keeps an area.
+pub(super) fn is_line(m: &DMat3) -> bool {
+    [m.x_axis.cross(m.y_axis), m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis)].iter().all(|area| *area == DVec3::ZERO)
 }

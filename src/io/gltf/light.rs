@@ -10,33 +10,68 @@ use ::gltf::json::{Index, validation::Checked};
 use glam::DAffine3;
 use std::f32::consts::FRAC_PI_2;
 
-/// The light that a node at `transform` refers to.
+/// The light that a node at `transform` refers to; `None`, and a note, if it says nothing that can shine.
 ///
 /// # Errors
-/// A scene error that names the light if its intensity or its angles are out of range.
-pub(super) fn load(document: &Document, index: Index<Light>, transform: DAffine3, notes: &mut Notes) -> Result<PunctualLight> {
-    let source = document.root.get(index).ok_or_else(|| Error::scene(format!("light {index} does not exist")))?;
+/// A scene error that names the light if its intensity is not finite.
+pub(super) fn load(
+    document: &Document,
+    index: Index<Light>,
+    transform: DAffine3,
+    notes: &mut Notes,
+) -> Result<Option<PunctualLight>> {
+    let Some(source) = document.root.get(index) else {
+        notes.add(format!("light {index} does not exist and is left out"));
+        return Ok(None);
+    };
     let name = name_or(&source.name, "light", index.value());
     let intensity = Spectrum::from_rgb(source.color) * source.intensity;
-    if !intensity.is_finite() || intensity.min_lane() < 0.0 {
-        return Err(Error::scene(format!("light '{name}' has an intensity that is negative or not finite")));
+    if !intensity.is_finite() {
+        return Err(Error::scene(format!("light '{name}' has an intensity that is not finite")));
     }
+    if intensity.min_lane() < 0.0 {
+        notes.add(format!("light '{name}' has a negative intensity, which is taken for 0"));
+    }
+    let intensity = intensity.map(|x: f32| x.max(0.0));
     if source.range.is_some() {
         notes.add("the range of lights is not modelled: they fall off with the squared distance for ever");
     }
-    let kind = kind(source).ok_or_else(|| Error::scene(format!("light '{name}' has cone angles out of range")))?;
-    Ok(PunctualLight { name, kind, intensity, transform })
+    let kind = kind(source, &name, notes);
+    if kind.is_none() {
+        notes.add(format!("light '{name}' has a type or a cone that means nothing and is left out"));
+    }
+    Ok(kind.map(|kind| PunctualLight { name, kind, intensity, transform }))
 }
 
-fn kind(source: &Light) -> Option<PunctualKind> {
+fn kind(source: &Light, name: &str, notes: &mut Notes) -> Option<PunctualKind> {
     match source.type_ {
         Checked::Valid(Type::Point) => Some(PunctualKind::Point),
         Checked::Valid(Type::Directional) => Some(PunctualKind::Directional),
-        Checked::Valid(Type::Spot) => {
-            let spot = source.spot.as_ref()?;
-            let (inner, outer) = (spot.inner_cone_angle, spot.outer_cone_angle);
-            (inner >= 0.0 && inner < outer && outer <= FRAC_PI_2).then_some(PunctualKind::Spot { inner, outer })
-        }
+        Checked::Valid(Type::Spot) => cone(source, name, notes),
         Checked::Invalid => None,
     }
+}
+
+/// The cone of a spot. Exporters write equal angles for a sharp edge, which glTF does not allow and its formula defines.
+fn cone(source: &Light, name: &str, notes: &mut Notes) -> Option<PunctualKind> {
+    /// KHR_lights_punctual's defaults.
+    const WHOLE: (f32, f32) = (0.0, std::f32::consts::FRAC_PI_4);
+    if source.spot.is_none() {
+        notes.add(format!("light '{name}' is a spot without angles: it has the default ones"));
+    }
+    let (inner, outer) = source.spot.as_ref().map_or(WHOLE, |spot| (spot.inner_cone_angle, spot.outer_cone_angle));
+    if !(outer > 0.0 && inner.is_finite()) {
+        return None;
+    }
+    if outer > FRAC_PI_2 {
+        notes.add(format!("light '{name}' has a cone wider than a half space, which is taken for one"));
+    }
+    let outer = outer.min(FRAC_PI_2);
+    if inner >= outer {
+        notes.add(format!("light '{name}' has an inner cone that is not inside its outer one: its edge is sharp"));
+    }
+    if inner < 0.0 {
+        notes.add(format!("light '{name}' has an inner cone below 0, which is taken for 0"));
+    }
+    Some(PunctualKind::Spot { inner: inner.max(0.0).min(outer), outer })
 }

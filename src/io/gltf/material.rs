@@ -85,7 +85,11 @@ impl Source<'_> {
     /// `base` with what the material's extensions say.
     fn extended(&self, mut base: Material, notes: &mut Notes) -> Result<Material> {
         let Some(extensions) = &self.json.extensions else { return Ok(base) };
-        base.unlit = extensions.unlit.is_some();
+        if extensions.unlit.is_some() {
+            // It shows its base colour, and nothing else of it counts.
+            let (emission, emission_texture, normal_texture) = (Spectrum::ZERO, None, None);
+            return Ok(Material { unlit: true, emission, emission_texture, normal_texture, ..base });
+        }
         if let Some(specular) = &extensions.specular {
             base.specular = self.unit(specular.specular_factor.0, "specular strength", notes);
             base.specular_color = self.non_negative(specular.specular_color_factor.0, "specular colour")?;

@@ -79,7 +79,7 @@ fn describe(document: &Document, seconds: Option<f64>) -> Result<Description> {
     loader.notes.about_file(document);
     let pose = pose(document, seconds, &mut loader.notes)?;
     let mut out = Description { animation_end: pose.end, ..Description::default() };
-    for placement in graph::placements(document, &pose, &mut loader.notes)? {
+    for placement in graph::placements(document, &pose)? {
         loader.place(&placement, &mut out)?;
     }
     let (materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
@@ -139,20 +139,37 @@ struct Loader<'a> {
 impl Loader<'_> {
     fn place(&mut self, placement: &Placement, out: &mut Description) -> Result<()> {
         let node = &self.document.root.nodes[placement.node];
-        let transform = placement.transform;
+        let punctual = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
+        out.has_punctual_lights |= punctual.is_some();
+        out.has_emission |= node.mesh.is_some_and(|mesh| self.emits(mesh.value()));
+        if let Some(index) = node.camera {
+            out.cameras.extend(camera::load(self.document, index.value(), placement.stand, &mut self.notes));
+        }
+        if placement.hidden {
+            out.hides |= node.mesh.is_some();
+            let name = name_or(&node.name, "node", placement.node);
+            self.notes.add(format!("node '{name}' is scaled to zero: its mesh and its light are left out"));
+            return Ok(());
+        }
         if let Some(mesh) = node.mesh {
             if let Some(mesh) = self.mesh(mesh.value(), out)? {
                 let name = name_or(&node.name, "node", placement.node);
                 self.copies(placement, &name, mesh, out).map_err(|e| e.context(format!("node '{name}'")))?;
             }
         }
-        if let Some(index) = node.camera {
-            out.cameras.push(camera::load(self.document, index.value(), transform)?);
-        }
-        if let Some(punctual) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
-            out.lights.push(light::load(self.document, punctual.light, transform, &mut self.notes)?);
+        if let Some(punctual) = punctual {
+            out.lights.extend(light::load(self.document, punctual.light, placement.stand, &mut self.notes)?);
         }
         Ok(())
+    }
+
+    /// Whether a material of a mesh is made to emit, however weakly.
+    fn emits(&self, mesh: usize) -> bool {
+        let materials = self.document.root.meshes[mesh].primitives.iter().filter_map(|p| p.material);
+        materials.map(|m| &self.document.root.materials[m.value()]).any(|m| {
+            let unlit = m.extensions.as_ref().is_some_and(|e| e.unlit.is_some());
+            !unlit && m.emissive_factor.0.iter().any(|&c| c > 0.0)
+        })
     }
 
     /// Adds the instances of `mesh` that the node at `placement` stands for.
@@ -163,8 +180,9 @@ impl Loader<'_> {
             if !transform.is_finite() {
                 return Err(Error::scene(format!("{} has a transform that is not finite", instancing::NAME)));
             }
-            if graph::is_singular(&transform.matrix3) {
-                self.notes.add(format!("copies of node '{name}' are scaled to zero and are left out"));
+            if graph::is_line(&transform.matrix3) {
+                self.notes.add(format!("copies of node '{name}' are scaled to a line or a point and are left out"));
+                out.hides = true;
                 continue;
             }
             self.document.budget.spend(1, cost)?;

@@ -32,7 +32,10 @@ pub(super) fn load(
     };
     let vertices = document.elements_of::<3>(positions)?;
     let indices = indices(document, source, vertices)?;
-    let Checked::Valid(mode) = source.mode else { return Err(Error::scene("the primitive mode is not valid")) };
+    let Checked::Valid(mode) = source.mode else {
+        notes.add(format!("mesh '{mesh}' has a part of a mode that does not exist, which is left out"));
+        return Ok(None);
+    };
     let Some(mut triangles) = topology::triangles(mode, &indices) else {
         notes.add(format!("mesh '{mesh}' has points or lines, which are left out"));
         return Ok(None);

@@ -39,6 +39,9 @@ impl Content for Description {
             lights,
             cameras,
             environment,
+            has_punctual_lights,
+            has_emission,
+            hides: _,
             animation_end: _,
             ignored: _,
             warnings: _,
@@ -49,6 +52,8 @@ impl Content for Description {
         lights.feed(bytes);
         cameras.feed(bytes);
         environment.feed(bytes);
+        has_punctual_lights.feed(bytes);
+        has_emission.feed(bytes);
     }
 }
 

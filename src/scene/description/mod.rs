@@ -20,6 +20,12 @@ pub struct Description {
     pub images: Vec<Arc<Image>>,
     /// Point, spot and directional lights.
     pub lights: Vec<PunctualLight>,
+    /// Whether the file has lights without extent, even if they are hidden now: see [`Description::lights`].
+    pub has_punctual_lights: bool,
+    /// Whether some material of the file emits, even if what it is on is hidden now.
+    pub has_emission: bool,
+    /// Whether something of the file is hidden now, so that a scene without triangles is no error.
+    pub hides: bool,
     /// Cameras in file order.
     pub cameras: Vec<Camera>,
     /// What arrives where nothing is hit.
