@@ -1,7 +1,7 @@
 //! What decides the pixels of a pass. How many passes there are, on how many threads and into which file does not, so
 //! that films of different runs can be continued and merged.
 
-use super::{Aov, Frame};
+use super::{Aov, Frame, Moment};
 use crate::accel::{Backend, Build};
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{Method, MetropolisOptions, Options};
@@ -26,6 +26,9 @@ pub struct Settings {
     /// The frame of the scene's animations; `None` for the scene as it stands, which is hashed as before there were frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<Frame>,
+    /// The only animation that is played there, by name or number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub animation: Option<String>,
     /// Longest path in scattering events; `None` for no limit.
     pub depth: Option<u32>,
     /// Pixel filter.
@@ -59,6 +62,11 @@ impl Settings {
     /// How `threads` threads build the scene.
     pub fn build_options(&self, threads: usize) -> BuildOptions {
         BuildOptions { backend: self.backend, build: self.build, threads }
+    }
+
+    /// What of the scene's animations is shown.
+    pub fn moment(&self) -> Moment {
+        Moment { frame: self.frame, animation: self.animation.clone() }
     }
 
     /// A hash of all of it, in hexadecimal.
