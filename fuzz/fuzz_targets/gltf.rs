@@ -13,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     let options = BuildOptions { backend: Backend::Obvhs, build: Build::Robust, threads: 1 };
     // As much as libFuzzer leaves.
     let load = |seconds| {
-        let reading = Reading { seconds, memory: 1 << 29, ..Reading::default() };
+        let reading = Reading { seconds, memory: 1 << 28, ..Reading::default() };
         etendue::io::gltf::parse_with(bytes, Path::new("/nonexistent"), &reading)
     };
     // Broken animations are to leave the rest to be fuzzed.
