@@ -55,10 +55,10 @@ bench: build ## time to error against other renderers, ray rates, start-up time 
 reports: build ## the example pages in docs/reports, on a quiet machine (see bench/reports.sh)
 	bench/reports.sh
 
-# Needs cargo-fuzz and a nightly toolchain; FUZZ_SECONDS for each of the five targets. New finds go to fuzz/artifacts/.
+# Needs cargo-fuzz and a nightly toolchain; FUZZ_SECONDS for each of the six targets. New finds go to fuzz/artifacts/.
 FUZZ_SECONDS ?= 900
-fuzz: setup ## fuzz the readers of glTF, film, EXR, render.toml and rays, a quarter of an hour each (FUZZ_SECONDS)
-	for target in gltf film exr config rays; do \
+fuzz: setup ## fuzz the readers of glTF, film, EXR, environments, render.toml and rays, a quarter of an hour each (FUZZ_SECONDS)
+	for target in gltf film exr environment config rays; do \
 	  mkdir -p fuzz/work/$$target fuzz/regressions/$$target && \
 	  $(CARGO) +nightly fuzz run --fuzz-dir fuzz $$target fuzz/work/$$target fuzz/corpus/$$target \
 	    fuzz/regressions/$$target -- -dict=fuzz/gltf.dict -max_len=16384 -rss_limit_mb=2048 -malloc_limit_mb=512 -timeout=10 \

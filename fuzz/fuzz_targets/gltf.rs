@@ -3,6 +3,7 @@
 #![no_main]
 
 use etendue::accel::{Backend, Build};
+use etendue::io::gltf::Reading;
 use etendue::scene::{BuildOptions, Scene};
 use etendue_fuzz::{Container, check};
 use libfuzzer_sys::{fuzz_crossover, fuzz_mutator, fuzz_target, fuzzer_mutate};
@@ -10,7 +11,11 @@ use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
     let options = BuildOptions { backend: Backend::Obvhs, build: Build::Robust, threads: 1 };
-    let load = |seconds| etendue::io::gltf::parse_at(bytes, Path::new("/nonexistent"), seconds);
+    // As much as libFuzzer leaves.
+    let load = |seconds| {
+        let reading = Reading { seconds, memory: 1 << 28, ..Reading::default() };
+        etendue::io::gltf::parse_with(bytes, Path::new("/nonexistent"), &reading)
+    };
     // Broken animations are to leave the rest to be fuzzed.
     let loaded = load(Some(0.25)).inspect_err(check).or_else(|_| load(None));
     let scene = loaded.and_then(|d| Scene::build(d, &options));

@@ -5,6 +5,7 @@ use super::progress::ProgressArgs;
 use super::task::Task;
 use crate::error::{Error, Result};
 use crate::render::{Budget, Bytes, Choices, Outputs, Plan, Selection, Settings, Stage};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// The scene and where its settings come from.
@@ -30,7 +31,7 @@ impl SceneArgs {
     /// pool.
     pub(super) fn stage(&self, choices: &Choices, threads: usize) -> Result<(Stage, Settings)> {
         let early = choices.settings(None)?;
-        let stage = Stage::open(&self.scene, choices.surroundings()?, early.frame, &early.build_options(threads))?;
+        let stage = Stage::open(&self.scene, choices.surroundings()?, &early.moment(), &early.build_options(threads))?;
         let settings = stage.settings(choices)?;
         Ok((stage, settings))
     }
@@ -68,7 +69,7 @@ pub(super) struct KeepArgs {
 
 impl OutputArgs {
     /// The files, for a run over `selection` of the picture `name`.
-    pub(super) fn outputs(&self, name: &str, selection: Selection) -> Result<Outputs> {
+    pub(super) fn outputs(&self, name: &OsStr, selection: Selection) -> Result<Outputs> {
         let outputs = match &self.output {
             Some(path) => Outputs::of(path)?,
             None => Outputs::default_for(name, selection),

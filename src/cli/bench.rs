@@ -26,8 +26,9 @@ pub(super) fn run(command: Command) -> Result<()> {
 
 /// What scene `at` is called in reports: its picture's name, with a number if others before it have the same.
 fn scene_name(scenes: &[PathBuf], at: usize) -> String {
-    let name = picture_name(&scenes[at]);
-    let twins = scenes[..at].iter().filter(|other| picture_name(other) == name).count();
+    let own = picture_name(&scenes[at]);
+    let twins = scenes[..at].iter().filter(|other| picture_name(other) == own).count();
+    let name = own.to_string_lossy().into_owned();
     if twins > 0 { format!("{name}-{}", twins + 1) } else { name }
 }
 

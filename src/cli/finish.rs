@@ -78,7 +78,8 @@ fn stopped(rendered: &Rendered, outputs: &Outputs) -> Error {
 fn rescued(rendered: &Rendered, outputs: &Outputs, error: Error) -> Error {
     let (Kind::Output, Some(beside)) = (error.kind, outputs.checkpoint()) else { return error };
     let is_there = |path: &PathBuf| checkpoint::open(path).is_ok_and(|(_, film)| film.head() == rendered.film.head());
-    let name = format!("{}.{}.film", picture_name(&beside), &rendered.provenance.identity()[..8]);
+    let mut name = picture_name(&beside);
+    name.push(format!(".{}.film", &rendered.provenance.identity()[..8]));
     let elsewhere =
         [std::env::current_dir().ok(), Some(std::env::temp_dir())].into_iter().flatten().map(|folder| folder.join(&name));
     let kept = Some(beside).filter(is_there).or_else(|| elsewhere.into_iter().find(|path| rendered.save(path).is_ok()));

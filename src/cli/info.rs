@@ -88,6 +88,7 @@ impl Document {
             format!("lights     {}", info.lights),
             format!("images     {}", info.images),
             format!("cameras    {}", list(&self.cameras)),
+            format!("animations {}", list(&info.animations)),
             format!("features   {}", list(&info.features)),
             format!("extent     centre {:?}, scale {}", info.centre.to_array(), info.scale),
             format!(

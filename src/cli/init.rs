@@ -67,6 +67,7 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("frame", "0"),
     ("fps", "24.0"),
     ("filter", "\"blackman-harris\""),
+    ("animation", "\"walk\""),
     ("sampler", "\"sobol\""),
     ("seed", "0"),
     ("replicates", "4"),

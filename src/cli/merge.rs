@@ -43,7 +43,7 @@ fn ids(provenance: &Provenance) -> Result<Option<images::Ids>> {
         return Ok(None);
     }
     let options = settings.build_options(rayon::current_num_threads());
-    let stage = Stage::open(path, surroundings, settings.frame, &options)?;
+    let stage = Stage::open(path, surroundings, &settings.moment(), &options)?;
     if stage.scene.hash() != provenance.scene.hash {
         return Err(Error::usage(format!("{} is not the scene of these films any more", path.display())));
     }

@@ -97,11 +97,10 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// Renders frames as a batch.
 fn run_frames(frames: Frames, args: Args) -> Result<()> {
     let Args { scene: SceneArgs { scene, no_config, choices }, output, strict, threads, progress, console, .. } = args;
-    let pattern = |path: std::path::PathBuf| path.to_string_lossy().into_owned();
     let request = Request { scenes: vec![scene], frames: Some(frames), settings: choices, ..Request::default() };
     let job = Job {
-        output: Some(output.output.map_or_else(|| "{scene}.{frame:04}.exr".into(), pattern)),
-        report: output.report.map(pattern),
+        output: Some(output.output.unwrap_or_else(|| "{scene}.{frame:04}.exr".into())),
+        report: output.report,
         render: vec![request],
         no_config,
         ..Job::default()

@@ -52,7 +52,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let signals = Signals::heed()?;
     let path = args.scene.clone().unwrap_or_else(|| provenance.scene.path.clone());
     let surroundings = surroundings(provenance.scene.surroundings.take(), args.env.clone())?;
-    let stage = Stage::open(&path, surroundings, provenance.settings.frame, &provenance.settings.build_options(threads))?;
+    let stage = Stage::open(&path, surroundings, &provenance.settings.moment(), &provenance.settings.build_options(threads))?;
     if args.strict.strict {
         stage.refuse_ignored()?;
     }

@@ -83,7 +83,7 @@ impl Status {
             Selection::Range { start, end } => Some(format!("{start}..{end}")),
         };
         Status {
-            scene: crate::render::picture_name(&provenance.scene.path),
+            scene: crate::render::picture_name(&provenance.scene.path).to_string_lossy().into_owned(),
             camera: settings.camera.clone().unwrap_or_else(|| "0".into()),
             method: serde_json::json!(settings.method),
             shard,

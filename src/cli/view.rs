@@ -36,7 +36,7 @@ impl View {
             stream.set_write_timeout(Some(PATIENCE))?;
             Ok(stream)
         });
-        let name = picture_name(&provenance.scene.path);
+        let name = picture_name(&provenance.scene.path).to_string_lossy().into_owned();
         let opened = connected.and_then(|stream| {
             let crop = film.layout().crop;
             let mut client = TevClient::wrap(stream);

@@ -3,14 +3,14 @@
 use crate::error::{Error, Kind, Result};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
 
 const PREFIX: &str = ".etendue-";
 const SUFFIX: &str = ".tmp";
 
 /// Writes a file by `fill` under no name or a temporary one in the same folder, syncs it, renames it to `path` and syncs the folder.
-/// A symbolic link at `path` is replaced, not followed.
+/// A symbolic link at `path` stays, and the file that it leads to is written, there already or not.
 ///
 /// # Errors
 /// [`Kind::Output`] with the path if a step fails; the temporary file is then removed and an old file at `path` untouched.
@@ -18,7 +18,26 @@ pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<
     if path.file_name().is_none() {
         return Err(Error::new(Kind::Output, format!("cannot write {}: it names no file", path.display())));
     }
-    replace(path, fill).map_err(|cause| Error::write(path, cause))
+    target(path).and_then(|path| replace(&path, fill)).map_err(|cause| Error::write(path, cause))
+}
+
+/// As many links as Linux follows in a path.
+const MOST_LINKS: usize = 40;
+
+/// Where a file at `path` is in the end, through all symbolic links, even if it is not there yet.
+///
+/// # Errors
+/// Links that lead nowhere but to each other.
+pub fn target(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match std::fs::read_link(&place) {
+            Ok(to) => place = place.parent().unwrap_or(Path::new("")).join(to),
+            // It is no link, or not there.
+            Err(_) => return Ok(place),
+        }
+    }
+    Err(io::Error::other("too many levels of symbolic links"))
 }
 
 fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
@@ -162,6 +181,30 @@ mod tests {
         removed.write_all(b"all of it").unwrap();
         let named = name(removed.into_file(), folder.path()).unwrap();
         assert_eq!(fs::read(&named).unwrap(), b"all of it");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_and_their_targets_are_written() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("store")).unwrap();
+        fs::write(at("store/old"), "old").unwrap();
+        // Relative and through another link; to what is not there; in a circle.
+        symlink("store/old", at("inner")).unwrap();
+        symlink("inner", at("outer")).unwrap();
+        symlink(at("store/new"), at("dangling")).unwrap();
+        symlink("circle", at("circle")).unwrap();
+        for (link, file) in [("outer", "store/old"), ("dangling", "store/new")] {
+            write_atomically(&at(link), |f| f.write_all(b"written")).unwrap();
+            assert!(
+                fs::symlink_metadata(at(link)).unwrap().is_symlink() && !fs::symlink_metadata(at(file)).unwrap().is_symlink()
+            );
+            assert_eq!(fs::read(at(file)).unwrap(), b"written");
+        }
+        let circle = write_atomically(&at("circle"), |_| Ok(())).unwrap_err();
+        assert!(circle.kind == Kind::Output && circle.chain().contains("too many levels"), "{}", circle.chain());
     }
 
     #[cfg(unix)]

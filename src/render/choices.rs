@@ -51,6 +51,10 @@ pub struct Choices {
     /// Frame of the scene's animations; frame 0 is at time 0 [default: the scene as it stands]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub frame: Option<u32>,
+    /// The only animation that is played, by name or number from 0, from frame 0 if no other is chosen [default: all together; where
+    /// two move the same the later one]
+    #[arg(long, value_name = "NAME|NUMBER")]
+    pub animation: Option<String>,
     /// Frames per second, for --frame [default: 24]
     #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
     pub fps: Option<f64>,
@@ -185,6 +189,7 @@ impl Choices {
             crop: self.crop.or(fallback.crop),
             camera: self.camera.or(fallback.camera),
             frame: self.frame.or(fallback.frame),
+            animation: self.animation.or(fallback.animation),
             fps: self.fps.or(fallback.fps),
             depth: self.depth.or(fallback.depth),
             filter: self.filter.or(fallback.filter),
@@ -232,6 +237,7 @@ impl Choices {
             crop: self.crop.map(|w| within(w.0, width, height)).transpose()?,
             camera: self.camera.clone(),
             frame: self.frame()?,
+            animation: self.animation.clone(),
             depth: self.depth,
             filter: self.filter.unwrap_or_default(),
             sampler: self.sampler.unwrap_or_default(),
@@ -254,7 +260,8 @@ impl Choices {
         if !(fps > 0.0 && fps.is_finite()) {
             return Err(Error::usage("fps must be above zero"));
         }
-        Ok(self.frame.map(|number| Frame { number, fps }))
+        let first = self.animation.as_ref().map(|_| 0);
+        Ok(self.frame.or(first).map(|number| Frame { number, fps }))
     }
 
     /// What is said about chains.

@@ -4,6 +4,15 @@ use std::collections::HashSet;
 use std::fmt;
 use std::str::FromStr;
 
+/// What of the scene's animations is shown.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Moment {
+    /// The frame; as the scene stands without one.
+    pub frame: Option<Frame>,
+    /// The only animation that is played, by name or number; all together without one.
+    pub animation: Option<String>,
+}
+
 /// A frame of the scene's animations.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Frame {

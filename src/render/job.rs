@@ -24,7 +24,8 @@ use super::{Choices, Frames, picture_name};
 use crate::error::{Error, Result};
 use crate::integrator::Method;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::ffi::OsString;
+use std::path::{Component, Path, PathBuf};
 
 /// Pictures of a batch at most.
 const MOST_PICTURES: usize = 1_000_000;
@@ -34,9 +35,9 @@ const MOST_PICTURES: usize = 1_000_000;
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Job {
     /// Pattern of the output's path: see [`name`].
-    pub output: Option<String>,
+    pub output: Option<PathBuf>,
     /// Pattern of the report's path, if there are to be any.
-    pub report: Option<String>,
+    pub report: Option<PathBuf>,
     /// Choices for all pictures.
     pub settings: Choices,
     /// What is rendered.
@@ -60,7 +61,7 @@ pub struct Request {
     /// Choices for these.
     pub settings: Choices,
     /// In place of the job's.
-    pub output: Option<String>,
+    pub output: Option<PathBuf>,
 }
 
 /// A picture to be rendered.
@@ -120,7 +121,7 @@ impl Job {
         folder: &Path,
         pictures: &mut Vec<Picture>,
     ) -> Result<()> {
-        let output = request.output.as_ref().or(self.output.as_ref()).map_or(DEFAULT_OUTPUT, String::as_str);
+        let output = request.output.as_ref().or(self.output.as_ref()).map_or(Path::new(DEFAULT_OUTPUT), PathBuf::as_path);
         let frames = request.frames.as_ref().map_or(&[][..], Frames::numbers);
         for frame in each(frames, choices.frame) {
             for camera in each(&request.cameras, choices.camera.clone()) {
@@ -130,7 +131,7 @@ impl Job {
                     }
                     let choices = Choices { frame, camera: camera.clone(), method, ..choices.clone() };
                     let fields = fields(scene, &choices);
-                    let at = |pattern: &str| name(pattern, &fields).map(|name| folder.join(name)).map_err(Error::usage);
+                    let at = |pattern: &Path| path_name(pattern, &fields).map(|name| folder.join(name)).map_err(Error::usage);
                     let (output, report) = (at(output)?, self.report.as_deref().map(at).transpose()?);
                     pictures.push(Picture { scene: scene.to_owned(), choices, output, report });
                 }
@@ -154,44 +155,60 @@ fn seen_from(choices: &Choices, folder: &Path) -> Choices {
 }
 
 /// What a pattern may name of a picture.
-fn fields(scene: &Path, choices: &Choices) -> HashMap<&'static str, String> {
+fn fields(scene: &Path, choices: &Choices) -> Fields {
     let method = serde_json::json!(choices.method.unwrap_or_default());
     // Camera names come from files and may hold anything.
     let camera = choices.camera.as_deref().unwrap_or("0").replace(|c: char| c == '/' || c == '\\' || c.is_control(), "_");
     HashMap::from([
         ("scene", picture_name(scene)),
-        ("camera", camera),
-        ("method", method.as_str().unwrap_or_default().to_owned()),
-        ("frame", choices.frame.unwrap_or(0).to_string()),
-        ("seed", choices.seed.unwrap_or(0).to_string()),
+        ("camera", camera.into()),
+        ("method", method.as_str().unwrap_or_default().into()),
+        ("frame", choices.frame.unwrap_or(0).to_string().into()),
+        ("seed", choices.seed.unwrap_or(0).to_string().into()),
     ])
+}
+
+/// What may stand for a field of a pattern, bytes as they are.
+pub type Fields = HashMap<&'static str, OsString>;
+
+/// Fills in the pattern of a path. What in it is no text has no fields and stays as it is.
+fn path_name(pattern: &Path, fields: &Fields) -> std::result::Result<PathBuf, String> {
+    match pattern.to_str() {
+        Some(text) => name(text, fields).map(PathBuf::from),
+        None => {
+            let part = |part: Component<'_>| {
+                part.as_os_str().to_str().map_or(Ok(part.as_os_str().to_owned()), |text| name(text, fields))
+            };
+            pattern.components().map(part).collect()
+        }
+    }
 }
 
 /// Fills in a pattern: `{field}`, or `{field:04}` for a number with zeros before it; `{{` is a brace.
 ///
 /// # Errors
 /// A field that is not there, a brace that is not closed.
-pub fn name(pattern: &str, fields: &HashMap<&'static str, String>) -> std::result::Result<String, String> {
-    let (mut out, mut rest) = (String::new(), pattern);
+pub fn name(pattern: &str, fields: &Fields) -> std::result::Result<OsString, String> {
+    let (mut out, mut rest) = (OsString::new(), pattern);
     while let Some(at) = rest.find(['{', '}']) {
-        out.push_str(&rest[..at]);
+        out.push(&rest[..at]);
         let brace = &rest[at..=at];
         rest = &rest[at + 1..];
         if let Some(after) = rest.strip_prefix(brace) {
-            out.push_str(brace);
+            out.push(brace);
             rest = after;
             continue;
         }
         let end = rest.find('}').filter(|_| brace == "{").ok_or_else(|| format!("'{pattern}': a brace is not matched"))?;
-        out.push_str(&field(&rest[..end], fields).map_err(|what| format!("'{pattern}': {what}"))?);
+        out.push(&field(&rest[..end], fields).map_err(|what| format!("'{pattern}': {what}"))?);
         rest = &rest[end + 1..];
     }
-    out.push_str(rest);
+    out.push(rest);
     Ok(out)
 }
 
 /// One field with its width.
-fn field(text: &str, fields: &HashMap<&'static str, String>) -> std::result::Result<String, String> {
+fn field(text: &str, fields: &Fields) -> std::result::Result<OsString, String> {
     let (name, width) = text.split_once(':').map_or((text, None), |(name, width)| (name, Some(width)));
     let value = fields.get(name).ok_or_else(|| {
         let mut known: Vec<&str> = fields.keys().copied().collect();
@@ -201,7 +218,8 @@ fn field(text: &str, fields: &HashMap<&'static str, String>) -> std::result::Res
     let Some(width) = width else { return Ok(value.clone()) };
     let wide = width.strip_prefix('0').and_then(|w| w.parse::<usize>().ok()).filter(|w| *w <= 16);
     let wide = wide.ok_or_else(|| format!("'{width}' is not a width: write one such as 04"))?;
-    Ok(format!("{value:0>wide$}"))
+    // What has no characters has no width either.
+    Ok(value.to_str().map_or_else(|| value.clone(), |value| format!("{value:0>wide$}").into()))
 }
 
 /// Refuses two pictures in one file.
@@ -222,8 +240,8 @@ fn distinct(pictures: &[Picture]) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn fields() -> HashMap<&'static str, String> {
-        HashMap::from([("scene", "cup".to_owned()), ("frame", "7".to_owned())])
+    fn fields() -> Fields {
+        HashMap::from([("scene", "cup".into()), ("frame", "7".into())])
     }
 
     #[test]

@@ -39,7 +39,7 @@ pub use checkpoint::Checkpoint;
 pub use choices::{Choices, Look};
 pub use complete::Found;
 pub use conditions::Conditions;
-pub use frames::{Frame, Frames};
+pub use frames::{Frame, Frames, Moment};
 pub use outputs::{Outputs, picture_name, writable};
 pub use plan::{Plan, Selection, Stop, round_spp};
 pub use progress::{Observer, Pace, Progress};

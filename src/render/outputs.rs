@@ -2,6 +2,8 @@
 
 use super::Selection;
 use crate::error::{Error, Result};
+use crate::io::atomic::target;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// The files to write.
@@ -32,12 +34,13 @@ impl Outputs {
     }
 
     /// What a run over `selection` of the picture `name` writes when nothing was asked for.
-    pub fn default_for(name: &str, selection: Selection) -> Outputs {
+    pub fn default_for(name: &OsStr, selection: Selection) -> Outputs {
+        let with = |ending: String| Some([name, OsStr::new(&ending)].into_iter().collect::<OsString>().into());
         match selection {
-            Selection::All => Outputs { exr: Some(format!("{name}.exr").into()), ..Outputs::default() },
+            Selection::All => Outputs { exr: with(".exr".into()), ..Outputs::default() },
             Selection::Shard { .. } | Selection::Range { .. } => {
                 let part = part_name(selection);
-                Outputs { film: Some(format!("{name}.{part}.film").into()), ..Outputs::default() }
+                Outputs { film: with(format!(".{part}.film")), ..Outputs::default() }
             }
         }
     }
@@ -83,14 +86,13 @@ fn part_name(selection: Selection) -> String {
     }
 }
 
-/// The picture's name for a scene file: its stem, or its folder's name if it is just called `scene`.
-pub fn picture_name(scene: &Path) -> String {
-    let text = |name: &std::ffi::OsStr| name.to_string_lossy().into_owned();
-    let stem = scene.file_stem().map_or_else(|| "image".into(), text);
+/// The picture's name for a scene file, bytes as they are: its stem, or its folder's name if it is just called `scene`.
+pub fn picture_name(scene: &Path) -> OsString {
+    let stem = scene.file_stem().map_or_else(|| "image".into(), OsStr::to_owned);
     if stem != "scene" {
         return stem;
     }
-    std::path::absolute(scene).ok().and_then(|p| p.parent()?.file_name().map(text)).unwrap_or(stem)
+    std::path::absolute(scene).ok().and_then(|p| p.parent()?.file_name().map(OsStr::to_owned)).unwrap_or(stem)
 }
 
 /// Makes sure that a file can be written at `path`, without touching one that is there.
@@ -101,7 +103,8 @@ pub fn writable(path: &Path) -> Result<()> {
     if path.is_dir() {
         return Err(Error::new(crate::error::Kind::Output, format!("cannot write {}: it is a folder", path.display())));
     }
-    tempfile::tempfile_in(folder(path)).map(drop).map_err(|cause| Error::write(path, cause))
+    let target = target(path).map_err(|cause| Error::write(path, cause))?;
+    tempfile::tempfile_in(folder(&target)).map(drop).map_err(|cause| Error::write(path, cause))
 }
 
 /// The folder that a file is in.
@@ -126,7 +129,7 @@ mod tests {
     #[test]
     fn a_part_of_a_picture_keeps_its_film() {
         let shard: Selection = "1/4".parse().unwrap();
-        assert_eq!(Outputs::default_for("cup", shard).film, Some("cup.shard-1-of-4.film".into()));
+        assert_eq!(Outputs::default_for(OsStr::new("cup"), shard).film, Some("cup.shard-1-of-4.film".into()));
         let image = Outputs::of(Path::new("x.exr")).unwrap();
         assert_eq!(image.clone().with_film(None, shard).film, Some("x.film".into()));
         assert_eq!(image.clone().with_film(None, Selection::All).film, None);

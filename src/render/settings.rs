@@ -1,7 +1,7 @@
 //! What decides the pixels of a pass. How many passes there are, on how many threads and into which file does not, so
 //! that films of different runs can be continued and merged.
 
-use super::{Aov, Frame};
+use super::{Aov, Frame, Moment};
 use crate::accel::{Backend, Build};
 use crate::defects::{Defect, planted};
 use crate::film::{Crop, Filter, Layout, Plane};
@@ -27,6 +27,9 @@ pub struct Settings {
     /// The frame of the scene's animations; `None` for the scene as it stands, which is hashed as before there were frames.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<Frame>,
+    /// The only animation that is played there, by name or number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub animation: Option<String>,
     /// Longest path in scattering events; `None` for no limit.
     pub depth: Option<u32>,
     /// Pixel filter.
@@ -62,6 +65,11 @@ impl Settings {
         BuildOptions { backend: self.backend, build: self.build, threads }
     }
 
+    /// What of the scene's animations is shown.
+    pub fn moment(&self) -> Moment {
+        Moment { frame: self.frame, animation: self.animation.clone() }
+    }
+
     /// A hash of what the method reads of it, in hexadecimal: what it does not read changes no pixel.
     pub fn hash(&self) -> String {
         // serde_json sorts fields by name and writes floats in their shortest exact form.
@@ -81,6 +89,7 @@ impl Settings {
             crop,
             camera,
             frame,
+            animation,
             depth,
             filter,
             sampler,
@@ -96,7 +105,8 @@ impl Settings {
             metropolis,
         } = self;
         let by_all = serde_json::json!({
-            "method": method, "width": width, "height": height, "crop": crop, "camera": camera, "frame": frame, "depth": depth,
+            "method": method, "width": width, "height": height, "crop": crop, "camera": camera, "frame": frame,
+            "animation": animation, "depth": depth,
             "filter": filter, "sampler": sampler, "seed": seed, "replicates": replicates, "backend": backend, "build": build,
             "aovs": aovs, "clamp": clamp, "transparent": transparent,
         });

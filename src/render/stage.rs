@@ -1,7 +1,7 @@
 //! A scene loaded and built, with what that took.
 
 use super::machine::{self, Stopwatch};
-use super::{Choices, Frame, Settings, Surroundings};
+use super::{Choices, Frame, Moment, Settings, Surroundings};
 use crate::error::{Error, Result};
 use crate::io::gltf;
 use crate::scene::{BuildOptions, Scene, SceneInfo};
@@ -33,15 +33,17 @@ pub struct Preparation {
 }
 
 impl Stage {
-    /// Loads and builds the scene at `path`, at `frame` of its animations and with `surroundings` instead of its own if given.
+    /// Loads and builds the scene at `path`, at that `moment` of its animations and with `surroundings` instead of its own if given.
     /// Call it from outside the rayon pool, which the caller has set up with as many threads as `options` say.
     ///
     /// # Errors
     /// A scene or an environment that cannot be read or is invalid.
-    pub fn open(path: &Path, surroundings: Option<Surroundings>, frame: Option<Frame>, options: &BuildOptions) -> Result<Stage> {
+    pub fn open(path: &Path, surroundings: Option<Surroundings>, moment: &Moment, options: &BuildOptions) -> Result<Stage> {
         let loading = Stopwatch::start();
-        let mut description = gltf::load_at(path, frame.map(Frame::seconds))?;
-        let doubt = frame.and_then(|frame| frame.doubt(description.animation_end));
+        let (seconds, animation) = (moment.frame.map(Frame::seconds), moment.animation.as_deref());
+        let memory = machine::available_memory().unwrap_or(u64::MAX);
+        let mut description = gltf::load_with(path, &gltf::Reading { seconds, animation, memory })?;
+        let doubt = moment.frame.and_then(|frame| frame.doubt(description.animation_end));
         description.warnings.extend(doubt);
         if let Some(surroundings) = &surroundings {
             surroundings.surround(&mut description)?;

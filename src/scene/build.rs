@@ -76,6 +76,7 @@ impl Scene {
         let mut info = census(&geometry, &materials, shining, features);
         info.instances = description.instances.len();
         info.texture_bytes += environment_bytes;
+        info.animations = description.animations;
         info.ignored = description.ignored;
         info.warnings = warnings;
         (info.centre, info.scale) = (rebase.centre, rebase.scale);

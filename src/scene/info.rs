@@ -23,6 +23,9 @@ pub struct SceneInfo {
     pub geometry_bytes: usize,
     /// Bytes of the acceleration structure, as far as the backend tells.
     pub accel_bytes: usize,
+    /// Names of the file's animations, in the order of their numbers.
+    #[serde(default)]
+    pub animations: Vec<String>,
     /// What kernels must know: see [`super::Features`].
     pub features: Vec<String>,
     /// What the file uses and étendue does not.

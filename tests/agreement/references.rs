@@ -102,7 +102,8 @@ fn the_landscape_has_the_right_mean() {
     let path = project("scenes/landscape/scene.gltf");
     let choices = Choices::beside(&path).expect("its settings");
     let (surroundings, settings) = (choices.surroundings().expect("its environment"), choices.settings(None).expect("valid"));
-    let stage = Stage::open(&path, surroundings, None, &settings.build_options(2)).expect("a valid scene: run `make scenes`");
+    let stage = Stage::open(&path, surroundings, &settings.moment(), &settings.build_options(2))
+        .expect("a valid scene: run `make scenes`");
     for method in [Method::Path, Method::PathNee] {
         let picture = render(&stage.scene, Shot { depth: Some(64), ..Shot::new(method, 256, 256) });
         let ratio = picture.overall().mean / reference.overall().mean - 1.0;

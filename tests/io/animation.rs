@@ -432,3 +432,41 @@ const BROKEN: [&str; 11] = [
     "animation/unresolved_sampler_output.gltf",
     "animation_data/invalid_input_values.gltf",
 ];
+
+/// Two animations of one translation, one of which also turns another way.
+fn two_clips() -> File {
+    let mut file = moving("translation", &[0.0, 1.0], &[[0.0; 3], [1.0, 0.0, 0.0]], "LINEAR");
+    let times = floats(&mut file, "SCALAR", &[[0.0], [1.0]]);
+    let up = floats(&mut file, "VEC3", &[[0.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
+    animate(&mut file, 0, "translation", [times, up], "LINEAR");
+    file.json["animations"][0]["name"] = json!("open");
+    file.json["animations"][1]["name"] = json!("close");
+    file
+}
+
+fn clip(file: &File, animation: Option<&str>) -> etendue::error::Result<Description> {
+    let reading = gltf::Reading { seconds: Some(0.5), animation, ..Default::default() };
+    gltf::parse_with(&file.glb(), std::path::Path::new("nowhere"), &reading)
+}
+
+/// A clip is chosen by name or number; without a choice the later of two that move the same is played, and that is said.
+#[test]
+fn clips_are_named_and_chosen() {
+    let file = two_clips();
+    let where_is = |animation| clip(&file, animation).expect("a valid file").instances[0].transform.translation;
+    assert_eq!(where_is(Some("open")), DVec3::new(0.5, 0.0, 0.0));
+    assert_eq!(where_is(Some("close")), DVec3::new(0.0, 1.0, 0.0));
+    assert_eq!(where_is(Some("0")), DVec3::new(0.5, 0.0, 0.0));
+    assert_eq!(where_is(None), DVec3::new(0.0, 1.0, 0.0));
+    let both = clip(&file, None).expect("a valid file");
+    assert_eq!(both.animations, ["open", "close"]);
+    assert_eq!(file.load().expect("a valid file").animations, ["open", "close"]);
+    let said = both.ignored.join(" ");
+    let conflict = "animations 'open' and 'close' both move the translation of node";
+    assert!(said.contains(conflict) && said.contains("the later one is played: --animation"), "{said}");
+    let alone = clip(&file, Some("open")).expect("a valid file").ignored.join(" ");
+    assert!(!alone.contains("both move"), "{alone}");
+    let error = clip(&file, Some("2")).expect_err("no such clip");
+    assert_eq!(error.kind, etendue::error::Kind::Usage);
+    assert!(error.chain().contains("no animation '2'") && error.chain().contains("0 'open', 1 'close'"), "{}", error.chain());
+}

@@ -1,6 +1,7 @@
 //! What a file may unfold to is bounded by its size: sharing is cheap where it can be, and one error where it cannot.
 
 use crate::support::{File, TRIANGLE, sentence};
+use etendue::error::Kind;
 use glam::Vec3;
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -64,7 +65,18 @@ fn parts_at_places_are_bounded_and_so_are_lights() {
     nodes(&mut lights, 2000);
     assert!(lights.load().is_ok());
     lights.json["materials"] = json!([{ "emissiveFactor": [0, 0, 1] }]);
-    assert_eq!(lights.error(), TOO_MUCH);
+    // Six million lights: bounded by the memory to be had, whatever the file's size, and the mesh that makes them is named.
+    assert!(lights.load().is_ok());
+    let error = with_memory(&lights, 1_000_000_000).expect_err("too many");
+    assert_eq!(error.kind, Kind::Memory);
+    let what = "6000000 emitting triangles would take 1.54 GB as lights and 1.00 GB are to be had: 3000 of mesh 'm' emit at each of 2000";
+    assert!(error.chain().contains(what) && error.chain().contains("--memory"), "{}", error.chain());
+}
+
+/// What the loader says to a file with so many bytes of memory.
+fn with_memory(file: &File, memory: u64) -> etendue::error::Result<etendue::scene::description::Description> {
+    let reading = etendue::io::gltf::Reading { memory, ..Default::default() };
+    etendue::io::gltf::parse_with(&file.glb(), std::path::Path::new("nowhere"), &reading)
 }
 
 #[test]
@@ -138,7 +150,7 @@ fn image_entries_of_the_same_bytes_are_decoded_once() {
 }
 
 #[test]
-fn images_that_claim_more_than_their_bytes_can_hold_are_refused() {
+fn images_that_claim_more_than_the_memory_are_refused_by_their_headers() {
     let side = 30_000u16.to_be_bytes();
     let mut png = encoded(image::ImageFormat::Png);
     [18, 22].into_iter().for_each(|at| png[at..at + 2].copy_from_slice(&side));
@@ -151,13 +163,16 @@ fn images_that_claim_more_than_their_bytes_can_hold_are_refused() {
         let file = textured(&[json!({ "bufferView": 1 })], |f| {
             f.view(&bytes);
         });
-        let has = bytes.len();
-        assert_eq!(file.error(), format!("image 'image 0': it claims 30000×30000 texels, more than its {has} bytes can hold"));
+        let error = with_memory(&file, 4_000_000_000).expect_err("too large");
+        assert_eq!(error.kind, Kind::Memory);
+        let what =
+            "decoding the images would take 4.50 GB and 4.00 GB are to be had: the largest is 'image 0' with 30000×30000 texels";
+        assert!(error.chain().contains(what) && error.chain().contains("--memory"), "{}", error.chain());
     }
 }
 
 #[test]
-fn a_png_of_one_colour_is_within_the_bound() {
+fn a_png_of_one_colour_is_read() {
     let mut bytes = std::io::Cursor::new(Vec::new());
     // As well as deflate can do: 4 million texels of one bit's worth of news.
     let white = image::GrayImage::from_pixel(2048, 2048, image::Luma([255]));

@@ -72,11 +72,18 @@ fn every_kept_film_image_stream_and_configuration_is_read_or_one_sentence() {
     for file in kept("exr") {
         survives(&file, || etendue::io::exr::read(&file));
     }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for file in kept("environment") {
+        let bytes = std::fs::read(&file).expect("a file");
+        let Some((choice, bytes)) = bytes.split_first() else { continue };
+        let map = folder.path().join(if choice & 1 == 0 { "a.hdr" } else { "a.exr" });
+        std::fs::write(&map, bytes).expect("a written file");
+        survives(&file, || etendue::io::environment::load(&map, (choice & 2 != 0).then_some("Combined")));
+    }
     for file in kept("config") {
         let bytes = std::fs::read(&file).expect("a file");
         survives(&file, || Choices::parse(&String::from_utf8_lossy(&bytes)));
     }
-    let folder = tempfile::tempdir().expect("a temporary folder");
     let forged = folder.path().join("forged.film");
     let mut read = [0; 2];
     for file in kept("film") {

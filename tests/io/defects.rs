@@ -197,3 +197,22 @@ pub(crate) fn is_valid(case: &Path) -> bool {
     let report: Value = serde_json::from_slice(&text).expect("a report");
     report["issues"]["numErrors"] == 0
 }
+
+/// What writers leave around the JSON though the specification forbids it is read, and noted; UTF-16 is named.
+#[test]
+fn zeros_and_byte_order_marks_around_the_json_are_noted() {
+    let mut file = File::triangle(json!({}));
+    file.json["buffers"] = json!([{ "byteLength": file.bytes.len() }]);
+    let json = file.json.to_string();
+    let marked = [b"\xef\xbb\xbf", json.as_bytes()].concat();
+    let padded = [json.as_bytes(), &[0; 7]].concat();
+    for (bytes, what) in [(&marked, "byte order mark"), (&padded, "padded with zeros")] {
+        let loaded = load_bytes("odd.glb", &glb(bytes, Some(&file.bytes))).expect("a valid file");
+        assert!(loaded.ignored.iter().any(|note| note.contains(what)), "{:?}", loaded.ignored);
+    }
+    let text = json!({ "asset": { "version": "2.0" } }).to_string();
+    let loaded = load_bytes("odd.gltf", &[b"\xef\xbb\xbf", text.as_bytes()].concat()).expect("a valid file");
+    assert!(loaded.ignored[0].contains("byte order mark"));
+    let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert!(sentence("wide.gltf", load_bytes("wide.gltf", &[&[0xff, 0xfe], &wide[..]].concat())).contains("UTF-16"));
+}

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Kind, Result};
 use crate::render::job::Picture;
-use crate::render::{Frame, Stage, Surroundings};
+use crate::render::{Moment, Stage, Surroundings};
 use crate::scene::BuildOptions;
 use std::path::PathBuf;
 use std::thread::JoinHandle;
@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 pub(super) struct Wanted {
     scene: PathBuf,
     surroundings: Option<Surroundings>,
-    frame: Option<Frame>,
+    moment: Moment,
     options: BuildOptions,
 }
 
@@ -22,8 +22,8 @@ impl Wanted {
         let named = |e: Error| e.context(picture.output.display());
         let (choices, scene) = (&picture.choices, picture.scene.clone());
         let settings = choices.settings(None).map_err(named)?;
-        let (frame, options) = (settings.frame, settings.build_options(threads));
-        Ok(Wanted { scene, surroundings: choices.surroundings().map_err(named)?, frame, options })
+        let (moment, options) = (settings.moment(), settings.build_options(threads));
+        Ok(Wanted { scene, surroundings: choices.surroundings().map_err(named)?, moment, options })
     }
 }
 
@@ -87,8 +87,8 @@ struct Loading {
 
 impl Loading {
     fn begin(wanted: Wanted) -> Self {
-        let Wanted { scene, surroundings, frame, options } = wanted.clone();
-        Loading { wanted, thread: std::thread::spawn(move || Stage::open(&scene, surroundings, frame, &options)) }
+        let Wanted { scene, surroundings, moment, options } = wanted.clone();
+        Loading { wanted, thread: std::thread::spawn(move || Stage::open(&scene, surroundings, &moment, &options)) }
     }
 
     fn end(self) -> Result<Stage> {

@@ -37,6 +37,10 @@ pub(super) struct Document {
     pub(super) size: usize,
     /// What it may still unfold to.
     pub(super) budget: Budget,
+    /// Bytes that decoded images may take.
+    pub(super) memory: u64,
+    /// What is odd about the container, a sentence each.
+    pub(super) oddities: Vec<&'static str>,
     /// The directory that relative URIs start from.
     pub(super) base: PathBuf,
     /// The file's animations as it has them, unchecked, apart from `raw`; null if there are none.
@@ -48,8 +52,9 @@ impl Document {
     ///
     /// # Errors
     /// A scene error if anything is malformed, unsupported or missing.
-    pub(super) fn parse(file: &[u8], base: &Path) -> Result<Self> {
+    pub(super) fn parse(file: &[u8], base: &Path, memory: u64) -> Result<Self> {
         let (text, binary) = if file.starts_with(glb::MAGIC) { glb::split(file)? } else { (file, None) };
+        let (text, oddities) = plain(text)?;
         let mut raw: Value = serde_json::from_slice(text).map_err(|e| Error::scene("the JSON is not valid").because(e))?;
         check_version(&raw["asset"])?;
         check_required(&raw["extensionsRequired"])?;
@@ -61,7 +66,8 @@ impl Document {
         validate(&root)?;
         let buffers = buffer::read_all(&root, base, binary)?;
         let size = file.len() + buffer::size(&buffers);
-        Ok(Document { root, raw, buffers, size, budget: Budget::of(size), base: base.to_path_buf(), animations })
+        let (budget, base) = (Budget::of(size), base.to_path_buf());
+        Ok(Document { root, raw, buffers, size, budget, memory, oddities, base, animations })
     }
 
     /// The bytes of a buffer view.
@@ -101,6 +107,24 @@ const LONGEST_NAME: usize = 256;
 pub(super) fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
     let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(Value::as_f64).collect();
     numbers?.try_into().ok()
+}
+
+/// The JSON without what the specification forbids around it and writers leave there all the same, and what that was.
+fn plain(mut text: &[u8]) -> Result<(&[u8], Vec<&'static str>)> {
+    let mut oddities = Vec::new();
+    if matches!(text, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) {
+        return Err(Error::scene("the JSON is UTF-16, and glTF is UTF-8"));
+    }
+    if let Some(rest) = text.strip_prefix(b"\xef\xbb\xbf") {
+        text = rest;
+        oddities.push("the JSON begins with a byte order mark, which glTF forbids, and is read without it");
+    }
+    let length = text.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    if length < text.len() {
+        text = &text[..length];
+        oddities.push("the JSON is padded with zeros where glTF wants spaces, and is read without them");
+    }
+    Ok((text, oddities))
 }
 
 fn check_version(asset: &Value) -> Result<()> {

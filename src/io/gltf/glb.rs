@@ -30,7 +30,11 @@ pub(super) fn split(file: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
         return Err(Error::scene("the first chunk of the binary glTF is not JSON"));
     }
     // Chunks of a kind that the specification does not know are to be ignored.
-    let binary = if rest.is_empty() { None } else { Some(chunk(rest)?).filter(|&(kind, ..)| kind == BIN) };
+    let binary = if rest.iter().all(|&byte| byte == 0) && rest.len() < CHUNK_HEADER {
+        None
+    } else {
+        Some(chunk(rest)?).filter(|&(kind, ..)| kind == BIN)
+    };
     Ok((json, binary.map(|(_, bytes, _)| bytes)))
 }
 

@@ -1,6 +1,6 @@
 //! PNG and JPEG images, decoded in parallel, each once.
 //!
-//! An image takes memory only if its bytes can hold what its header claims: neither format can expand beyond a factor.
+//! What counts is what headers say that decoding takes: that is compared with the memory to be had before any image is decoded.
 
 use super::document::{Document, name_or};
 use super::resource;
@@ -17,36 +17,24 @@ use std::sync::Arc;
 const LARGEST_SIDE: u32 = 1 << 15;
 /// The most memory that decoding one image may take, in bytes: 16k × 16k texels of 16 bits.
 const LARGEST_IMAGE: u64 = 1 << 31;
-/// The most memory that all images of a file may take, as stored and decoded, in bytes.
-const LARGEST_TOTAL: u64 = 1 << 34;
-/// Deflate makes at most 258 bytes of two bits [RFC1951 §3.2.5].
-const MOST_DEFLATE: u64 = 1032;
-/// JPEG takes a bit at least for the DC coefficient of a block of 8 × 8 texels, even if progressive [T81 §G.1.2.1].
-const MOST_TEXELS_A_BYTE: u64 = 8 * 64;
-
 /// Decodes the images with these indices, in this order. Entries that mean the same bytes share one image.
 ///
 /// # Errors
-/// An error that names the image if one cannot be read, is not PNG or JPEG, or claims more texels than its bytes can hold,
-/// or if all are too large together.
+/// An error that names the image if one cannot be read or is not PNG or JPEG; one of class memory that names the largest if all
+/// would take more than the memory to be had together.
 pub(super) fn decode(document: &Document, indices: &[usize]) -> Result<Vec<Arc<Image>>> {
     let mut distinct: Vec<Encoded> = Vec::new();
     let mut known = HashMap::new();
     let mut places = Vec::with_capacity(indices.len());
-    let mut total = 0;
     for &index in indices {
         let image = &document.root.images[index];
         let place = *known.entry((&image.uri, image.buffer_view.map(|v| v.value()))).or_insert(distinct.len());
         places.push(place);
         if place == distinct.len() {
-            let encoded = Encoded::read(document, index)?;
-            total += encoded.bytes.len() as u64 + encoded.decoded_size().map_err(|e| encoded.named(e))?;
-            if total > LARGEST_TOTAL {
-                return Err(Error::new(Kind::Memory, format!("the images take more than {LARGEST_TOTAL} bytes of memory")));
-            }
-            distinct.push(encoded);
+            distinct.push(Encoded::read(document, index)?);
         }
     }
+    afford(&distinct, document.memory)?;
     let decoded: Vec<Result<Image>> = distinct.par_iter().map(|e| e.decode().map_err(|error| e.named(error))).collect();
     let decoded = decoded.into_iter().map(|image| image.map(Arc::new)).collect::<Result<Vec<_>>>()?;
     Ok(places.into_iter().map(|place| Arc::clone(&decoded[place])).collect())
@@ -93,26 +81,16 @@ impl<'a> Encoded<'a> {
         reader.into_decoder().map_err(undecodable)
     }
 
-    /// Bytes that [`Image`] will hold, from the header alone, if the rest can be as much.
-    fn decoded_size(&self) -> Result<u64> {
+    /// The size, and the bytes that decoding takes, from the header alone: what the decoder fills, and what [`Image`] holds.
+    fn claims(&self) -> Result<Claims> {
         let decoder = self.decoder()?;
         let (width, height) = decoder.dimensions();
         let texels = u64::from(width) * u64::from(height);
         if texels == 0 {
             return Err(Error::scene("it has no texels"));
         }
-        let length = self.bytes.len() as u64;
-        let fits = match self.format()? {
-            ImageFormat::Png => {
-                let bits = u64::from(decoder.original_color_type().bits_per_pixel());
-                texels * bits / 8 <= length * MOST_DEFLATE
-            }
-            _ => texels <= length * MOST_TEXELS_A_BYTE,
-        };
-        if !fits {
-            return Err(Error::scene(format!("it claims {width}×{height} texels, more than its {length} bytes can hold")));
-        }
-        Ok(texels * if is_deep(decoder.color_type()) { 8 } else { 4 })
+        let held = texels * if is_deep(decoder.color_type()) { 8 } else { 4 };
+        Ok(Claims { width, height, bytes: held.saturating_add(decoder.total_bytes()) })
     }
 
     fn decode(&self) -> Result<Image> {
@@ -125,6 +103,27 @@ impl<'a> Encoded<'a> {
         };
         Ok(Image::new(width, height, texels))
     }
+}
+
+/// What a header says.
+struct Claims {
+    width: u32,
+    height: u32,
+    bytes: u64,
+}
+
+/// Refuses images that would take more than `memory` bytes decoded.
+fn afford(images: &[Encoded], memory: u64) -> Result<()> {
+    let claims = images.iter().map(|image| image.claims().map_err(|e| image.named(e))).collect::<Result<Vec<Claims>>>()?;
+    let need =
+        claims.iter().zip(images).fold(0u64, |sum, (c, i)| sum.saturating_add(c.bytes).saturating_add(i.bytes.len() as u64));
+    let largest = claims.iter().zip(images).max_by_key(|(claims, _)| claims.bytes);
+    let Some((claims, image)) = largest.filter(|_| need > memory) else { return Ok(()) };
+    let (Claims { width, height, .. }, name) = (claims, &image.name);
+    let (need, have) = (need as f64 / 1e9, memory as f64 / 1e9);
+    let what = format!("decoding the images would take {need:.2} GB and {have:.2} GB are to be had");
+    let cure = "give it more with --memory, or make it smaller";
+    Err(Error::new(Kind::Memory, format!("{what}: the largest is '{name}' with {width}×{height} texels; {cure}")))
 }
 
 fn undecodable(cause: ::image::ImageError) -> Error {

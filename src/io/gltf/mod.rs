@@ -21,6 +21,7 @@ mod glb;
 mod graph;
 mod image;
 mod instancing;
+mod lamps;
 mod light;
 mod material;
 mod notes;
@@ -31,7 +32,7 @@ mod topology;
 mod vertex;
 
 use crate::error::{Error, Result};
-use crate::scene::description::{Description, Instance, Material, Mesh};
+use crate::scene::description::{Description, Instance, Mesh};
 use animation::Pose;
 use document::{Document, name_or};
 use graph::Placement;
@@ -54,8 +55,35 @@ pub fn load(path: &Path) -> Result<Description> {
 /// # Errors
 /// As [`load`], and with a time if an animation is not valid.
 pub fn load_at(path: &Path, seconds: Option<f64>) -> Result<Description> {
+    load_with(path, &Reading { seconds, ..Reading::default() })
+}
+
+/// How a file is read.
+#[derive(Debug, Clone, Copy)]
+pub struct Reading<'a> {
+    /// The time of its animations in seconds; as it stands without one.
+    pub seconds: Option<f64>,
+    /// The only animation that is played, by name or number from 0; all together without one.
+    pub animation: Option<&'a str>,
+    /// Bytes that decoded images may take, and as many that lamps may.
+    pub memory: u64,
+}
+
+impl Default for Reading<'_> {
+    /// As it stands, with 4 GiB.
+    fn default() -> Self {
+        Reading { seconds: None, animation: None, memory: 1 << 32 }
+    }
+}
+
+/// Reads the scene in `path` as [`load`] does, in that way.
+///
+/// # Errors
+/// As [`load_at`]; a usage error that names all animations if there is no such one; an error of class memory that says what is
+/// large if images or lamps would take too much.
+pub fn load_with(path: &Path, reading: &Reading) -> Result<Description> {
     let bytes = resource::read_file(path, u64::MAX)?;
-    parse_at(&bytes, path.parent().unwrap_or(Path::new("")), seconds).map_err(|e| e.context(path.display()))
+    parse_with(&bytes, path.parent().unwrap_or(Path::new("")), reading).map_err(|e| e.context(path.display()))
 }
 
 /// Reads the scene in the contents of a `.gltf` or `.glb` file, whose relative URIs start from `base`, as [`load`] does.
@@ -71,26 +99,35 @@ pub fn parse(file: &[u8], base: &Path) -> Result<Description> {
 /// # Errors
 /// As [`load_at`], without the path.
 pub fn parse_at(file: &[u8], base: &Path, seconds: Option<f64>) -> Result<Description> {
-    Document::parse(file, base).and_then(|document| describe(&document, seconds))
+    parse_with(file, base, &Reading { seconds, ..Reading::default() })
 }
 
-fn describe(document: &Document, seconds: Option<f64>) -> Result<Description> {
+/// Reads the scene in the contents of a file as [`parse`] does, in the way of [`load_with`].
+///
+/// # Errors
+/// As [`load_with`], without the path.
+pub fn parse_with(file: &[u8], base: &Path, reading: &Reading) -> Result<Description> {
+    Document::parse(file, base, reading.memory).and_then(|document| describe(&document, reading))
+}
+
+fn describe(document: &Document, reading: &Reading) -> Result<Description> {
     let mut loader = Loader { document, notes: Notes::default(), meshes: HashMap::new(), materials: Materials::default() };
     loader.notes.about_file(document);
-    let pose = pose(document, seconds, &mut loader.notes)?;
-    let mut out = Description { animation_end: pose.end, ..Description::default() };
+    let animations = animation::names(document);
+    let pose = pose(document, reading, &mut loader.notes)?;
+    let mut out = Description { animation_end: pose.end, animations, ..Description::default() };
     for placement in graph::placements(document, &pose)? {
         loader.place(&placement, &mut out)?;
     }
     let (materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
-    afford_lights(document, &out, &materials)?;
+    lamps::afford(&out, &materials, reading.memory)?;
     Ok(Description { materials, images, ignored: loader.notes.into_sentences(), ..out })
 }
 
 /// Where nodes are at that time; where they stand in the file without one.
-fn pose(document: &Document, seconds: Option<f64>, notes: &mut Notes) -> Result<Pose> {
-    match seconds {
-        Some(seconds) => animation::pose(document, seconds, notes),
+fn pose(document: &Document, reading: &Reading, notes: &mut Notes) -> Result<Pose> {
+    match reading.seconds {
+        Some(seconds) => animation::pose(document, seconds, reading.animation, notes),
         None => {
             notes.about_rest(document);
             Ok(Pose::default())
@@ -100,18 +137,6 @@ fn pose(document: &Document, seconds: Option<f64>, notes: &mut Notes) -> Result<
 
 /// What a part of a mesh at a place takes in a scene: an object and an instance in the ray-tracing structure.
 const BYTES_A_PART: usize = 128;
-/// What a triangle that emits takes at each place: it is a light.
-const BYTES_A_LIGHT: usize = 256;
-
-/// Emitting triangles are not shared by instances.
-fn afford_lights(document: &Document, out: &Description, materials: &[Material]) -> Result<()> {
-    let emits: Vec<bool> = materials.iter().map(|m| m.unlit || !m.emission.is_black()).collect();
-    for part in out.instances.iter().flat_map(|i| &out.meshes[i.mesh].primitives).filter(|p| emits[p.material]) {
-        document.budget.spend(part.triangles.len(), BYTES_A_LIGHT)?;
-    }
-    Ok(())
-}
-
 /// Materials in the order in which they are first used; `None` is glTF's default material.
 #[derive(Default)]
 struct Materials {

@@ -42,6 +42,7 @@ impl Content for Description {
             has_punctual_lights,
             has_emission,
             hides: _,
+            animations: _,
             animation_end: _,
             ignored: _,
             warnings: _,

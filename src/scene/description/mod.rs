@@ -30,6 +30,8 @@ pub struct Description {
     pub cameras: Vec<Camera>,
     /// What arrives where nothing is hit.
     pub environment: Option<Environment>,
+    /// Names of the file's animations, which is played or not.
+    pub animations: Vec<String>,
     /// The time in seconds at which nothing moves any more; `None` if nothing does, or no time was asked for.
     pub animation_end: Option<f64>,
     /// What the file uses and étendue does not, one sentence each, without repeats.

@@ -1,7 +1,7 @@
 //! Nodes at one time of the file's animations: translations, rotations and scales in place of their own [glTF20 §3.11].
 //!
-//! All animations are played together, since exporters write one for each object; where two move the same part of a node
-//! the later one does. Before the first key and after the last one nothing moves. Morph targets are not read, so neither
+//! One animation is played if it was chosen. Else all are together, since exporters write one for each object; where two move the
+//! same part of a node the later one does, which is noted. Before the first key and after the last one nothing moves. Morph targets are not read, so neither
 //! are animations of their weights; KHR_animation_pointer is not read.
 
 mod curve;
@@ -62,7 +62,7 @@ enum Property {
 }
 
 /// A part of a node's transform.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Part {
     Translation,
@@ -70,21 +70,41 @@ enum Part {
     Scale,
 }
 
-/// The file's animations at a time in seconds.
+/// Names of the file's animations in their order, made up where they have none.
+pub(super) fn names(document: &Document) -> Vec<String> {
+    let animations = document.animations.as_array().into_iter().flatten();
+    let name = |a: &serde_json::Value| a["name"].as_str().map(str::to_owned);
+    animations.enumerate().map(|(index, animation)| name_or(&name(animation), "animation", index)).collect()
+}
+
+/// The file's animations at a time in seconds, or the one with the name or number `only`.
 ///
 /// # Errors
-/// A scene error that names the animation if one is not valid.
-pub(super) fn pose(document: &Document, seconds: f64, notes: &mut Notes) -> Result<Pose> {
+/// A scene error that names the animation if one is not valid; a usage error that names all if there is no such one.
+pub(super) fn pose(document: &Document, seconds: f64, only: Option<&str>, notes: &mut Notes) -> Result<Pose> {
+    let only = only.map(|wanted| choose(&names(document), wanted)).transpose()?;
     let animations = Option::<Vec<Animation>>::deserialize(&document.animations);
     let animations = animations.map_err(|e| Error::scene("the animations are not valid").because(e))?;
-    let mut player = Player { document, moments: Moments::at(seconds), pose: Pose::default() };
-    for (index, animation) in animations.into_iter().flatten().enumerate() {
-        let named = |e: Error| e.context(format!("animation '{}'", name_or(&animation.name, "animation", index)));
+    let (moments, moved_by) = (Moments::at(seconds), HashMap::new());
+    let mut player = Player { document, moments, pose: Pose::default(), moved_by, conflict: None };
+    for (index, animation) in animations.into_iter().flatten().enumerate().filter(|(i, _)| only.is_none_or(|only| only == *i)) {
+        let name = name_or(&animation.name, "animation", index);
         for channel in &animation.channels {
-            player.play(channel, &animation.samplers, notes).map_err(named)?;
+            player.play(channel, &animation.samplers, &name, notes).map_err(|e| e.context(format!("animation '{name}'")))?;
         }
     }
+    player.conflict.into_iter().for_each(|conflict| notes.add(conflict));
     Ok(player.pose)
+}
+
+/// The place of the animation that is called `wanted`, else of that number.
+fn choose(names: &[String], wanted: &str) -> Result<usize> {
+    let by_number = || wanted.parse().ok().filter(|&i: &usize| i < names.len());
+    names.iter().position(|name| name == wanted).or_else(by_number).ok_or_else(|| {
+        let all: Vec<String> = names.iter().enumerate().map(|(i, name)| format!("{i} '{name}'")).collect();
+        let has = if all.is_empty() { "none".to_owned() } else { all.join(", ") };
+        Error::usage(format!("no animation '{wanted}' in the scene, which has {has}"))
+    })
 }
 
 impl Pose {
@@ -98,10 +118,14 @@ struct Player<'a> {
     document: &'a Document,
     moments: Moments,
     pose: Pose,
+    /// Which animation moves each part of each node.
+    moved_by: HashMap<(usize, Part), String>,
+    /// What is said where two move the same.
+    conflict: Option<String>,
 }
 
 impl Player<'_> {
-    fn play(&mut self, channel: &Channel, samplers: &[Sampler], notes: &mut Notes) -> Result<()> {
+    fn play(&mut self, channel: &Channel, samplers: &[Sampler], animation: &str, notes: &mut Notes) -> Result<()> {
         let (node, part) = match (channel.target.node, &channel.target.path) {
             (Some(node), Property::Own(part)) => (node, *part),
             (_, Property::Other(other)) if other == "weights" => {
@@ -121,6 +145,10 @@ impl Player<'_> {
         }
         let sampler = samplers.get(channel.sampler);
         let sampler = sampler.ok_or_else(|| Error::scene(format!("there is no sampler {}", channel.sampler)))?;
+        if let Some(earlier) = self.moved_by.insert((node, part), animation.to_owned()) {
+            let what = format!("animations '{earlier}' and '{animation}' both move the {} of node '{name}'", part.name());
+            self.conflict.get_or_insert_with(|| format!("{what}, where the later one is played: --animation plays one alone"));
+        }
         self.put(node, part, sampler).map_err(|e| e.context(format!("{} of node '{name}'", part.name())))
     }
 
