@@ -91,13 +91,35 @@ impl<'a> Walk<'a> {
     #[inline]
     pub fn new(scene: &'a Scene, ray: Ray) -> Self {
         let (beta, departure) = (Spectrum::ONE, Departure::Camera);
-        Walk { scene, toward: Transport::Light, ray, beta, departure, depth: 0, bounce: 0, survival: 1.0, straight: true, scale: 1.0 }
+        Walk {
+            scene,
+            toward: Transport::Light,
+            ray,
+            beta,
+            departure,
+            depth: 0,
+            bounce: 0,
+            survival: 1.0,
+            straight: true,
+            scale: 1.0,
+        }
     }
 
     /// A walk along a ray of light that stands for `power`, which is not black.
     pub fn from_light(scene: &'a Scene, ray: Ray, power: Spectrum) -> Self {
         let (departure, scale) = (Departure::Light, power.max_lane().recip());
-        Walk { scene, toward: Transport::Camera, ray, beta: power, departure, depth: 0, bounce: 1, survival: 1.0, straight: true, scale }
+        Walk {
+            scene,
+            toward: Transport::Camera,
+            ray,
+            beta: power,
+            departure,
+            depth: 0,
+            bounce: 1,
+            survival: 1.0,
+            straight: true,
+            scale,
+        }
     }
 
     /// Follows the current edge to the surface at its end; `None` where it leaves the scene. A blended surface is met with

@@ -55,7 +55,8 @@ impl Scene {
         let mut lights = area_lights(&geometry, &mut objects, &materials);
         lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
         warnings.extend(coincident::emitters(&description, &objects, &geometry, &lights));
-        let environment = description.environment.take().or_else(|| surroundings::by_default(&description, &lights, &mut warnings));
+        let environment =
+            description.environment.take().or_else(|| surroundings::by_default(&description, &lights, &mut warnings));
         let environment = environment.and_then(surroundings::light);
         let environment_bytes = environment.as_ref().map_or(0, Environment::bytes);
         lights.extend(environment.map(Light::Environment));

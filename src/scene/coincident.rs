@@ -11,12 +11,7 @@ use std::collections::HashMap;
 const NAMED: usize = 4;
 
 /// A sentence for each pair of lights without extent that are alike, and each pair of emitting objects of which triangles coincide.
-pub(super) fn emitters(
-    description: &Description,
-    objects: &[ObjectInfo],
-    geometry: &Geometry,
-    lights: &[Light],
-) -> Vec<String> {
+pub(super) fn emitters(description: &Description, objects: &[ObjectInfo], geometry: &Geometry, lights: &[Light]) -> Vec<String> {
     let mut pairs = alike(&description.lights);
     let name = |object: u32| description.instances[objects[object as usize].instance as usize].name.clone();
     for [a, b] in coincident(objects, geometry, lights) {
@@ -55,7 +50,8 @@ fn coincident(objects: &[ObjectInfo], geometry: &Geometry, lights: &[Light]) -> 
             continue;
         }
         for primitive in 0..geometry.mesh_of(object).triangles().len() as u32 {
-            let mut corners = geometry.triangle(Hit { object, primitive }).vertices.map(|p: Vec3| (p + 0.0).to_array().map(f32::to_bits));
+            let mut corners =
+                geometry.triangle(Hit { object, primitive }).vertices.map(|p: Vec3| (p + 0.0).to_array().map(f32::to_bits));
             corners.sort_unstable();
             match first.insert(corners, object) {
                 Some(other) if other != object && pairs.last() != Some(&[other, object]) => pairs.push([other, object]),

@@ -37,4 +37,3 @@ pub(super) fn light(environment: description::Environment) -> Option<Environment
         }
     }
 }
-
