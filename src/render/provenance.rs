@@ -106,13 +106,15 @@ impl Work {
 impl Provenance {
     /// The provenance of a render that begins now.
     pub fn new(stage: &Stage, settings: Settings, plan: Plan, look: Look) -> Self {
+        // Settings come of a camera that is there.
+        let beyond = stage.scene.beyond_view(settings.camera.as_deref(), settings.width, settings.height).ok().flatten();
         let scene = SceneRecord {
             // Another process, in another folder, may resume.
             path: std::path::absolute(&stage.path).unwrap_or_else(|_| stage.path.clone()),
             surroundings: stage.surroundings.as_ref().map(Surroundings::absolute),
             hash: stage.scene.hash().to_owned(),
             ignored: stage.info.ignored.clone(),
-            warnings: stage.info.warnings.clone(),
+            warnings: stage.info.warnings.iter().cloned().chain(beyond).collect(),
             blind_spots: integrator::blind_spots(settings.method, &stage.scene),
             prior: integrator::prior(settings.method, &stage.scene),
         };

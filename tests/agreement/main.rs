@@ -30,6 +30,7 @@ mod hard_cases;
 mod images_of_lights;
 mod invariance;
 mod lamps;
+mod meaning;
 mod moved;
 mod picture;
 mod pixel_filters;

@@ -73,8 +73,11 @@ fn a_chain_of_many_thousand_nodes_is_followed_to_its_end() {
 fn parts_scaled_to_zero_are_left_out_and_said() {
     let file = nodes(json!([{ "name": "flat", "scale": [1, 0, 1], "children": [1] }, { "mesh": 0 }, { "mesh": 0 }]));
     let description = file.load().expect("a valid file");
-    assert_eq!(description.instances.len(), 1);
-    assert_eq!(description.ignored, ["node 'flat' is scaled to zero and is left out, with all below it"]);
+    assert_eq!((description.instances.len(), description.ignored.len()), (2, 0));
+    let file = nodes(json!([{ "scale": [0, 0, 0], "children": [1] }, { "name": "gone", "mesh": 0 }, { "mesh": 0 }]));
+    let description = file.load().expect("a valid file");
+    assert_eq!((description.instances.len(), description.hides), (1, true));
+    assert_eq!(description.ignored[1], "node 'gone' is scaled to zero: its mesh and its light are left out");
 }
 
 #[test]
@@ -103,7 +106,9 @@ fn cameras_keep_f64() {
     for (key, bad) in [("yfov", json!(0)), ("yfov", json!(4)), ("aspectRatio", json!(-1))] {
         let mut file = File::triangle(file.json.clone());
         file.json["cameras"][0]["perspective"][key] = bad;
-        assert_eq!(file.error(), "camera 'camera 0' has no valid projection");
+        let description = file.load().expect("a valid file");
+        let left = if key == "aspectRatio" { 2 } else { 1 };
+        assert_eq!((description.cameras.len(), description.ignored.len()), (left, 1), "{:?}", description.ignored);
     }
 }
 
@@ -172,7 +177,7 @@ fn defects_of_the_extension_are_errors() {
     let bytes = error(|f| json!({ "SCALE": f.accessor(5120, "VEC3", 1, &[1; 3]) }));
     assert!(bytes.contains("component type that is not for it"), "{bytes}");
     let flat = copies(|f| json!({ "SCALE": f.accessor(5126, "VEC3", 1, &[0; 12]) })).load().expect("a valid file");
-    assert_eq!(flat.ignored, ["copies of node 'n' are scaled to zero and are left out"]);
+    assert_eq!(flat.ignored, ["copies of node 'n' are scaled to a line or a point and are left out"]);
 }
 
 /// A million copies of what takes no bytes in the file, for each of many nodes.
@@ -187,4 +192,53 @@ fn copies_without_data_are_bounded() {
     let node = file.json["nodes"][0].clone();
     file.json["nodes"] = Value::Array(vec![node; 100]);
     assert!(file.error().ends_with("64 times its size"), "{}", file.error());
+}
+
+/// Axes of the camera of the last of `nodes`, of which only the first is a root.
+fn axes(chain: Value) -> glam::DMat3 {
+    let mut file = nodes(chain);
+    file.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }]);
+    file.load().expect("a valid file").cameras.remove(0).transform.matrix3
+}
+
+#[test]
+fn cameras_ignore_scale_and_keep_right_angles() {
+    let turn = json!([0, 0, (std::f64::consts::FRAC_PI_8).sin(), (std::f64::consts::FRAC_PI_8).cos()]);
+    for scale in [json!([-1, -1, -1]), json!([2, -3, 0]), json!([0, 0, 0]), json!([1, 1, -1])] {
+        let own = axes(json!([{ "camera": 0, "scale": scale }]));
+        let above = axes(json!([{ "scale": scale, "children": [1] }, { "camera": 0 }]));
+        assert_eq!([own, above], [glam::DMat3::IDENTITY; 2], "{scale}");
+    }
+    for scale in [json!([1, 3, 1]), json!([-2, 3, 0.5])] {
+        let sheared = axes(json!([{ "scale": scale, "children": [1] }, { "camera": 0, "rotation": turn }]));
+        // Columns of unit length at right angles, right-handed; a dozen roundings.
+        let off = (sheared.transpose() * sheared - glam::DMat3::IDENTITY).to_cols_array();
+        assert!(off.iter().all(|x| x.abs() < 12.0 * f64::EPSILON) && sheared.determinant() > 0.0, "{sheared}");
+        assert_eq!(sheared.z_axis, DVec3::Z);
+    }
+    let matrix = [1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1];
+    assert_eq!(axes(json!([{ "camera": 0, "matrix": matrix }])), glam::DMat3::IDENTITY);
+}
+
+#[test]
+fn doubtful_lights_shine_as_far_as_they_say_something() {
+    let light = |light: Value| {
+        let mut file = nodes(json!([{ "extensions": { "KHR_lights_punctual": { "light": 0 } } }]));
+        file.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+        let description = file.load().expect("a valid file");
+        (description.lights.first().map(|l| (l.kind, l.intensity.max_lane())), description.ignored.len())
+    };
+    let spot =
+        |inner: f64, outer: f64| light(json!({ "type": "spot", "spot": { "innerConeAngle": inner, "outerConeAngle": outer } }));
+    let cone = |inner, outer| Some((PunctualKind::Spot { inner, outer }, 1.0));
+    assert_eq!(spot(0.25, 0.5), (cone(0.25, 0.5), 0));
+    assert_eq!(spot(0.5, 0.5), (cone(0.5, 0.5), 1));
+    assert_eq!(spot(0.75, 0.5), (cone(0.5, 0.5), 1));
+    assert_eq!(spot(-0.5, 0.5), (cone(0.0, 0.5), 1));
+    assert_eq!(spot(0.5, 2.0), (cone(0.5, std::f32::consts::FRAC_PI_2), 1));
+    assert_eq!(spot(0.0, -1.0), (None, 1));
+    assert_eq!(light(json!({ "type": "spot" })), (cone(0.0, std::f32::consts::FRAC_PI_4), 1));
+    assert_eq!(light(json!({ "type": "area" })), (None, 1));
+    assert_eq!(light(json!({ "type": "point", "intensity": -2 })), (Some((PunctualKind::Point, 0.0)), 1));
 }

@@ -73,10 +73,15 @@ fn thin_walls_have_no_volume_and_index_zero_is_kept() {
     let volume = json!({ "attenuationDistance": 2 });
     let m = material(json!({
         "alphaMode": "BLEND",
-        "extensions": { "KHR_materials_volume": volume, "KHR_materials_ior": { "ior": 0 }, "KHR_materials_unlit": {} }
+        "extensions": { "KHR_materials_volume": volume, "KHR_materials_ior": { "ior": 0 } }
     }));
-    assert_eq!((m.volume, m.ior, m.unlit, m.alpha_mode), (None, 0.0, true, AlphaMode::Blend));
+    assert_eq!((m.volume, m.ior, m.alpha_mode), (None, 0.0, AlphaMode::Blend));
     assert_eq!(m.name, "material 0");
+    let unlit = material(json!({
+        "emissiveFactor": [1, 1, 1], "normalTexture": { "index": 0 },
+        "extensions": { "KHR_materials_unlit": {}, "KHR_materials_transmission": { "transmissionFactor": 1 } }
+    }));
+    assert!(unlit.unlit && unlit.emission.is_black() && unlit.normal_texture.is_none() && unlit.transmission == 0.0);
 }
 
 #[test]
