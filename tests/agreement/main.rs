@@ -37,6 +37,7 @@ mod references;
 mod rough_bodies;
 mod sides;
 mod slopes;
+mod smooth_glass;
 mod studio;
 mod symmetries;
 mod techniques;
