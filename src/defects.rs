@@ -261,6 +261,9 @@ defects! {
     NormalsDisagreeBlack "normals-disagree-black"
         "Nothing scatters where the two normals have a direction on different sides, so that glass with averaged normals loses light."
         "Veach97 §5.3, as most renderers follow it";
+    NormalsNotEased "normals-not-eased"
+        "Glass has the same normal on both sides of an edge, where total reflection traps light."
+        "étendue, on a cube with corner normals";
     AdjointForgotten "adjoint-forgotten"
         "Walks from lights do not correct scattering for the difference of the two normals."
         "pbrt-v4 #385";

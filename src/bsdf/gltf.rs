@@ -70,6 +70,12 @@ struct End<T> {
 }
 
 impl Gltf {
+    /// See [`super::Surface::refracts`].
+    #[inline]
+    pub(super) fn refracts(&self) -> bool {
+        matches!(self.transmission, Transmission::Solid(_))
+    }
+
     /// Probabilities by the albedo of each part for light from or to `known`; `None` for a black surface.
     #[inline]
     fn end<T: Scalar>(&self, known: Local<T>) -> Option<End<T>> {

@@ -30,6 +30,16 @@ impl Surface {
         matches!(self, Surface::Black | Surface::Lambert(_) | Surface::Conductor(_))
     }
 
+    /// Whether it is the boundary of a solid that light goes through.
+    #[inline]
+    pub fn refracts(&self) -> bool {
+        match self {
+            Surface::Dielectric(_) => true,
+            Surface::Gltf(b) => b.refracts(),
+            Surface::Black | Surface::Lambert(_) | Surface::Conductor(_) | Surface::Thin(_) => false,
+        }
+    }
+
     /// The colour of the surface for denoisers and people, 0 to 1: the base colour where the model has one.
     pub fn reflectance(&self) -> Spectrum {
         match self {

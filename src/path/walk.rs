@@ -15,15 +15,11 @@ use crate::spectrum::Spectrum;
 use crate::transport::Transport;
 use glam::Vec3;
 
-/// How many surfaces a path may pass on one edge before it is taken for a defect of the scene and cut.
+/// How many scattering and null events a path may have before it is taken for a defect of the scene and cut.
 const LONGEST: u32 = 1 << 14;
 
-/// How many scattering events a path may have. Roulette by depth ([`lasting`]) lets one in four million of those paths come here that
-/// nothing else ends.
-const MOST_EVENTS: u32 = 1 << 18;
-
 /// Scattering events before roulette by depth begins: more than a path has that carries light anywhere but in a trap.
-const LASTING_FROM: u32 = 128;
+const LASTING_FROM: u32 = 256;
 
 /// Scattering events before Russian roulette begins.
 const ROULETTE_FROM: u32 = 2;
@@ -241,7 +237,7 @@ impl<'a> Walk<'a> {
     /// Russian roulette by the share of light that is left, and by depth. Whoever survives is scaled up.
     #[inline]
     pub fn survives(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> bool {
-        if self.depth >= MOST_EVENTS {
+        if self.depth >= LONGEST {
             tally.overlong += 1;
             return false;
         }
@@ -268,11 +264,12 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Probability with which a path survives event `depth`, whatever it carries: it comes to event n with (N / n)², N the event from which
-/// this holds. Paths that total reflection has trapped carry all their light, and only this ends them: after N more events on average.
-/// A power and not a constant probability, since some leave their trap late: what they find then is scaled by (n / N)² and no more, so
-/// that their variance is finite if the share that leaves at event n falls faster than n⁻³; by q⁻ⁿ it would have to fall exponentially.
+/// Probability with which a path survives event `depth`, whatever it carries: it comes to event n with (N / n)⁴, N the event from which
+/// this holds. Paths that total reflection has trapped carry all their light, and only this ends them: after N / 3 more events on
+/// average; [`LONGEST`] is reached by one in 16 million of them. A power and not a constant probability q: what leaves a trap at event n
+/// is scaled by (n / N)⁴, so that its variance is finite wherever the share that is left falls exponentially, however slowly; scaled by
+/// q⁻ⁿ it is infinite in any room of an albedo above √q.
 #[inline]
 fn lasting(depth: u32) -> f32 {
-    if depth <= LASTING_FROM { 1.0 } else { ((depth - 1) as f32 / depth as f32).powi(2) }
+    if depth <= LASTING_FROM { 1.0 } else { ((depth - 1) as f32 / depth as f32).powi(4) }
 }

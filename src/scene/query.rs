@@ -163,13 +163,20 @@ impl Scene {
     pub fn surface(&self, point: &mut SurfacePoint) -> Cow<'_, Surface> {
         let (object, material) = self.material_of(point.hit);
         if let (Some(surface), false, None) = (material.constant(), object.colors, &material.source.normal_texture) {
+            if surface.refracts() {
+                point.frame = eased(point);
+            }
             return Cow::Borrowed(surface);
         }
         let at = self.coordinates(object, point.hit, point.barycentric);
         if let Some(frame) = self.normal_map_frame(material, point, &at) {
             point.frame = frame;
         }
-        Cow::Owned(material.resolve(&at))
+        let surface = material.resolve(&at);
+        if surface.refracts() {
+            point.frame = eased(point);
+        }
+        Cow::Owned(surface)
     }
 
     /// The frame around a normal map's normal; `None` without a map or usable tangents.
@@ -218,4 +225,16 @@ impl Scene {
 
 fn segment_length(ray: &Ray) -> f32 {
     ray.direction.length() * ray.t_max
+}
+
+/// Share of the geometric normal in the shading normal of solids that refract. Where normals are the same on both sides of an edge,
+/// reflections at either face are those of one plane: total reflection leads light into the edge and never out, 3.5 % of what meets a
+/// cube with corner normals. Any share keeps the faces apart; a tenth is a tenth of the bend, under a degree on a ball of 16 segments.
+const EASE: f32 = 0.1;
+
+/// The frame at `point`, its normal moved toward the geometric one by [`EASE`]: by place alone, so that both walks have the same.
+#[inline]
+fn eased(point: &SurfacePoint) -> Frame {
+    let (ns, ng) = (point.frame.n, point.ng);
+    if ns == ng || planted(Defect::NormalsNotEased) { point.frame } else { Frame::around((ns + (ng - ns) * EASE).normalize()) }
 }

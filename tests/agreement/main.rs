@@ -40,6 +40,7 @@ mod rough_bodies;
 mod same_mean;
 mod sides;
 mod slopes;
+mod smooth_glass;
 mod studio;
 mod symmetries;
 mod techniques;

@@ -87,6 +87,8 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("sampling", "shading::both_walks_see_one_scattering_function"),
     of("sampling", "shading::light_does_not_leak_between_the_normals"),
     of("sampling", "shading::a_sampled_weight_is_the_value_over_the_density"),
+    of("sampling", "shading::clear_and_white_lose_nothing_between_the_normals"),
+    of("sampling", "shading::one_scattering_function_over_all_bends"),
     of("sampling", "shading::a_mirror_keeps_radiance_toward_the_light_and_flux_toward_the_camera"),
     of("sampling", "lights::directions_to_a_triangle_follow_its_density"),
     of("sampling", "lights::samples_of_a_triangle_measure_its_solid_angle"),
