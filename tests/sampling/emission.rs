@@ -22,7 +22,14 @@ const PATCH: f32 = -0.1;
 fn lights() -> Vec<(&'static str, Light)> {
     let triangle = Triangle::new(Vec3::new(-0.2, 0.1, 0.5), Vec3::new(0.4, -0.1, 0.4), Vec3::new(0.1, 0.5, 0.6));
     let area = |two_sided: bool, winding: f64| {
-        let emission = Emission { radiance: Spectrum([3.0, 2.0, 1.0]), texture: None, two_sided, coverage: None };
+        let emission = Emission {
+            radiance: Spectrum([3.0, 2.0, 1.0]),
+            texture: None,
+            corners: None,
+            two_sided,
+            only_seen: false,
+            coverage: None,
+        };
         Light::Area(AreaLight::new(triangle, winding, emission, Spectrum::ONE))
     };
     let point = PointLight { position: Vec3::new(0.2, -0.1, 0.5), intensity: Spectrum([1.0, 2.0, 4.0]) };

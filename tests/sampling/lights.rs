@@ -16,7 +16,8 @@ const SAMPLES: u32 = 40_000;
 
 fn two_sided(vertices: [Vec3; 3]) -> (Triangle, Light) {
     let triangle = Triangle::new(vertices[0], vertices[1], vertices[2]);
-    let emission = Emission { radiance: Spectrum::ONE, texture: None, two_sided: true, coverage: None };
+    let emission =
+        Emission { radiance: Spectrum::ONE, texture: None, corners: None, two_sided: true, only_seen: false, coverage: None };
     (triangle, Light::Area(AreaLight::new(triangle, 1.0, emission, Spectrum::ONE)))
 }
 
