@@ -119,6 +119,7 @@ fn forbidden_places_are_not_visited() {
 #[test]
 fn coordinates_at_the_highest_bounces_are_their_own() {
     let (mut point, address) = (Point::default(), Address::new(3));
+    point.clear();
     let bounces = [0, 1, 5_461, 5_462, 16_384, 1 << 30, (1 << 30) + (3 << 16) + 2, 357_913_942, u32::MAX];
     let mut expected = Independent::new(address.with(Stream::Camera as u64));
     let [mut camera, ..] = point.draw(address);

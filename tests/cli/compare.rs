@@ -148,12 +148,12 @@ fn only_like_can_be_compared() {
 fn methods_whose_pixels_share_samples_are_compared_by_their_record() {
     let place = Place::new();
     for method in ["light", "bdpt", "pssmlt", "mmlt", "mlt"] {
-        render(&place, "a.exr", &format!("-m {method} --size 16x16 --seed 1"));
-        render(&place, "b.exr", &format!("-m {method} --size 16x16 --seed 2"));
+        render(&place, "a.exr", &format!("-m {method} --seed 1"));
+        render(&place, "b.exr", &format!("-m {method} --seed 2"));
         let same = compare(&place, "a.exr b.exr", 0);
         assert_eq!(same["verdict"]["outcome"], "no-difference", "{method}: {same}");
     }
-    render(&place, "c.exr", "-m mlt --size 16x16 --seed 3 --depth 1");
+    render(&place, "c.exr", "-m mlt --seed 3 --depth 1");
     assert_eq!(compare(&place, "c.exr b.exr", 7)["verdict"]["outcome"], "differ");
     let b = place.path("b.exr");
     change(&b, &b, |layers| {

@@ -205,7 +205,7 @@ impl Tested {
     pub(in crate::render) fn findings(&self, level: f64) -> Vec<Finding> {
         let split = self.tile_tests();
         let finding = |(i, (c, &p)): (usize, (&Comparison, &f64))| {
-            (p < level).then(|| Finding { area: c.area, channel: c.channel, a: c.a, b: c.b, p, is_image: i >= split })
+            (p < level).then_some(Finding { area: c.area, channel: c.channel, a: c.a, b: c.b, p, is_image: i >= split })
         };
         let mut found: Vec<Finding> = self.levels.iter().flatten().zip(&self.p).enumerate().filter_map(finding).collect();
         found.sort_by(|a, b| a.p.total_cmp(&b.p).then(b.is_image.cmp(&a.is_image)));

@@ -36,12 +36,12 @@ pub(in crate::render) fn encode(pyramid: &Pyramid) -> String {
 
 fn numbers(sum: &Sum, tile: &Tile, pyramid: &Pyramid) -> Vec<f32> {
     match sum {
-        Sum::OfPixels(_) => {
+        Sum::Pixels(_) => {
             let mean = sum.estimate(tile.pixels, &pyramid.replicates);
             let third = sum.third(tile.pixels, &pyramid.replicates).cbrt();
             [mean.value, mean.standard_error, mean.dof, third].map(|x| x as f32).to_vec()
         }
-        Sum::OfSplats { by_replicate, .. } | Sum::OfChains(by_replicate) => {
+        Sum::Splats { by_replicate, .. } | Sum::Chains(by_replicate) => {
             by_replicate.iter().map(|sum| (sum / tile.pixels) as f32).collect()
         }
     }
@@ -77,7 +77,7 @@ fn sum(numbers: &[f64], independent: Independent, pixels: f64, replicates: &Repl
         let variance = (error * pixels).powi(2);
         let squares = replicates.dof() * variance * variance / dof;
         let parts = Parts { value: mean * pixels, variance, squares, third: (third * pixels).powi(3) };
-        return (error >= 0.0 && dof > 0.0).then_some(Sum::OfPixels(parts));
+        return (error >= 0.0 && dof > 0.0).then_some(Sum::Pixels(parts));
     }
     let mut sum = Sum::new(independent, replicates);
     let sums: Vec<f64> = numbers.iter().map(|mean| mean * pixels).collect();

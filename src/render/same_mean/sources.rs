@@ -49,12 +49,12 @@ impl PixelErrors<'_> {
             let pixels = (area.y0..area.y1).flat_map(|y| (area.x0..area.x1).map(move |x| (x, y)));
             let pixels = pixels.map(|(x, y)| (y - self.crop.y0) as usize * width + (x - self.crop.x0) as usize);
             let pixels: Vec<usize> = pixels.filter(|&pixel| taken(pixel)).collect();
-            let sum = |channel: usize| Sum::OfPixels(self.sum(&pixels, channel));
+            let sum = |channel: usize| Sum::Pixels(self.sum(&pixels, channel));
             Tile { pixels: pixels.len() as f64, ..Tile::new(area, std::array::from_fn(sum)) }
         };
         let smallest = Level { columns, tiles: areas.into_iter().map(tile).collect() };
         let pyramid = Pyramid::upon(self.crop, Independent::Pixels, replicates, smallest);
-        Some(pyramid.from_tiles_of(LEAST_SAMPLES / self.spp.max(1) as f64))
+        Some(pyramid.with_tiles_of(LEAST_SAMPLES / self.spp.max(1) as f64))
     }
 
     fn sum(&self, pixels: &[usize], channel: usize) -> Parts {

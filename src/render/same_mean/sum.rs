@@ -84,16 +84,16 @@ impl Parts {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Sum {
     /// Of pixels that have samples of their own: their errors add up.
-    OfPixels(Parts),
+    Pixels(Parts),
     /// Of pixels that share light walks: by replicate, and by smallest tile for the skewness, since a walk lights few of them.
-    OfSplats {
+    Splats {
         /// Sums of the means of each replicate.
         by_replicate: Vec<f64>,
         /// Over the smallest tiles.
         tiles: Parts,
     },
     /// Of pixels that share chains: by replicate alone.
-    OfChains(Vec<f64>),
+    Chains(Vec<f64>),
 }
 
 impl Sum {
@@ -101,24 +101,24 @@ impl Sum {
     pub(super) fn new(independent: Independent, replicates: &Replicates) -> Self {
         let by_replicate = vec![0.0; replicates.count()];
         match independent {
-            Independent::Pixels => Sum::OfPixels(Parts::default()),
-            _ if planted(Defect::ComparesPixels) => Sum::OfPixels(Parts::default()),
-            Independent::Blocks => Sum::OfSplats { by_replicate, tiles: Parts::default() },
-            Independent::Replicates => Sum::OfChains(by_replicate),
+            Independent::Pixels => Sum::Pixels(Parts::default()),
+            _ if planted(Defect::ComparesPixels) => Sum::Pixels(Parts::default()),
+            Independent::Blocks => Sum::Splats { by_replicate, tiles: Parts::default() },
+            Independent::Replicates => Sum::Chains(by_replicate),
         }
     }
 
     /// Adds a pixel by the means of its replicates.
     pub(super) fn add_pixel(&mut self, means: &[f64], replicates: &Replicates) {
         match self {
-            Sum::OfPixels(parts) => parts.add(&part(means, replicates)),
-            Sum::OfSplats { by_replicate: sums, .. } | Sum::OfChains(sums) => add(sums, means),
+            Sum::Pixels(parts) => parts.add(&part(means, replicates)),
+            Sum::Splats { by_replicate: sums, .. } | Sum::Chains(sums) => add(sums, means),
         }
     }
 
     /// What a smallest tile is when all its pixels are added.
     pub(super) fn finish(&mut self, replicates: &Replicates) {
-        if let Sum::OfSplats { by_replicate, tiles } = self {
+        if let Sum::Splats { by_replicate, tiles } = self {
             *tiles = part(by_replicate, replicates);
         }
     }
@@ -126,12 +126,12 @@ impl Sum {
     /// Adds another tile of the same picture.
     pub(super) fn merge(&mut self, other: &Sum) {
         match (self, other) {
-            (Sum::OfPixels(a), Sum::OfPixels(b)) => a.add(b),
-            (Sum::OfSplats { by_replicate: a, tiles }, Sum::OfSplats { by_replicate: b, tiles: more }) => {
+            (Sum::Pixels(a), Sum::Pixels(b)) => a.add(b),
+            (Sum::Splats { by_replicate: a, tiles }, Sum::Splats { by_replicate: b, tiles: more }) => {
                 add(a, b);
                 tiles.add(more);
             }
-            (Sum::OfChains(a), Sum::OfChains(b)) => add(a, b),
+            (Sum::Chains(a), Sum::Chains(b)) => add(a, b),
             (a, b) => debug_assert!(false, "{a:?} and {b:?} in one picture"),
         }
     }
@@ -146,11 +146,11 @@ impl Sum {
         };
         match self {
             // Satterthwaite's: a tile whose error is that of one firefly has those of one pixel.
-            Sum::OfPixels(parts) if parts.squares > 0.0 => {
+            Sum::Pixels(parts) if parts.squares > 0.0 => {
                 of(parts.value, parts.variance, own * parts.variance * parts.variance / parts.squares)
             }
-            Sum::OfPixels(parts) => of(parts.value, parts.variance, own),
-            Sum::OfSplats { by_replicate, .. } | Sum::OfChains(by_replicate) => {
+            Sum::Pixels(parts) => of(parts.value, parts.variance, own),
+            Sum::Splats { by_replicate, .. } | Sum::Chains(by_replicate) => {
                 of(replicates.mean(by_replicate), replicates.variance(by_replicate), own)
             }
         }
@@ -159,14 +159,14 @@ impl Sum {
     /// The third cumulant of that mean.
     pub(super) fn third(&self, pixels: f64, replicates: &Replicates) -> f64 {
         let third = match self {
-            Sum::OfPixels(parts) => parts.third,
-            Sum::OfSplats { by_replicate, tiles } => {
+            Sum::Pixels(parts) => parts.third,
+            Sum::Splats { by_replicate, tiles } => {
                 // Few replicates say little of a third cumulant, and smallest tiles together much. Where k tiles get the same light of
                 // a walk the variance of their sum is k times the sum of theirs, and its third cumulant k² times.
                 let ties = if tiles.variance > 0.0 { replicates.variance(by_replicate) / tiles.variance } else { 1.0 };
                 tiles.third * ties.max(1.0).powi(2)
             }
-            Sum::OfChains(by_replicate) => replicates.third(by_replicate),
+            Sum::Chains(by_replicate) => replicates.third(by_replicate),
         };
         third / pixels.powi(3)
     }
@@ -181,12 +181,12 @@ impl Sum {
             parts.third *= factor.powi(3);
         };
         match self {
-            Sum::OfPixels(parts) => scale(parts),
-            Sum::OfSplats { by_replicate, tiles } => {
+            Sum::Pixels(parts) => scale(parts),
+            Sum::Splats { by_replicate, tiles } => {
                 by_replicate.iter_mut().for_each(|s| *s *= factor);
                 scale(tiles);
             }
-            Sum::OfChains(by_replicate) => by_replicate.iter_mut().for_each(|s| *s *= factor),
+            Sum::Chains(by_replicate) => by_replicate.iter_mut().for_each(|s| *s *= factor),
         }
     }
 }

@@ -96,7 +96,7 @@ impl Pyramid {
     }
 
     /// The same with the levels below the first of `pixels` pixels a tile left out of tests.
-    pub(super) fn from_tiles_of(self, pixels: f64) -> Pyramid {
+    pub(super) fn with_tiles_of(self, pixels: f64) -> Pyramid {
         let last = self.levels.len() - 1;
         let side = f64::from(smallest_side(self.crop));
         let first = (0..last).find(|&i| (side * (1_u64 << i) as f64).powi(2) >= pixels).unwrap_or(last);
