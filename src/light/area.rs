@@ -89,7 +89,7 @@ impl Emission {
     fn at(&self, barycentric: [f32; 2]) -> Spectrum {
         let mut radiance = self.radiance;
         if let Some(corners) = &self.corners {
-            radiance = radiance * mix(corners, barycentric);
+            radiance *= mix(corners, barycentric);
         }
         let Some(textured) = &self.texture else { return radiance };
         let (texture, uvs) = &**textured;

@@ -137,7 +137,7 @@ fn sided(point: &SurfacePoint, w: DVec3) -> Sided<f64> {
 fn smooth_factors(surface: &Surface, seen: &Seen) -> Factors {
     let mut all = Factors { f: Spectrum::ZERO, to_camera: 0.0, to_light: 0.0, copied: [1.0; 2] };
     for (wi, chosen) in seen.wi.choices() {
-        all.f = all.f + surface.eval(wi, seen.wo, Lobes::SMOOTH) * (wi.z.abs() / seen.cos_i);
+        all.f += surface.eval(wi, seen.wo, Lobes::SMOOTH) * (wi.z.abs() / seen.cos_i);
         all.to_camera += surface.pdf(wi, seen.wo, Transport::Camera, Lobes::SMOOTH) * chosen * seen.share;
         all.to_light += surface.pdf(seen.wo, wi, Transport::Light, Lobes::SMOOTH);
     }

@@ -263,7 +263,7 @@ pub(super) fn settle(m: &mut description::Material, usage: &mut Usage) {
     }
     let rgb = |[r, g, b, _]: [f32; 4]| Spectrum::from_rgb([r, g, b]);
     if let Some(base) = take(&mut m.base_color_texture, &mut usage.base, if holes { &[0, 1, 2, 3] } else { &[0, 1, 2] }) {
-        m.base_color = m.base_color * rgb(base);
+        m.base_color *= rgb(base);
         m.alpha *= base[3];
     }
     if let Some([_, rough, metal, _]) = take(&mut m.metallic_roughness_texture, &mut usage.metallic_roughness, &[1, 2]) {
@@ -271,13 +271,13 @@ pub(super) fn settle(m: &mut description::Material, usage: &mut Usage) {
         m.metallic *= metal;
     }
     if let Some(emission) = take(&mut m.emission_texture, &mut usage.emission, &[0, 1, 2]) {
-        m.emission = m.emission * rgb(emission);
+        m.emission *= rgb(emission);
     }
     if let Some(specular) = take(&mut m.specular_texture, &mut usage.specular, &[3]) {
         m.specular *= specular[3];
     }
     if let Some(color) = take(&mut m.specular_color_texture, &mut usage.specular_color, &[0, 1, 2]) {
-        m.specular_color = m.specular_color * rgb(color);
+        m.specular_color *= rgb(color);
     }
     if let Some(transmission) = take(&mut m.transmission_texture, &mut usage.transmission, &[0]) {
         m.transmission *= transmission[0];

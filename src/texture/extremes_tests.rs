@@ -44,6 +44,7 @@ fn every_lookup_lies_between_them() {
             let (u, v) = (((i % 20) as f32 + 0.5) / 20.0, ((i / 20) as f32 + 0.5) / 20.0);
             let uv = uvs[0] * (1.0 - u.min(1.0 - v) - v) + uvs[1] * u.min(1.0 - v) + uvs[2] * v;
             let seen = texture.at(uv);
+            #[allow(clippy::needless_range_loop)] // four arrays are indexed alike
             for c in 0..4 {
                 // Two blends, each within a few roundings of numbers up to 1.
                 let rounding = 8.0 * f32::EPSILON;

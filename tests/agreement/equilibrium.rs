@@ -2,7 +2,7 @@
 //! everywhere (its square of the index times it inside glass), whatever stands in the room. Exact answers without limit.
 //!
 //! A scene is a star-shaped room or a uniform sky, and in it up to eight bodies and some sheets: matte, textured, mirrors of any
-//! reflectance, glass of any index, clear and tinted windows, half-covered and unlit surfaces; ellipsoids and ragged stars, single
+//! reflectance, glass of any index, clear and tinted windows, half-covered surfaces and lamps; ellipsoids and ragged stars, single
 //! and as instances, everything turned, moved and scaled. No surface lies on another:
 //! which of two is hit first is not defined then, and where one emits and the other lets light through, the answers of light sampling
 //! and of scattered rays do not add up (0.3 % of a room's brightness when two sheets of this generator did).
@@ -94,7 +94,7 @@ impl Maker {
             0 => complemented(matte(0.0, 0.0), self.colour(0.9)),
             1 => self.textured(),
             2 => Material { alpha_mode: AlphaMode::Blend, alpha: 0.6, ..complemented(matte(0.0, 0.0), self.colour(0.9)) },
-            3 => Material { unlit: true, ..matte(1.0, 0.0) },
+            3 => Material { emission: Spectrum::ONE, double_sided: true, ..matte(0.0, 0.0) },
             4 => metal(1.0, 0.0),
             5 => Material { ior: self.between(1.1, 2.4) as f32, ..glass(0.0) },
             6 => Material {

@@ -65,11 +65,11 @@ fn parts_at_places_are_bounded_and_so_are_lights() {
     nodes(&mut lights, 2000);
     assert!(lights.load().is_ok());
     lights.json["materials"] = json!([{ "emissiveFactor": [0, 0, 1] }]);
-    // Six million lights: bounded by the memory to be had, whatever the file's size, and the mesh that makes them is named.
+    // Two million lights: bounded by the memory to be had, whatever the file's size, and the mesh that makes them is named.
     assert!(lights.load().is_ok());
-    let error = with_memory(&lights, 1_000_000_000).expect_err("too many");
+    let error = with_memory(&lights, 500_000_000).expect_err("too many");
     assert_eq!(error.kind, Kind::Memory);
-    let what = "6000000 emitting triangles would take 1.54 GB as lights and 1.00 GB are to be had: 3000 of mesh 'm' emit at each of 2000";
+    let what = "2000000 emitting triangles would take 0.51 GB as lights and 0.50 GB are to be had: 1000 of mesh 'm' emit at each of 2000";
     assert!(error.chain().contains(what) && error.chain().contains("--memory"), "{}", error.chain());
 }
 

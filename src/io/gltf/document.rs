@@ -218,7 +218,11 @@ fn tolerated(path: &str, defect: Defect) -> bool {
         Defect::Unsupported => path.starts_with("extensionsRequired"),
         // An accessor without data is all zeros; a texture may have its image in an extension that is not read.
         Defect::Missing => {
-            positions || path.ends_with("].bufferView") || path.ends_with("].source") || path.starts_with("cameras[")
+            positions
+                || path.ends_with("].bufferView")
+                || path.ends_with("].source")
+                || path.starts_with("cameras[")
+                || path.ends_with(".spot")
         }
         Defect::Invalid => positions && (path.ends_with(".min") || path.ends_with(".max")) || is_forgiven(path),
         Defect::IndexOutOfBounds => path.contains(".khr_lights_punctual") || path.contains(".KHR_lights_punctual"),
