@@ -14,6 +14,7 @@ mod gltf;
 mod lambert;
 mod metallic_roughness;
 pub mod shading;
+mod straight;
 mod surface;
 mod thin;
 

@@ -1,8 +1,9 @@
 //! Materials as shading uses them: a constant surface where nothing varies, textures looked up where something does.
 
+use super::bodies::Interior;
 use super::description::{self, AlphaMode, MetalFresnel};
-use crate::bsdf::{MetallicRoughness, Surface, Wall};
-use crate::geometry::MediumId;
+use crate::bsdf::{Ggx, MetallicRoughness, Surface, Wall};
+use crate::defects::{Defect, planted};
 use crate::light::{Coverage, Emission};
 use crate::spectrum::Spectrum;
 use crate::texture::Texture;
@@ -14,12 +15,13 @@ use std::sync::Arc;
 pub(super) struct Material {
     /// As loaded.
     pub(super) source: description::Material,
-    /// The surface, if it is the same everywhere (vertex colours apart).
-    constant: Option<Surface>,
+    /// The surface outside all other bodies and what is left of it without what it lets straight through, if it is the same
+    /// everywhere (vertex colours apart).
+    constant: Option<[Surface; 2]>,
     /// The emission texture, shared by the lights of the material.
     emission_texture: Option<Arc<Texture>>,
     /// What is inside an object of this material.
-    pub(super) interior: MediumId,
+    pub(super) interior: Option<Interior>,
     /// See [`Material::is_culled`].
     culled: bool,
 }
@@ -38,14 +40,15 @@ impl Coordinates {
 }
 
 impl Material {
-    pub(super) fn new(source: description::Material, interior: MediumId) -> Self {
+    pub(super) fn new(source: description::Material, interior: Option<Interior>) -> Self {
         let nowhere = Coordinates { uvs: [Vec2::ZERO; 2], color: Vec4::ONE };
         let emission_texture = emission_map(&source).cloned().map(Arc::new);
         let mut material = Material { source, constant: None, emission_texture, interior, culled: false };
         let m = &material.source;
         material.culled = !m.double_sided && material.emission().is_black() && m.transmission <= 0.0;
         if !material.has_surface_textures() {
-            material.constant = Some(material.resolve(&nowhere));
+            let whole = material.resolve(&nowhere, 1.0);
+            material.constant = Some([whole, if material.emission().is_black() { whole.rest() } else { whole }]);
         }
         material
     }
@@ -65,14 +68,32 @@ impl Material {
             .any(Option::is_some)
     }
 
-    /// The surface, if neither textures nor vertex colours change it.
+    /// The surface outside all other bodies, whole and without what it lets straight through, if neither textures nor vertex colours
+    /// change it.
     #[inline]
-    pub(super) fn constant(&self) -> Option<&Surface> {
+    pub(super) fn constant(&self) -> Option<&[Surface; 2]> {
         self.constant.as_ref()
     }
 
-    /// The surface at `at`.
-    pub(super) fn resolve(&self, at: &Coordinates) -> Surface {
+    /// Whether it may let light straight through where the index outside is `outside`.
+    pub(super) fn may_pass(&self, outside: f32) -> bool {
+        let m = &self.source;
+        if m.unlit
+            || m.transmission <= 0.0
+            || m.metallic >= 1.0
+            || !self.emission().is_black()
+            || planted(Defect::PanesStopShadows)
+        {
+            return false;
+        }
+        match self.interior {
+            Some(interior) => (interior.ior - outside).abs() <= 0.0,
+            None => m.metallic_roughness_texture.is_some() || Ggx::new(m.roughness * m.roughness).is_dirac(),
+        }
+    }
+
+    /// The surface at `at`, whole, where the index outside is `outside`.
+    pub(super) fn resolve(&self, at: &Coordinates, outside: f32) -> Surface {
         let m = &self.source;
         if m.unlit {
             return Surface::Black;
@@ -89,6 +110,7 @@ impl Material {
             specular: m.specular * at.look_up(&m.specular_texture)[3],
             specular_color: m.specular_color * Spectrum::from_rgb([sr, sg, sb]),
             ior: m.ior,
+            outside,
             transmission: m.transmission * at.look_up(&m.transmission_texture)[0],
             wall: if m.volume.is_some() { Wall::Solid } else { Wall::Thin },
             metal_f90: if m.metal_fresnel == MetalFresnel::Constant { base } else { Spectrum::ONE },

@@ -93,7 +93,7 @@ impl<'c, 'a> Eye<'c, 'a> {
                     log_uniform(TURNS, walker.numbers.uniform()),
                     walker.numbers.uniform(),
                 );
-                (w, walker.along(node.point.spawn(w))?)
+                (w, walker.leave(&node, w)?)
             } else {
                 walker.through_lobe(&mut node, known, Transport::Light, x.node(i).lobe)?
             };
