@@ -70,12 +70,13 @@ mod tests {
                 let (_, probability) = whole.straight(cos).expect("it is clear");
                 let known = Local::new((1.0 - cos * cos).sqrt(), 0.0, cos);
                 assert!(!whole.rest().lobes().intersects(Lobes::DIRAC_TRANSMIT));
-                let mirrored = |s: Surface| s.dirac(known, Transport::Light, Lobes::DIRAC_REFLECT).expect("it mirrors");
-                let (all, rest) = (mirrored(whole), mirrored(whole.rest()));
+                let mirrored = |s: Surface| s.dirac(known, Transport::Light, Lobes::DIRAC_REFLECT);
+                // Nothing is reflected head on where indices are equal.
+                let (Some(all), Some(rest)) = (mirrored(whole), mirrored(whole.rest())) else { continue };
                 assert_eq!(all.value, rest.value);
-                // Four roundings.
+                // Probabilities are sums and quotients of albedos: sixteen roundings.
                 let met = (1.0 - probability) * rest.density.value();
-                assert!((met - all.density.value()).abs() < 4.0 * f32::EPSILON, "{met} {all:?}");
+                assert!((met - all.density.value()).abs() < 16.0 * f32::EPSILON, "{met} {all:?}");
             }
         }
     }
