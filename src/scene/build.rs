@@ -1,6 +1,7 @@
 //! From a description to a scene: rebasing, baking, compiling, building.
 
 use super::assemble::assemble;
+use super::contact::Contacts;
 use super::description::{self, Description, PunctualKind};
 use super::extent::Extent;
 use super::material::Material;
@@ -51,8 +52,9 @@ impl Scene {
         let mut media = Vec::new();
         let compile = |m: &description::Material| Ok(Material::new(m.clone(), interior(m, &rebase, &mut media)?));
         let materials = description.materials.iter().map(compile).collect::<Result<Vec<Material>>>()?;
-        let (geometry, mut objects) = assemble(&description, &rebase, &materials)?;
-        let mut lights = area_lights(&geometry, &mut objects, &materials);
+        let (mut geometry, mut objects) = assemble(&description, &rebase, &materials)?;
+        let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
+        let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());
         lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
         let environment = description.environment.or_else(|| {
             let dark = lights.iter().all(|l| l.power(1.0) <= 0.0);
@@ -68,7 +70,7 @@ impl Scene {
         let accel = Accel::build(&geometry, options.backend, options.build, options.threads)?;
         let centre = rebase.point((extent.min + extent.max) * 0.5).as_vec3();
         let ball = Ball { centre, radius: (extent.radius() * rebase.scale) as f32 };
-        let features = features(&geometry, &objects, &materials, &lights, &media);
+        let features = Features { contacts: contacts.is_some(), ..features(&geometry, &objects, &materials, &lights, &media) };
         let mut info = census(&geometry, &materials, lights.len(), features);
         info.instances = description.instances.len();
         info.texture_bytes += environment_bytes;
@@ -80,7 +82,7 @@ impl Scene {
         info.accel_bytes = accel.bytes();
         let views = Views::new(description.cameras, extent.min, extent.max);
         let lights = Lights::new(lights, ball.radius);
-        Ok(Scene { geometry, objects, materials, media, lights, accel, rebase, ball, features, views, info, hash })
+        Ok(Scene { geometry, objects, materials, media, lights, accel, contacts, rebase, ball, features, views, info, hash })
     }
 }
 
@@ -101,8 +103,35 @@ fn interior(material: &description::Material, rebase: &Rebase, media: &mut Vec<A
     id.ok_or_else(|| Error::scene(format!("the scene has more than {} volumes of different absorption", u16::MAX)))
 }
 
+/// Finds surfaces that touch where one of them lets light pass; queries may then leave out the objects they belong to.
+fn contacts(
+    geometry: &mut Geometry,
+    objects: &[ObjectInfo],
+    materials: &[Material],
+    cameras: &[description::Camera],
+    rebase: &Rebase,
+    warnings: &mut Vec<String>,
+) -> Option<Box<Contacts>> {
+    let passes = |o: &ObjectInfo| materials[o.material as usize].lets_light_pass(o.colors);
+    let passes: Vec<bool> = objects.iter().map(passes).collect();
+    let eyes: Vec<_> = cameras.iter().map(|camera| rebase.point(camera.transform.translation).as_vec3()).collect();
+    let contacts = Contacts::find(geometry, &passes, &eyes).unwrap_or_else(|many| {
+        warnings.push(format!("{many} triangles lie at surfaces that let light pass, too many to tell which of them touch"));
+        None
+    })?;
+    for (object, placed) in (0..).zip(&mut geometry.objects) {
+        placed.filtered |= contacts.has(object);
+    }
+    Some(Box::new(contacts))
+}
+
 /// Makes each emitting triangle a light, and notes in `objects` where those of each object begin.
-fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Material]) -> Vec<Light> {
+fn area_lights(
+    geometry: &Geometry,
+    objects: &mut [ObjectInfo],
+    materials: &[Material],
+    contacts: Option<&Contacts>,
+) -> Vec<Light> {
     let mut lights = Vec::new();
     for (index, info) in objects.iter_mut().enumerate() {
         let material = &materials[info.material as usize];
@@ -116,7 +145,8 @@ fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Mat
             let hit = Hit { object, primitive };
             let alphas = geometry.corner_colors(hit).map(|colors| colors.map(|c| c.w));
             let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), alphas);
-            Light::Area(AreaLight::new(geometry.triangle(hit), winding, emission, mean))
+            let touched = if contacts.is_some_and(|c| c.flags(hit)) { hit } else { Hit::NONE };
+            Light::Area(AreaLight::touched(geometry.triangle(hit), touched, winding, emission, mean))
         }));
     }
     lights
@@ -172,6 +202,7 @@ fn features(
         refraction: used(&|m| m.source.transmission > 0.0 && m.source.volume.is_some()),
         instances: geometry.objects.iter().any(|o| o.placement.is_some()),
         dirac_lights: lights.iter().any(Light::is_dirac),
+        contacts: false,
     }
 }
 

@@ -111,6 +111,11 @@ impl Material {
         }
     }
 
+    /// Whether rays go on behind it: it transmits, or blends by alpha.
+    pub(super) fn lets_light_pass(&self, has_colors: bool) -> bool {
+        self.source.transmission > 0.0 || self.source.alpha_mode == AlphaMode::Blend && self.has_holes(has_colors)
+    }
+
     /// Whether the camera sees through its back: single-sided, without light of its own or through it.
     #[inline]
     pub(super) fn is_culled(&self) -> bool {

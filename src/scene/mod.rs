@@ -3,12 +3,14 @@
 
 mod assemble;
 mod build;
+mod contact;
 pub mod description;
 mod extent;
 mod info;
 mod material;
 mod query;
 mod rebase;
+mod touching;
 mod view;
 
 pub use build::BuildOptions;
@@ -29,6 +31,8 @@ pub struct Scene {
     media: Vec<Absorption>,
     lights: Lights,
     accel: Accel,
+    /// Surfaces that touch where one lets light pass, if there are any.
+    contacts: Option<Box<contact::Contacts>>,
     rebase: Rebase,
     ball: Ball,
     features: Features,
@@ -62,6 +66,8 @@ pub struct Features {
     pub instances: bool,
     /// Some light has no extent.
     pub dirac_lights: bool,
+    /// Some surface that lets light pass touches another.
+    pub contacts: bool,
 }
 
 impl Features {
@@ -79,6 +85,7 @@ impl Features {
             ("refraction", self.refraction),
             ("instances", self.instances),
             ("dirac-lights", self.dirac_lights),
+            ("contacts", self.contacts),
         ]
         .into_iter()
         .filter_map(|(name, there)| there.then_some(name))

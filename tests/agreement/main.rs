@@ -41,3 +41,4 @@ mod studio;
 mod symmetries;
 mod techniques;
 mod textures;
+mod touching;

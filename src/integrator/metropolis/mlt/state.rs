@@ -4,7 +4,7 @@ use super::super::contribution::Contribution;
 use super::super::limit::Limit;
 use super::super::{Common, Lit};
 use crate::bsdf::{Bsdf, Lobes};
-use crate::geometry::MediumId;
+use crate::geometry::{Hit, MediumId};
 use crate::light::End;
 use crate::mcmc::State;
 use crate::path::{Emitter, FullPath, Node, Steps, Tally, toward_end};
@@ -158,7 +158,7 @@ impl Draft {
             }
             self.directions[i] = seen.toward.as_dvec3();
             self.scatters(i)?;
-            let segment = y.segment(seen.eye, 0.0, y.ng);
+            let segment = y.segment(seen.eye, 0.0, y.ng, Hit::NONE);
             return (!scene.transmittance_to_camera(&segment, shadows).is_black()).then_some(());
         }
         if i == 0 {
@@ -177,7 +177,7 @@ impl Draft {
         self.directions[i] = (z.p.as_dvec3() - y.p.as_dvec3()).try_normalize()?;
         self.scatters(i)?;
         self.scatters(i + 1)?;
-        let segment = z.segment(y.p, y.error, y.ng);
+        let segment = z.segment_to(&y);
         (!scene.transmittance(&segment, shadows).is_black()).then_some(())
     }
 
