@@ -38,7 +38,7 @@ fn somewhere(random: &mut Random) -> (DAffine3, f64) {
     };
     (
         DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, offset),
-        f64::EPSILON.max(f64::from(f32::EPSILON)) * (far / scale).max(1.0),
+        f64::from(f32::EPSILON) * (far / scale).max(1.0),
     )
 }
 
@@ -51,7 +51,7 @@ fn on_a_table(place: DAffine3, gap: f64, twice: bool) -> Description {
     scene.instances[1].transform = place * DAffine3::from_translation(DVec3::Y * gap);
     if twice {
         let transform = place * DAffine3::from_translation(DVec3::new(3.0, 0.0, 0.0));
-        scene.instances.push(Instance { transform, ..scene.instances[1].clone() });
+        scene.instances.push(Instance { name: "another".into(), mesh: 1, transform });
     }
     scene
 }
