@@ -148,10 +148,14 @@ fn a_layer_is_chosen_and_named() {
     let all: Vec<(&str, f32)> = names.iter().chain(&more).map(|(n, v)| (n.as_str(), *v)).collect();
     let path = layered(&folder, all.try_into().expect("six channels"));
     let taken = environment::load(&path, None).expect("a map");
-    assert_eq!(taken.map.row(0)[0], [2.0; 3]);
+    assert_eq!(taken.map.row(0)[0].map(f32::to_bits), [2.0f32.to_bits(); 3]);
     assert!(taken.warnings[0].contains("'ViewLayer.Combined' is taken") && taken.warnings[0].contains("--env-layer"));
     for (name, value) in [(albedo, 0.1), ("Albedo", 0.1), (combined, 2.0), ("ViewLayer", 2.0)] {
-        assert_eq!(environment::load(&path, Some(name)).expect("a map").map.row(1)[2], [value; 3], "{name}");
+        assert_eq!(
+            environment::load(&path, Some(name)).expect("a map").map.row(1)[2].map(f32::to_bits),
+            [f32::to_bits(value); 3],
+            "{name}"
+        );
     }
     let said = sentence(&path, environment::load(&path, Some("Combin")));
     assert!(said.contains("no layer 'Combin'") && said.contains(albedo) && said.contains(combined), "{said}");
@@ -167,7 +171,7 @@ fn infinite_texels_are_clamped_and_told() {
     assert!(sentence(&path, environment::load(&path, None)).contains("1 of its 6 texels"));
     let path = folder.exr("sun.exr", &["R", "G", "B"], [1.0, f32::INFINITY, 0.0, 9.0, 3.0, 2.0]);
     let loaded = environment::load(&path, None).expect("a map");
-    assert_eq!(loaded.map.row(0)[1], [9.0; 3]);
+    assert_eq!(loaded.map.row(0)[1].map(f32::to_bits), [9.0f32.to_bits(); 3]);
     assert!(loaded.lost[0].contains("sun.exr: 1 texels are infinite and count as 9"), "{:?}", loaded.lost);
 }
 
