@@ -38,7 +38,7 @@ fn clear_glass_with_averaged_normals_keeps_its_light() {
 /// Infinite texels are clamped, and the console says so.
 #[test]
 fn an_infinite_sun_is_clamped() {
-    let picture = render("env/scene.gltf", "--env sun-inf.exr --size 4x4 --spp 4", backends().next().unwrap());
+    let picture = render("env/scene.gltf", "--env sun-inf.exr --size 4x4 --spp 4", backends().next().expect("a backend"));
     assert!(picture.console.contains("not finite") || picture.console.contains("infinite"), "{}", picture.console);
     assert!(picture.mean(WHOLE).value.iter().all(|v| v.is_finite()));
 }
@@ -56,6 +56,6 @@ fn many_bulbs_render() {
 #[test]
 fn what_other_programs_write_is_read() {
     for file in ["container/nul.glb", "container/bom.gltf", "spot/blender-blend0.0-size60.gltf"] {
-        render(file, "--size 8x8 --spp 1", backends().next().unwrap());
+        render(file, "--size 8x8 --spp 1", backends().next().expect("a backend"));
     }
 }

@@ -32,16 +32,16 @@ pub(crate) fn render(file: &str, options: &str, backend: &str) -> Picture {
 
 /// The same, or what the console says of the failure.
 pub(crate) fn try_render(file: &str, options: &str, backend: &str) -> Result<Picture, String> {
-    let place = tempfile::tempdir().unwrap();
+    let place = tempfile::tempdir().expect("a folder");
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/met").join(file);
     let out = place.path().join("x.exr");
     let mut command = Command::new(env!("CARGO_BIN_EXE_etendue"));
-    command.current_dir(scene.parent().unwrap()).arg("render").arg(&scene);
+    command.current_dir(scene.parent().expect("a folder")).arg("render").arg(&scene);
     command.args(options.split_whitespace()).args(["--filter", "box", "--backend", backend, "-o"]).arg(&out);
-    let ran = command.output().unwrap();
+    let ran = command.output().expect("the binary");
     let console = String::from_utf8_lossy(&ran.stderr).into_owned();
     if ran.status.success() {
-        Ok(Picture { image: exr::read(&out).unwrap(), console, chains: options.contains("mlt") })
+        Ok(Picture { image: exr::read(&out).expect("an image"), console, chains: options.contains("mlt") })
     } else {
         Err(console)
     }
@@ -61,7 +61,7 @@ impl Picture {
         let rows = at(part[1], height)..at(part[3], height);
         let count = (rows.len() * columns.len()) as f64;
         let mean = |name: &str, power: i32| {
-            let values = self.image.channel(name).unwrap();
+            let values = self.image.channel(name).expect("a layer");
             let pixels = rows.clone().flat_map(|y| columns.clone().map(move |x| f64::from(values[y * width + x])));
             pixels.map(|v| v.powi(power)).sum::<f64>() / count
         };
