@@ -233,7 +233,7 @@ fn tolerated(path: &str, defect: Defect) -> bool {
 /// Whether an invalid value has a default or is in what can be left out: see docs/forgiven.md.
 fn is_forgiven(path: &str) -> bool {
     const WITH_DEFAULTS: [&str; 7] = [".alphaMode", ".wrapS", ".wrapT", ".magFilter", ".minFilter", ".target", ".mimeType"];
-    let left_out = path.starts_with("cameras[") || path.contains("lights_punctual");
+    let left_out = path.starts_with("cameras[") || path.contains("khrLightsPunctual") || path.contains("lights_punctual");
     left_out || path.contains(".mode") || WITH_DEFAULTS.iter().any(|end| path.ends_with(end))
 }
 
