@@ -92,9 +92,9 @@ const CASES: &[Case] = &[
     },
     Case {
         file: "flat-node/flat-quad-scale-1-1-0.gltf",
-        options: "--size 8x8 --spp 4",
+        options: "--env 0,0,1 --size 8x8 --spp 4",
         methods: SEEN,
-        part: [0.25, 0.25, 0.75, 0.75],
+        part: WHOLE,
         right: [0.25, 0.0, 0.75],
         within: ROUNDING,
     },
