@@ -30,6 +30,13 @@ fn built(world: Description) -> Scene {
     Scene::build(world, &options).expect("a valid world")
 }
 
+/// The plain room by a lamp of that power.
+pub(crate) fn lit_by(power: f32) -> Scene {
+    let mut world = room();
+    lamp(&mut world, Vec3::new(0.0, 0.98, 0.0), 0.25, power);
+    built(world)
+}
+
 /// The worlds by name.
 pub(crate) fn world(name: &str) -> Scene {
     let mut w = room();
