@@ -158,10 +158,10 @@ impl<'a> Replicates<'a> {
     /// pair is not of, all of them and half of them. Fewer than four replicates have no pairs, and only the whole mean `g` to divide by.
     fn tell_apart(&self, channel: usize, g: f64, epsilon: f64, pairs: &Pairs, scratch: &mut Scratch, error: &mut PixelError) {
         let Scratch { means, roots, squares } = scratch;
-        let each = 1.0 / pairs.pairs.len().max(1) as f64;
+        let (each, halves) = (1.0 / pairs.pairs.len().max(1) as f64, self.halves(means));
         for (pair, root) in pairs.pairs.iter().zip(roots) {
             let difference = means[pair.a] - means[pair.b];
-            let [all, half] = self.apart(means, pair, epsilon);
+            let [all, half] = self.apart(means, &halves, pair, epsilon);
             let [all, half] = if g > 0.0 { [all, half] } else { [0.0; 2] };
             root[channel] = difference * (pair.variance_weight * all).sqrt();
             let variance = each * pair.variance_weight * difference * difference;
@@ -174,16 +174,26 @@ impl<'a> Replicates<'a> {
         }
     }
 
-    /// 1 / (m² + `epsilon`) by the replicates that `pair` is not of: all of them, and the mean of that by either half of them.
-    fn apart(&self, means: &[f64], pair: &Pair, epsilon: f64) -> [f64; 2] {
-        let others = (0..means.len()).filter(|&r| r != pair.a && r != pair.b);
-        let mut sums = [[0.0; 2]; 2];
-        for (i, r) in others.enumerate() {
-            let half = &mut sums[i % 2];
-            *half = [half[0] + means[r] * self.counts[r], half[1] + self.counts[r]];
+    /// The sums of even and of odd replicates, and their passes.
+    fn halves(&self, means: &[f64]) -> [[f64; 2]; 2] {
+        let mut halves = [[0.0; 2]; 2];
+        for (r, (mean, count)) in means.iter().zip(&self.counts).enumerate() {
+            let half = &mut halves[r % 2];
+            *half = [half[0] + mean * count, half[1] + count];
+        }
+        halves
+    }
+
+    /// 1 / (m² + `epsilon`) by the replicates that `pair` is not of: all of them, and the mean of that by either half of them. Of the four
+    /// that the pair is of, each half has one; of the others the even or the odd ones.
+    fn apart(&self, means: &[f64], halves: &[[f64; 2]; 2], pair: &Pair, epsilon: f64) -> [f64; 2] {
+        let (four, mut sums) = (pair.a / 4 * 4, *halves);
+        for (i, (half, own)) in sums.iter_mut().zip(pair.others).enumerate() {
+            for (r, sign) in [(four + i, -1.0), (four + i + 2, -1.0), (own, 1.0)] {
+                *half = [half[0] + sign * means[r] * self.counts[r], half[1] + sign * self.counts[r]];
+            }
         }
         let g = |[sum, count]: [f64; 2]| 1.0 / ((sum / count) * (sum / count) + epsilon);
-        let all = [sums[0][0] + sums[1][0], sums[0][1] + sums[1][1]];
-        [g(all), 0.5 * (g(sums[0]) + g(sums[1]))]
+        [g([sums[0][0] + sums[1][0], sums[0][1] + sums[1][1]]), 0.5 * (g(sums[0]) + g(sums[1]))]
     }
 }
