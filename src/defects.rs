@@ -38,6 +38,12 @@ macro_rules! defects {
 
 defects! {
     // trust
+    TrustByLuck "trust-by-luck"
+        "An interval is trusted by the estimate of the tail's shape, whatever that may be off by."
+        "Pareto k as most programs print it";
+    CurvatureForgotten "curvature-forgotten"
+        "The noise of denominators is left in relMSE: it is not extrapolated to denominators without noise."
+        "a relative error divided by what was measured";
     PriorForgotten "prior-forgotten"
         "Whether an interval is trusted does not ask what the scene's features make a method miss."
         "an error bar that knows its samples only";

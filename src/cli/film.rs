@@ -52,6 +52,8 @@ struct Document {
     complete: bool,
     relmse: Option<f64>,
     relmse_interval: Option<[f64; 2]>,
+    /// Whether that is to be trusted.
+    trusted: Option<bool>,
     wall_seconds: f64,
     sessions: u64,
     finished: String,
@@ -110,6 +112,7 @@ impl Document {
             complete: plan.is_met_by(film.passes()),
             relmse: error.as_ref().map(|e| e.relmse.value),
             relmse_interval: error.as_ref().map(|e| [e.relmse.low, e.relmse.high]),
+            trusted: error.as_ref().map(|e| e.trust.trusted),
             wall_seconds: work.wall_seconds,
             sessions: work.sessions,
             finished: work.finished.clone(),

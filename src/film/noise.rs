@@ -102,7 +102,7 @@ impl Noise {
 }
 
 /// The squares of all blocks by replicate, over `values`.
-pub(super) fn squares(blocks: &[Block], values: f64) -> Vec<f64> {
+fn squares(blocks: &[Block], values: f64) -> Vec<f64> {
     let mut sums = vec![0.0; blocks.first().map_or(0, |b| b.squares.len())];
     for block in blocks {
         sums.iter_mut().zip(&block.squares).for_each(|(sum, square)| *sum += square / values);

@@ -1,6 +1,6 @@
 //! What the replicates of a film say about each pixel: means, the variance of their mean, the variance relative to the square.
 
-use super::spread::{Pairs, Patch};
+use super::spread::{Pair, Pairs, Patch};
 use super::{Film, Plane};
 use crate::defects::{Defect, planted};
 use crate::stats::{Estimate, third_cumulant_of_mean};
@@ -21,14 +21,28 @@ pub(super) struct Replicates<'a> {
 pub(super) struct PixelError {
     /// Var(m).
     pub(super) variance: f64,
-    /// Var(m) / (m² + ε), biased by the noise in m.
-    pub(super) relative: f64,
-    /// That bias, to first order.
-    pub(super) excess: f64,
-    /// The part of it that is due to the curvature of the division.
+    /// Var(m) / (m² + ε), biased by the noise in m and by what it shares with Var(m).
+    pub(super) coupled: f64,
+    /// The same by pairs and the means of the other replicates, biased by their noise only.
+    pub(super) apart: f64,
+    /// The same by the means of half of them, whose noise is twice as large.
+    pub(super) half_apart: f64,
+    /// What the curvature of the division adds to `coupled`, to first order.
     pub(super) curvature: f64,
-    /// How much lower it is for the skewness of m.
+    /// How much lower `coupled` is for the skewness of m.
     pub(super) skew: f64,
+}
+
+impl std::ops::AddAssign for PixelError {
+    fn add_assign(&mut self, other: PixelError) {
+        let PixelError { variance, coupled, apart, half_apart, curvature, skew } = other;
+        self.variance += variance;
+        self.coupled += coupled;
+        self.apart += apart;
+        self.half_apart += half_apart;
+        self.curvature += curvature;
+        self.skew += skew;
+    }
 }
 
 /// What a sum over pixels needs beside it: space, and what is told apart by pair or replicate.
@@ -114,13 +128,14 @@ impl<'a> Replicates<'a> {
         for channel in 0..COLOR {
             self.means(pixel, channel, &mut scratch.means);
             let g = self.add_channel(&scratch.means, epsilon, &mut error);
-            self.tell_apart(channel, g, pairs, scratch);
+            self.tell_apart(channel, g, epsilon, pairs, scratch, &mut error);
         }
-        patch.add(error.relative, &scratch.roots);
+        patch.add(error.apart, &scratch.roots);
         error
     }
 
-    /// Adds a channel's variance, relative variance and bias; returns 1 / (m² + `epsilon`), 0 where all is black.
+    /// Adds a channel's variance, relative variance by the whole mean, and what is biased about that; returns 1 / (m² + `epsilon`), 0
+    /// where all is black.
     ///
     /// With V an estimate of Var(m) and g(m) = 1 / (m² + ε), E V g(m) is V g(μ) + g″ V² / 2 + g′ κ to first order: g is curved, and a
     /// skewed m (third cumulant κ) is large where V is. V² of R normal values is too large by (R + 1) / (R − 1).
@@ -132,27 +147,53 @@ impl<'a> Replicates<'a> {
         }
         let g = 1.0 / (mean * mean + epsilon);
         let second = (6.0 * mean * mean - 2.0 * epsilon) * g * g * g;
-        let curvature = 0.5 * second * variance * variance * (replicates - 1.0) / (replicates + 1.0);
-        let skew = 2.0 * mean * g * g * third_cumulant_of_mean(means, mean);
         error.variance += variance;
-        error.relative += variance * g;
-        error.curvature += curvature;
-        error.skew += skew;
-        if !planted(Defect::RelmseBiased) {
-            error.excess += curvature - skew;
-        }
+        error.coupled += variance * g;
+        error.curvature += 0.5 * second * variance * variance * (replicates - 1.0) / (replicates + 1.0);
+        error.skew += 2.0 * mean * g * g * third_cumulant_of_mean(means, mean);
         g
     }
 
-    /// Sets the channel's roots of Var(m) `g` by each pair, and adds its squares by replicate.
-    fn tell_apart(&self, channel: usize, g: f64, pairs: &Pairs, scratch: &mut Scratch) {
+    /// Sets the channel's roots of Var(m) g by each pair and adds up what they come to; the denominators are those of replicates that the
+    /// pair is not of, all of them and half of them. Fewer than four replicates have no pairs, and only the whole mean `g` to divide by.
+    fn tell_apart(&self, channel: usize, g: f64, epsilon: f64, pairs: &Pairs, scratch: &mut Scratch, error: &mut PixelError) {
         let Scratch { means, roots, squares } = scratch;
+        let (each, halves) = (1.0 / pairs.pairs.len().max(1) as f64, self.halves(means));
         for (pair, root) in pairs.pairs.iter().zip(roots) {
-            root[channel] = (means[pair.a] - means[pair.b]) * (pair.variance_weight * g).sqrt();
+            let difference = means[pair.a] - means[pair.b];
+            let [all, half] = self.apart(means, &halves, pair, epsilon);
+            let [all, half] = if g > 0.0 { [all, half] } else { [0.0; 2] };
+            root[channel] = difference * (pair.variance_weight * all).sqrt();
+            let variance = each * pair.variance_weight * difference * difference;
+            error.apart += variance * all;
+            error.half_apart += variance * half;
         }
         let mean = self.mean(means);
         for ((square, m), n) in squares.iter_mut().zip(means.iter()).zip(&self.counts) {
             *square += n / self.total * (m - mean) * (m - mean) * g;
         }
+    }
+
+    /// The sums of even and of odd replicates, and their passes.
+    fn halves(&self, means: &[f64]) -> [[f64; 2]; 2] {
+        let mut halves = [[0.0; 2]; 2];
+        for (r, (mean, count)) in means.iter().zip(&self.counts).enumerate() {
+            let half = &mut halves[r % 2];
+            *half = [half[0] + mean * count, half[1] + count];
+        }
+        halves
+    }
+
+    /// 1 / (m² + `epsilon`) by the replicates that `pair` is not of: all of them, and the mean of that by either half of them. Of the four
+    /// that the pair is of, each half has one; of the others the even or the odd ones.
+    fn apart(&self, means: &[f64], halves: &[[f64; 2]; 2], pair: &Pair, epsilon: f64) -> [f64; 2] {
+        let (four, mut sums) = (pair.a / 4 * 4, *halves);
+        for (i, (half, own)) in sums.iter_mut().zip(pair.others).enumerate() {
+            for (r, sign) in [(four + i, -1.0), (four + i + 2, -1.0), (own, 1.0)] {
+                *half = [half[0] + sign * means[r] * self.counts[r], half[1] + sign * self.counts[r]];
+            }
+        }
+        let g = |[sum, count]: [f64; 2]| 1.0 / ((sum / count) * (sum / count) + epsilon);
+        [g([sums[0][0] + sums[1][0], sums[0][1] + sums[1][1]]), 0.5 * (g(sums[0]) + g(sums[1]))]
     }
 }

@@ -47,6 +47,8 @@ pub(super) fn third_cumulant(variance: f64, mean: f64) -> f64 {
 pub(super) struct Pair {
     pub(super) a: usize,
     pub(super) b: usize,
+    /// The other two of the four that it is of.
+    pub(super) others: [usize; 2],
     /// (m_a − m_b)² times this estimates Var(m) without bias.
     pub(super) variance_weight: f64,
 }
@@ -62,11 +64,13 @@ impl Pairs {
     /// The three ways to deal four neighbouring replicates into two pairs, for each whole four of those with `counts` passes.
     pub(super) fn of(counts: &[f64]) -> Self {
         let total: f64 = counts.iter().sum();
-        let pair = |(a, b): (usize, usize)| {
+        let pair = |[a, b, c, d]: [usize; 4]| {
             let (na, nb): (f64, f64) = (counts[a], counts[b]);
-            Pair { a, b, variance_weight: 1.0 / ((1.0 / na + 1.0 / nb) * total) }
+            Pair { a, b, others: [c, d], variance_weight: 1.0 / ((1.0 / na + 1.0 / nb) * total) }
         };
-        let deals = |r: usize| [(r, r + 1), (r + 2, r + 3), (r, r + 2), (r + 1, r + 3), (r, r + 3), (r + 1, r + 2)];
+        let deal = |[a, b, c, d]: [usize; 4]| [[a, b, c, d], [c, d, a, b]];
+        let deals =
+            |r: usize| [[r, r + 1, r + 2, r + 3], [r, r + 2, r + 1, r + 3], [r, r + 3, r + 1, r + 2]].into_iter().flat_map(deal);
         let fours = (0..counts.len() / 4).map(|i| 4 * i);
         Pairs { pairs: fours.flat_map(deals).map(pair).collect(), weights: weights(counts.len() as f64) }
     }

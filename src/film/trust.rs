@@ -27,16 +27,14 @@ pub struct Distrust {
 pub enum Reason {
     /// The method is blind to light of the scene.
     BlindMethod,
-    /// The scene has paths that the method samples by luck, and what they may have brought unseen is a large share of the error.
+    /// The scene has paths that the method samples by luck, and what they may bring beyond what was seen is this share of the error.
     RarePaths,
-    /// The tail of the samples may be so heavy that their second moments do not converge: shape k with its uncertainty.
+    /// The tail of the samples may be so heavy that their second moments do not converge: the upper end of its shape's interval.
     HeavyTail,
-    /// Few pixels, which single samples made, carry the error.
+    /// Single samples carry the error of their pixels, as a share of relMSE.
     FewSamples,
-    /// Denominators are too noisy to divide by.
+    /// Denominators are too noisy to divide by: the bias of that, as a share of relMSE.
     NoisyImage,
-    /// The halves of the replicates do not agree on the error.
-    HalvesDisagree,
     /// The error may not be told from so few replicates.
     FewReplicates,
 }
@@ -62,7 +60,6 @@ impl Reason {
             Reason::HeavyTail => "a few samples carry the error, and there may be larger ones to come",
             Reason::FewSamples => "single samples carry the error of a few pixels, and other pixels may have missed them",
             Reason::NoisyImage => "the image is too noisy to divide its error by",
-            Reason::HalvesDisagree => "the halves of the replicates disagree on the error",
             Reason::FewReplicates => "there are too few replicates to tell how far the error may be off",
         }
     }

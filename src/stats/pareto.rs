@@ -19,6 +19,9 @@ const PRIOR_WEIGHT: f64 = 10.0;
 /// … of this value [Vehtari24].
 const PRIOR_SHAPE: f64 = 0.5;
 
+/// The 95 % quantile of the normal distribution.
+const NORMAL_95: f64 = 1.644_853_6;
+
 /// A fitted tail.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tail {
@@ -31,6 +34,11 @@ pub struct Tail {
 }
 
 impl Tail {
+    /// The upper end of the shape's one-sided 95 % interval; the pull towards ½ counts as ten exceedances.
+    pub fn upper_shape(&self) -> f64 {
+        self.shape + NORMAL_95 * (1.0 + self.shape.max(0.0)) / (self.exceedances as f64 + PRIOR_WEIGHT).sqrt()
+    }
+
     /// Whether an interval from such values is worth anything.
     pub fn is_trusted(&self) -> bool {
         self.shape <= UNTRUSTED_SHAPE

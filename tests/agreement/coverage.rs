@@ -26,7 +26,7 @@ const SKEWED: f64 = 1.0;
 const LUMPY: f64 = 0.1;
 
 /// Whether `hits` of `runs` convict an interval that says 95 %, at `level` on either side, and of what.
-fn conviction(hits: u64, runs: u64, level: f64) -> Option<&'static str> {
+pub(crate) fn conviction(hits: u64, runs: u64, level: f64) -> Option<&'static str> {
     let tail = |rate: f64| Binomial::new(rate, runs).expect("a rate");
     if tail(RATES[0]).cdf(hits) < level {
         return Some("too narrow");
@@ -42,10 +42,6 @@ struct Run {
     replicates: Vec<Vec<f64>>,
     looks: Vec<(Check, Vec<f64>)>,
 }
-
-/// The seed of the pilot of all runs. It decides how often bdpt traces connections, and with that the error: between pilots that
-/// take the Cornell box at 16² for twice as bright as each other relMSE differs by 9 %, and an interval is about its own.
-const PILOT: u64 = 0;
 
 /// A target that any trusted error is below.
 const ANY: f64 = f64::INFINITY;
@@ -85,7 +81,7 @@ impl Study<'_> {
         let layout = Layout::new(SIDE, SIDE, None, &[]);
         let options = Options { seed, sampler: self.sampler, filter, replicates, metropolis, ..Options::new(&layout) };
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
-        let prelude = integrator::prelude(self.scene, &camera, &Options { seed: PILOT, ..options }, &layout);
+        let prelude = integrator::prelude(self.scene, &camera, &options, &layout);
         let mut film = Film::new(layout.clone(), replicates, seed, prelude.units);
         let integrator = integrator::build(method, self.scene, camera, &options, &prelude);
         let (mut values, mut looks) = (PassFilm::new(&layout), Vec::new());
@@ -178,7 +174,7 @@ impl Outcome {
 fn judge_relmse(method: Method, runs: &[Run], truth: &Truth, out: &mut Outcome) {
     let expected = truth.relmse();
     let errors: Vec<_> = runs.iter().filter_map(|run| run.film.image_error(method.independent())).collect();
-    let trusted: Vec<_> = errors.iter().filter(|error| error.distrust().is_none()).collect();
+    let trusted: Vec<_> = errors.iter().filter(|error| error.trust.trusted).collect();
     println!("  relMSE {expected:.4e}; {} of {} intervals say they are to be trusted", trusted.len(), errors.len());
     let mean = |f: &dyn Fn(&ImageError) -> f64| trusted.iter().map(|e| f(e)).sum::<f64>() / trusted.len() as f64;
     let log = |e: &ImageError| (e.relmse.value / expected).ln();

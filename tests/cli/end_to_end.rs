@@ -102,6 +102,14 @@ fn the_report_file_is_the_document_on_stdout() {
     let relmse = &report["error"]["relmse"];
     assert!(relmse["low"].as_f64().unwrap() <= relmse["value"].as_f64().unwrap());
     assert!(relmse["value"].as_f64().unwrap() <= relmse["high"].as_f64().unwrap());
+    // The verdict is data, and its reasons have names and figures.
+    let (trusted, reasons) = (report["error"]["trusted"].as_bool().unwrap(), report["error"]["reasons"].as_array().unwrap());
+    assert_eq!(trusted, reasons.is_empty());
+    assert!(reasons.iter().all(|r| r["reason"].is_string() && r["limit"].is_f64()));
+    let image = etendue::io::exr::read(&place.path("x.exr")).unwrap();
+    let attribute = |name: &str| image.attributes.get(name).cloned();
+    assert_eq!(attribute("etendue.error.trusted"), Some(etendue::io::exr::Attribute::Int(i32::from(trusted))));
+    assert_eq!(attribute("etendue.error.reasons").is_none(), trusted);
 }
 
 #[test]
