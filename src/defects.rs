@@ -146,6 +146,24 @@ defects! {
     SchlickFourth "schlick-fourth"
         "Schlick's Fresnel has the fourth power."
         "a multiplication too few";
+    LeavingIsVacuum "leaving-is-vacuum"
+        "Whoever leaves a body is in empty space, whatever lies around it."
+        "renderers that keep one medium and not a stack";
+    CameraInVacuum "camera-in-vacuum"
+        "Cameras start in empty space, whatever they stand in."
+        "étendue before it knew where cameras stand";
+    LightsInVacuum "lights-in-vacuum"
+        "Light starts in empty space, whatever its lamp stands in."
+        "étendue before it knew where lamps stand";
+    OuterIndexIsOne "outer-index-is-one"
+        "Boundaries bend light as if empty space were outside, whatever lies there."
+        "glass in water in most real-time renderers";
+    PriorityReversed "priority-reversed"
+        "Of overlapping bodies the one of the lowest priority has the place."
+        "a comparison the wrong way round";
+    PanesStopShadows "panes-stop-shadows"
+        "Thin clear panes are opaque to connections, so that no sun shines through windows."
+        "path tracers that take panes for mirrors";
     ThinLosesNothing "thin-loses-nothing"
         "A thin wall transmits what it has reflected already."
         "transmission without its Fresnel factor";

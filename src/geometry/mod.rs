@@ -2,6 +2,7 @@
 //! recomputes where, the same for every backend, and `spawn` is the only ray offset.
 
 mod any_hit;
+mod bodies;
 mod bounds;
 mod frame;
 mod mesh;
@@ -12,10 +13,11 @@ mod triangle;
 mod world;
 
 pub use any_hit::{AnyHit, Opaque};
+pub use bodies::Bodies;
 pub use bounds::Bounds;
 pub use frame::{Frame, Local};
 pub use mesh::{Attributes, TriangleMesh};
-pub use ray::{Hit, MediumId, Ray};
+pub use ray::{Hit, Ray};
 pub use spawn::{spawn_ray, spawn_segment};
 pub use surface_point::SurfacePoint;
 pub use triangle::{Triangle, TriangleHit, is_placement, placement_error};

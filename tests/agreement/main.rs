@@ -18,6 +18,7 @@ mod worlds;
 #[cfg(feature = "embree")]
 mod backends;
 mod bidirectional;
+mod bodies;
 mod chains;
 mod closed_forms;
 mod coverage;

@@ -20,6 +20,10 @@ const fn of(binary: &'static str, test: &'static str) -> Killer {
 
 pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "sampling::sobol::tests::the_first_and_the_next_power_of_two_points_are_nets"),
+    of("agreement", "bodies::nested_blocks_absorb_by_what_has_each_place"),
+    of("agreement", "bodies::boundaries_bend_by_the_indices_on_both_sides"),
+    of("agreement", "bodies::panes_let_lamps_and_suns_pass"),
+    of("agreement", "bodies::a_sky_behind_panes_counts_once"),
     of("lib", "sampling::sobol::tests::slots_and_replicates_are_not_correlated"),
     of("lib", "sampling::table::tests::choices_agree_with_their_probability_at_every_boundary"),
     of("lib", "sampling::table::tests::probabilities_sum_to_one_and_zero_weights_are_never_chosen"),
