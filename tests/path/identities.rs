@@ -24,10 +24,11 @@ fn product_error(made: &Made, world: &World) -> f64 {
     let nodes = made.nodes.windows(2);
     let shortest = nodes.map(|pair| f64::from(pair[0].point.p.distance(pair[1].point.p))).fold(1.0, f64::min);
     let refracting = made.nodes.iter().filter(|n| n.surface.lobes().intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)));
-    // What edges pass is met at points that are known within some sixteen roundings, and lets through what changes by five times the
-    // angle that this makes (Schlick's fifth power).
+    // What edges pass is met at points that are known within some sixteen roundings. What it lets through is a concave function of the
+    // cosine that is not below 0 at 0, so that its relative change is at most that of the cosine. All panes are level.
     let edges = (0..made.path.k()).map(|i| made.path.length(i)).fold(1.0, f64::min);
-    let passed = if world.scene.features().content() { 5.0 * 16.0 * epsilon / edges } else { 0.0 };
+    let grazing = made.path.directions().iter().map(|w| w.y.abs()).fold(1.0, f64::min);
+    let passed = if world.scene.features().content() { 16.0 * epsilon / edges / grazing } else { 0.0 };
     4.0 * epsilon * (made.nodes.len() as f64 * 4.0 / alpha + cosines + shortest.recip())
         + refracting.count() as f64 * epsilon.sqrt()
         + passed
