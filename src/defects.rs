@@ -50,6 +50,16 @@ defects! {
     PilotFollowsSeed "pilot-follows-seed"
         "The pilot's seed follows the render's, so that roulette and with it the error differ from seed to seed."
         "this renderer before its issue 8";
+    // surfaces that touch
+    ContactJumpedOver "contact-jumped-over"
+        "Rays leave touching surfaces as they leave any other, by a distance that exceeds the gap."
+        "ray tracers with an epsilon; this one, until glass stood on a table";
+    ContactUnsorted "contact-unsorted"
+        "Of surfaces closer than a backend's error the one that it names is taken for the first."
+        "decals that flicker";
+    CoplanarOnBothSides "coplanar-on-both-sides"
+        "What coincides with the surface that is left is met whichever side it lies on, so that one layer counts twice."
+        "renderers that know the primitive they leave and nothing of those that coincide with it";
     // sampling
     SobolSkipsFirst "sobol-skips-first"
         "The Sobol' sequence begins with its second point, so that no power of two of points is a net."

@@ -64,7 +64,7 @@ impl Emitter {
     pub fn at(scene: &Scene, point: &SurfacePoint, wo: Vec3) -> Option<Self> {
         let (index, Light::Area(area)) = scene.light_at(point)? else { return None };
         let radiance = area.radiance(point.barycentric, wo);
-        let end = End::Surface { p: point.p, error: point.error, ng: point.ng };
+        let end = End::Surface { p: point.p, error: point.error, ng: point.ng, touched: point.touched() };
         (!radiance.is_black()).then_some(Emitter { index, end, radiance })
     }
 

@@ -2,6 +2,7 @@
 
 use super::assemble::assemble;
 use super::bodies::{AllBodies, Interior};
+use super::contact::Contacts;
 use super::description::{self, Description, PunctualKind};
 use super::extent::Extent;
 use super::material::{Material, settle};
@@ -59,9 +60,10 @@ impl Scene {
         };
         let usages = Usage::of_all(&description);
         let materials: Vec<Material> = description.materials.iter().zip(usages).map(compile).collect();
-        let (geometry, mut objects) = assemble(&description, &rebase, &materials)?;
+        let (mut geometry, mut objects) = assemble(&description, &rebase, &materials)?;
         let bodies = AllBodies::find(&geometry, &mut objects, &materials);
-        let mut lights = area_lights(&geometry, &mut objects, &materials);
+        let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
+        let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());
         lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
         warnings.extend(coincident::emitters(&description, &objects, &geometry, &lights));
         let environment =
@@ -79,7 +81,7 @@ impl Scene {
             let blends = material.source.alpha_mode == description::AlphaMode::Blend;
             object.passes = blends || material.may_pass(1.0);
         }
-        let features = features(&geometry, &objects, &materials, &lights, &bodies);
+        let features = Features { contacts: contacts.is_some(), ..features(&geometry, &objects, &materials, &lights, &bodies) };
         let mut info = census(&geometry, &materials, shining, features);
         info.instances = description.instances.len();
         info.texture_bytes += environment_bytes;
@@ -92,7 +94,7 @@ impl Scene {
         info.accel_bytes = accel.bytes();
         let views = Views::new(description.cameras, extent.min, extent.max);
         let lights = Lights::new(lights, ball.radius);
-        Ok(Scene { geometry, objects, materials, bodies, lights, accel, rebase, ball, features, views, info, hash })
+        Ok(Scene { geometry, objects, materials, bodies, lights, accel, contacts, rebase, ball, features, views, info, hash })
     }
 }
 
@@ -110,8 +112,35 @@ fn interior(material: &description::Material, rebase: &Rebase) -> Option<Interio
     Some(Interior { absorption, ior: m.ior, priority: m.priority })
 }
 
+/// Finds surfaces that touch where one of them lets light pass; queries may then leave out the objects they belong to.
+fn contacts(
+    geometry: &mut Geometry,
+    objects: &[ObjectInfo],
+    materials: &[Material],
+    cameras: &[description::Camera],
+    rebase: &Rebase,
+    warnings: &mut Vec<String>,
+) -> Option<Box<Contacts>> {
+    let passes = |o: &ObjectInfo| materials[o.material as usize].lets_light_pass();
+    let passes: Vec<bool> = objects.iter().map(passes).collect();
+    let eyes: Vec<_> = cameras.iter().map(|camera| rebase.point(camera.transform.translation).as_vec3()).collect();
+    let contacts = Contacts::find(geometry, &passes, &eyes).unwrap_or_else(|many| {
+        warnings.push(format!("{many} triangles lie at surfaces that let light pass, too many to tell which of them touch"));
+        None
+    })?;
+    for (object, placed) in (0..).zip(&mut geometry.objects) {
+        placed.filtered |= contacts.has(object);
+    }
+    Some(Box::new(contacts))
+}
+
 /// Makes each emitting triangle a light, and notes in `objects` where those of each object begin.
-fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Material]) -> Vec<Light> {
+fn area_lights(
+    geometry: &Geometry,
+    objects: &mut [ObjectInfo],
+    materials: &[Material],
+    contacts: Option<&Contacts>,
+) -> Vec<Light> {
     let mut lights = Vec::new();
     for (index, info) in objects.iter_mut().enumerate() {
         let material = &materials[info.material as usize];
@@ -124,7 +153,8 @@ fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Mat
         lights.extend((0..geometry.mesh_of(object).triangles().len() as u32).map(|primitive| {
             let hit = Hit { object, primitive };
             let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), geometry.corner_colors(hit));
-            Light::Area(AreaLight::new(geometry.triangle(hit), winding, emission.unwrap_or(Emission::NONE), mean))
+            let touched = if contacts.is_some_and(|c| c.flags(hit)) { hit } else { Hit::NONE };
+            Light::Area(AreaLight::touched(geometry.triangle(hit), touched, winding, emission.unwrap_or(Emission::NONE), mean))
         }));
     }
     lights
@@ -166,6 +196,7 @@ fn features(
         refraction: used(&Material::refracts),
         instances: geometry.objects.iter().any(|o| o.placement.is_some()),
         dirac_lights: lights.iter().any(Light::is_dirac),
+        contacts: false,
     }
 }
 

@@ -4,7 +4,7 @@
 use super::{ObjectInfo, Scene};
 use crate::accel::RayClass;
 use crate::defects::{Defect, planted};
-use crate::geometry::{Bodies, Ray, SurfacePoint};
+use crate::geometry::{Bodies, Hit, Ray, SurfacePoint};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
@@ -123,16 +123,23 @@ impl Scene {
             let bodies = self.bodies_toward(&point, ray.bodies, ray.direction);
             let next = point.spawn(ray.direction);
             // What is left is aimed at the end again: the origin was moved, and a parallel to the old ray may meet the end's own surface.
-            let direction = if ray.t_max.is_finite() { end - next.origin } else { ray.direction };
-            if direction.dot(ray.direction) <= 0.0 {
+            let rest = end - next.origin;
+            let (direction, t_max) = if !ray.t_max.is_finite() {
+                (ray.direction, ray.t_max)
+            } else if rest.dot(ray.direction) > 0.0 {
+                (rest, ray.t_max)
+            } else if ray.end != Hit::NONE {
+                // The rest of the way is less than rounding: its heading is that of the whole.
+                (ray.direction, rest.dot(ray.direction) / ray.direction.length_squared())
+            } else {
                 break;
-            }
-            ray = Ray { direction, t_max: ray.t_max, bodies, ..next };
+            };
+            ray = Ray { direction, t_max, bodies, end: ray.end, ..next };
         }
         edge
     }
 }
 
 fn segment_length(ray: &Ray) -> f32 {
-    ray.direction.length() * ray.t_max
+    ray.direction.length() * ray.t_max.max(0.0)
 }

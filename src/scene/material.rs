@@ -193,6 +193,11 @@ impl Material {
         self.lobes.intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)) && self.source.volume.is_some()
     }
 
+    /// Whether rays go on behind it: it transmits, or blends by alpha.
+    pub(super) fn lets_light_pass(&self) -> bool {
+        self.source.transmission > 0.0 || self.source.alpha_mode == AlphaMode::Blend
+    }
+
     /// Whether the camera sees through its back: single-sided, without light of its own that reaches others, or through it.
     #[inline]
     pub(super) fn is_culled(&self) -> bool {

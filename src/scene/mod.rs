@@ -5,6 +5,7 @@ mod assemble;
 mod bodies;
 mod build;
 mod coincident;
+mod contact;
 pub mod description;
 mod edge;
 mod extent;
@@ -13,6 +14,7 @@ mod material;
 mod query;
 mod rebase;
 mod surroundings;
+mod touching;
 mod usage;
 mod view;
 
@@ -35,6 +37,8 @@ pub struct Scene {
     bodies: AllBodies,
     lights: Lights,
     accel: Accel,
+    /// Surfaces that touch where one lets light pass, if there are any.
+    contacts: Option<Box<contact::Contacts>>,
     rebase: Rebase,
     ball: Ball,
     features: Features,
@@ -72,6 +76,8 @@ pub struct Features {
     pub instances: bool,
     /// Some light has no extent.
     pub dirac_lights: bool,
+    /// Some surface that lets light pass touches another.
+    pub contacts: bool,
 }
 
 impl Features {
@@ -97,6 +103,7 @@ impl Features {
             ("refraction", self.refraction),
             ("instances", self.instances),
             ("dirac-lights", self.dirac_lights),
+            ("contacts", self.contacts),
         ]
         .into_iter()
         .filter_map(|(name, there)| there.then_some(name))

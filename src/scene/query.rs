@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 use std::borrow::Cow;
 
 /// Alpha masks: a hit counts where the alpha of its material reaches the cutoff.
-struct Mask<'a>(&'a Scene);
+pub(super) struct Mask<'a>(pub(super) &'a Scene);
 
 impl AnyHit for Mask<'_> {
     fn accepts(&self, ray: &Ray, hit: Hit) -> bool {
@@ -41,6 +41,9 @@ impl Scene {
     /// The first surface that `ray` meets. Alpha masks are geometry; blended surfaces are met whatever their alpha.
     #[inline(always)] // see Walk::arrive
     pub fn intersect(&self, ray: &Ray) -> Option<SurfacePoint> {
+        if let Some(contacts) = &self.contacts {
+            return self.intersect_touching(contacts, ray);
+        }
         let hit = if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) };
         SurfacePoint::new(&self.geometry, hit?, ray)
     }
@@ -77,6 +80,9 @@ impl Scene {
     #[inline]
     pub(super) fn is_occluded(&self, ray: &Ray, rays: &mut u64) -> bool {
         *rays += 1;
+        if let Some(contacts) = self.contacts.as_deref().filter(|_| ray.touches()) {
+            return self.is_occluded_touching(contacts, ray);
+        }
         if self.features.masks && !planted(Defect::ShadowsIgnoreMask) {
             self.accel.occluded(ray, &Mask(self))
         } else {

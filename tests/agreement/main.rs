@@ -47,4 +47,5 @@ mod studio;
 mod symmetries;
 mod techniques;
 mod textures;
+mod touching;
 mod trusted;

@@ -74,7 +74,7 @@ impl<'a> Studio<'a> {
             };
             through *= self.carried(&vertex, &from, vertex.known);
             let SurfacePoint { p, error, ng, .. } = vertex.point;
-            from = End::Surface { p, error, ng };
+            from = End::Surface { p, error, ng, touched: vertex.point.touched() };
             let undo = through.map(|x: f32| path.walk.survival / x);
             let left = vertex.shading().and_then(|shading| path.go_on(&vertex, &shading, sampler, &mut tally));
             steps.push(Step { vertex, lobe: left.unwrap_or(Lobes::SMOOTH), undo });
@@ -174,7 +174,11 @@ impl<'a> Studio<'a> {
         let [direct, end] = [lights.pmf(&Receiver::from(&z.point), index), lights.emitter_pmf(index)];
         let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value()) * density.end);
         let weight = self.weights.hit(&z.sums, direct, end, density.ray);
-        let emitter = Emitter { index, end: End::Surface { p: z.point.p, error: z.point.error, ng: z.point.ng }, radiance };
+        let emitter = Emitter {
+            index,
+            end: End::Surface { p: z.point.p, error: z.point.error, ng: z.point.ng, touched: z.point.touched() },
+            radiance,
+        };
         let value = z.beta * radiance * steps[steps.len() - 1].undo;
         self.made(emitter, &[], &steps[..steps.len() - 1], z.known, value, weight, steps.len() + 1)
     }

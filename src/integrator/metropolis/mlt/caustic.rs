@@ -6,7 +6,7 @@ use super::extend::{Met, Part, Walker};
 use super::eye::{log_uniform, turned};
 use super::state::{Draft, PathState};
 use crate::defects::{Defect, planted};
-use crate::geometry::{Ray, spawn_ray};
+use crate::geometry::{Ray, leave};
 use crate::light::End;
 use crate::mcmc::{Kernel, Numbers};
 
@@ -56,7 +56,7 @@ impl<'a> Caustic<'_, 'a> {
             walker.leave(part.nodes.last()?, w)?
         } else {
             let (ray, at) = match emitter.end {
-                End::Surface { p, error, ng } => (spawn_ray(p, error, ng, w), p + w),
+                End::Surface { p, error, ng, touched } => (leave(p, error, ng, touched, w), p + w),
                 End::Point(p) => (Ray::new(p, w), p + w),
                 End::Infinity => return None,
             };

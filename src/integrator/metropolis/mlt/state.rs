@@ -4,7 +4,7 @@ use super::super::contribution::Contribution;
 use super::super::limit::Limit;
 use super::super::{Common, Lit};
 use crate::bsdf::{Bsdf, Lobes};
-use crate::geometry::{Ray, SurfacePoint};
+use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::light::End;
 use crate::mcmc::State;
 use crate::path::{Emitter, FullPath, Node, Steps, Tally, toward_end};
@@ -182,12 +182,11 @@ impl Draft {
         let (node, w) = if to_camera { (&self.nodes[i - 1], self.directions[i]) } else { (&self.nodes[i], -self.directions[i]) };
         let bodies = common.scene.bodies_toward(&node.point, node.bodies, w.as_vec3());
         let segment = if to_camera {
-            node.point.segment(common.camera.seen(node.point.p)?.eye, 0.0, node.point.ng)
+            node.point.segment(common.camera.seen(node.point.p)?.eye, 0.0, node.point.ng, Hit::NONE)
         } else if i == 0 {
             toward_end(&node.point, &self.emitter.end, w.as_vec3())
         } else {
-            let SurfacePoint { p, error, ng, .. } = self.nodes[i - 1].point;
-            node.point.segment(p, error, ng)
+            node.point.segment_to(&self.nodes[i - 1].point)
         };
         Some(Ray { bodies, ..segment })
     }
