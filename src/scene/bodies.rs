@@ -1,18 +1,20 @@
 //! Bodies: solids that light passes through, what is inside them, and which of those that share a place has its medium there.
 //!
-//! A body is an instance, or that part of it whose inside is the same, with a material that transmits light and has a volume. Where
+//! A body is an instance, or that part of it whose inside is the same, with a material that transmits light and has a volume. Parts that
+//! are open belong together if their insides are the same: the faces of one body may be nodes of their own. Where
 //! bodies overlap one has the place: the one of the highest `priority` (`extras.etendue.priority` of its material), then the one with the
 //! smaller bounding box, since what lies inside another is smaller, then the later one in the file. The boundary of one that does not
 //! have the place is not there. Indices of bodies are their ranks in that order.
 //!
-//! Limits: meshes are taken to be closed and to have their fronts outward; an open one bends light where it is crossed, and its inside
-//! has no other end than the same surface. Surfaces that alpha masks cut away do not count as crossed.
+//! Limits: bodies are taken to be closed and to have their fronts outward; an open one bends light where it is crossed, and its inside
+//! has no other end than a surface with the same. Surfaces that alpha masks cut away do not count as crossed.
 
 use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::defects::{Defect, planted};
-use crate::geometry::{Bodies, Bounds, Geometry, Ray, SurfacePoint};
+use crate::geometry::{Bodies, Bounds, Geometry, Ray, SurfacePoint, TriangleMesh};
 use crate::light::End;
+use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -70,15 +72,37 @@ const MOST_CROSSED: u32 = 1 << 14;
 /// that models are likely to have.
 const OUT: Vec3 = Vec3::new(0.230_84, 0.936_27, 0.265_31);
 
+/// A sum over the edges of a mesh that have no second triangle on their other side: 0 if there are none, but for one mesh in 2⁶⁴.
+fn open_edges(mesh: &TriangleMesh) -> u64 {
+    // −0 and 0 are one coordinate.
+    let vertex = |i: u32| (mesh.positions()[i as usize] + 0.0).to_array().map(|x: f32| u64::from(x.to_bits()));
+    let point = |i: u32| vertex(i).into_iter().fold(0, |hash, bits| mix64(hash ^ bits).rotate_left(21));
+    let edge = |from: u64, to: u64| mix64(from.wrapping_add(to.rotate_left(32)));
+    let sum = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(point);
+        let edges = [(a, b), (b, c), (c, a)];
+        edges.into_iter().fold(0u64, |sum, (a, b)| sum.wrapping_add(edge(a, b)).wrapping_sub(edge(b, a)))
+    };
+    mesh.triangles().iter().fold(0, |total, t| total.wrapping_add(sum(t)))
+}
+
 impl AllBodies {
     /// Those of all objects, which are told theirs.
     pub(super) fn find(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Material]) -> Self {
+        let mut parts: HashMap<_, u64> = HashMap::new();
+        let part = |object: &ObjectInfo| Some((object.instance, materials[object.material as usize].interior?.key()));
+        for (index, object) in (0..).zip(&*objects) {
+            let Some(part) = part(object) else { continue };
+            let sum = parts.entry(part).or_default();
+            *sum = sum.wrapping_add(open_edges(geometry.mesh_of(index)));
+        }
         let mut found: Vec<Body> = Vec::new();
         let mut known = HashMap::new();
-        for (index, object) in objects.iter_mut().enumerate() {
-            let Some(interior) = materials[object.material as usize].interior else { continue };
-            let bounds = geometry.bounds(index as u32);
-            let id = *known.entry((object.instance, interior.key())).or_insert_with(|| {
+        for (index, object) in (0..).zip(objects.iter_mut()) {
+            let (Some(interior), Some(part)) = (materials[object.material as usize].interior, part(object)) else { continue };
+            let bounds = geometry.bounds(index);
+            let is_closed = parts[&part] == 0;
+            let id = *known.entry((is_closed.then_some(part.0), part.1)).or_insert_with(|| {
                 found.push(Body { interior, bounds });
                 found.len() - 1
             });

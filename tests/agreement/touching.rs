@@ -38,7 +38,8 @@ fn somewhere(random: &mut Random) -> (DAffine3, f64) {
     };
     (
         DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, offset),
-        f64::from(f32::EPSILON) * (far / scale).max(1.0),
+        // At most so large that all rays meet both.
+        (f64::from(f32::EPSILON) * (far / scale).max(1.0)).min(0.005),
     )
 }
 

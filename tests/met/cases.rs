@@ -18,6 +18,8 @@ struct Case {
 const WHOLE: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
 /// Walks from both ends and chains.
 const ALL: &[&str] = &["path", "bdpt", "light", "mlt", "mmlt", "pssmlt"];
+/// Lambert surfaces under an environment alone: uniform directions find it too.
+const OPEN: &[&str] = &["path", "path-naive", "path-nee", "bdpt", "light", "pssmlt"];
 /// What the camera sees directly, with nothing that scatters.
 const SEEN: &[&str] = &["path", "path-naive", "bdpt", "mlt"];
 /// Through mirrors and glass to the surroundings.
@@ -26,6 +28,22 @@ const CLEAR: &[&str] = &["path", "bdpt"];
 const ROUNDING: f64 = 1e-5;
 
 const CASES: &[Case] = &[
+    Case {
+        file: "touching/decal-gap-1e-06.gltf",
+        options: "--size 8x8 --spp 256",
+        methods: OPEN,
+        part: WHOLE,
+        right: [0.125, 0.0, 0.25],
+        within: ROUNDING,
+    },
+    Case {
+        file: "touching/decal-gap-2e-06.gltf",
+        options: "--size 8x8 --spp 256",
+        methods: OPEN,
+        part: WHOLE,
+        right: [0.125, 0.0, 0.25],
+        within: ROUNDING,
+    },
     // Mitsuba's volpath: .1302 ± .0003.
     Case {
         file: "nested-media/off-centre.gltf",
