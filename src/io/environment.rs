@@ -1,6 +1,6 @@
 //! Environment maps from files: OpenEXR and Radiance pictures in latitude-longitude layout, by the ending of their name.
 //!
-//! Which channels of an EXR file are taken is [`layers`]'s choice.
+//! Which channels of an EXR file are taken is `layers`'s choice.
 
 mod layers;
 

@@ -2,7 +2,7 @@
 //!
 //! A [`Pyramid`] holds the means of a picture's tiles, from 8×8 pixels to the whole image, with their errors. What the errors are
 //! made of is what the method says is independent ([`crate::film::Independent`]): pixels, or replicates alone where splats or chains
-//! tie pixels together. It comes from a film, from the record that an image carries ([`record`]), or from the pixel errors of an image
+//! tie pixels together. It comes from a film, from the record that an image carries (`record`), or from the pixel errors of an image
 //! without one, if its pixels are independent. [`judge`] tests all tiles of all pairs at one level.
 //!
 //! The tests are Welch's, corrected for skewness [Welch47; Hall92; Zhou05], all together by Holm's method [Holm79]. Limits: it takes
