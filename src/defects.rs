@@ -50,6 +50,16 @@ defects! {
     PilotFollowsSeed "pilot-follows-seed"
         "The pilot's seed follows the render's, so that roulette and with it the error differ from seed to seed."
         "this renderer before its issue 8";
+    // surfaces that touch
+    ContactJumpedOver "contact-jumped-over"
+        "Rays leave touching surfaces as they leave any other, by a distance that exceeds the gap."
+        "ray tracers with an epsilon; this one, until glass stood on a table";
+    ContactUnsorted "contact-unsorted"
+        "Of surfaces closer than a backend's error the one that it names is taken for the first."
+        "decals that flicker";
+    CoplanarOnBothSides "coplanar-on-both-sides"
+        "What coincides with the surface that is left is met whichever side it lies on, so that one layer counts twice."
+        "renderers that know the primitive they leave and nothing of those that coincide with it";
     // sampling
     SobolSkipsFirst "sobol-skips-first"
         "The Sobol' sequence begins with its second point, so that no power of two of points is a net."
@@ -146,6 +156,24 @@ defects! {
     SchlickFourth "schlick-fourth"
         "Schlick's Fresnel has the fourth power."
         "a multiplication too few";
+    LeavingIsVacuum "leaving-is-vacuum"
+        "Whoever leaves a body is in empty space, whatever lies around it."
+        "renderers that keep one medium and not a stack";
+    CameraInVacuum "camera-in-vacuum"
+        "Cameras start in empty space, whatever they stand in."
+        "étendue before it knew where cameras stand";
+    LightsInVacuum "lights-in-vacuum"
+        "Light starts in empty space, whatever its lamp stands in."
+        "étendue before it knew where lamps stand";
+    OuterIndexIsOne "outer-index-is-one"
+        "Boundaries bend light as if empty space were outside, whatever lies there."
+        "glass in water in most real-time renderers";
+    PriorityReversed "priority-reversed"
+        "Of overlapping bodies the one of the lowest priority has the place."
+        "a comparison the wrong way round";
+    PanesStopShadows "panes-stop-shadows"
+        "Thin clear panes are opaque to connections, so that no sun shines through windows."
+        "path tracers that take panes for mirrors";
     ThinLosesNothing "thin-loses-nothing"
         "A thin wall transmits what it has reflected already."
         "transmission without its Fresnel factor";

@@ -43,6 +43,12 @@ struct RefractingFacet<T> {
 }
 
 impl Dielectric {
+    /// Whether both sides have the same index: nothing bends there and nothing is reflected.
+    #[inline]
+    pub(super) fn is_matched(&self) -> bool {
+        (self.eta - 1.0).abs() <= 0.0
+    }
+
     /// Whether the boundary counts as smooth: refraction spreads by α |η − 1|, so that both small roughness and nearly
     /// matched media (whose half vector vanishes) make it so.
     #[inline]

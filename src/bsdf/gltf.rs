@@ -76,6 +76,20 @@ impl Gltf {
         matches!(self.transmission, Transmission::Solid(_))
     }
 
+    /// Whether what it transmits goes straight on.
+    pub(super) fn passes_straight(&self) -> bool {
+        match &self.transmission {
+            Transmission::None => false,
+            Transmission::Thin(_) => self.ggx.is_dirac(),
+            Transmission::Solid(glass) => glass.is_matched(),
+        }
+    }
+
+    /// Without what it transmits.
+    pub(super) fn opaque(&self) -> Self {
+        Gltf { transmission: Transmission::None, ..*self }
+    }
+
     /// Probabilities by the albedo of each part for light from or to `known`; `None` for a black surface.
     #[inline]
     fn end<T: Scalar>(&self, known: Local<T>) -> Option<End<T>> {

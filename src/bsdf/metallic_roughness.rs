@@ -31,6 +31,8 @@ pub struct MetallicRoughness {
     pub specular_color: Spectrum,
     /// Refractive index.
     pub ior: f32,
+    /// Refractive index of what is outside a solid: 1 for empty space.
+    pub outside: f32,
     /// Share of the base that transmits light, 0 to 1.
     pub transmission: f32,
     /// Where it transmits to.
@@ -102,7 +104,7 @@ impl MetallicRoughness {
     fn glass(&self, weight: f32) -> Option<Dielectric> {
         (self.wall == Wall::Solid && self.ior >= 1.0).then(|| Dielectric {
             ggx: Ggx::new(self.roughness * self.roughness),
-            eta: self.ior,
+            eta: self.ior / self.outside,
             reflect: Spectrum::splat(weight),
             transmit: self.base * weight,
         })

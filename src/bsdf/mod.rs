@@ -15,6 +15,7 @@ mod lambert;
 mod metallic_roughness;
 pub mod shading;
 pub mod sides;
+mod straight;
 mod surface;
 mod thin;
 

@@ -32,6 +32,23 @@ impl Bounds {
         Bounds { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// Whether `point` lies in it.
+    #[inline]
+    pub fn contains(&self, point: Vec3) -> bool {
+        self.min.cmple(point).all() && self.max.cmpge(point).all()
+    }
+
+    /// Whether both share a point.
+    #[inline]
+    pub fn meets(&self, other: &Bounds) -> bool {
+        self.min.cmple(other.max).all() && self.max.cmpge(other.min).all()
+    }
+
+    /// What it holds, as a volume; 0 if it is empty.
+    pub fn volume(&self) -> f32 {
+        (self.max - self.min).max(Vec3::ZERO).to_array().into_iter().product()
+    }
+
     /// Whether it holds nothing.
     pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()

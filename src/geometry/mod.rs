@@ -2,21 +2,27 @@
 //! recomputes where, the same for every backend, and `spawn` is the only ray offset.
 
 mod any_hit;
+mod bodies;
 mod bounds;
+mod exact;
 mod frame;
 mod mesh;
 mod ray;
 mod spawn;
 mod surface_point;
 mod triangle;
+mod triangle_tree;
 mod world;
 
 pub use any_hit::{AnyHit, Opaque};
+pub use bodies::Bodies;
 pub use bounds::Bounds;
+pub use exact::{Crossing, Line};
 pub use frame::{Frame, Local};
 pub use mesh::{Attributes, TriangleMesh};
-pub use ray::{Hit, MediumId, Ray};
-pub use spawn::{spawn_ray, spawn_segment};
+pub use ray::{Hit, Ray};
+pub use spawn::{clear_of, leave, spawn_ray, spawn_segment};
 pub use surface_point::SurfacePoint;
 pub use triangle::{Triangle, TriangleHit, is_placement, placement_error};
+pub use triangle_tree::{Leaf, TriangleTree};
 pub use world::{Geometry, Object};

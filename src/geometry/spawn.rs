@@ -1,7 +1,7 @@
 //! The only place where a ray's origin is moved off the surface it leaves.
 
 use crate::defects::{Defect, planted};
-use crate::geometry::Ray;
+use crate::geometry::{Hit, Ray, Triangle};
 use crate::numeric::BELOW_ONE;
 use glam::Vec3;
 
@@ -25,6 +25,12 @@ pub fn spawn_ray(p: Vec3, error: f32, ng: Vec3, direction: Vec3) -> Ray {
     Ray::new(offset(p, error, ng, direction), direction)
 }
 
+/// A ray from a surface point, as [`spawn_ray`] makes it, or from the point itself if another surface touches `touched` there.
+#[inline]
+pub fn leave(p: Vec3, error: f32, ng: Vec3, touched: Hit, direction: Vec3) -> Ray {
+    if touched == Hit::NONE { spawn_ray(p, error, ng, direction) } else { Ray { left: touched, ..Ray::new(p, direction) } }
+}
+
 /// The segment from a surface point to the end point `to`, itself known within `to_error` on a surface of normal `to_ng`
 /// (error 0 for a point in space). Parameters run from 0 to 1; neither end's own surface lies inside.
 #[inline]
@@ -37,4 +43,27 @@ pub fn spawn_segment(p: Vec3, error: f32, ng: Vec3, to: Vec3, to_error: f32, to_
     let mut ray = Ray::new(origin, end - origin);
     ray.t_max = BELOW_ONE;
     ray
+}
+
+/// The segment between two points of which one at least lies on a surface that touches another: `left` and `end` name these, and
+/// there the segment begins and ends on the surface. See [`clear_of`].
+pub(super) fn touching_segment(p: Vec3, left: Hit, error: f32, ng: Vec3, to: (Vec3, f32, Vec3), end: Hit) -> Ray {
+    let (to, to_error, to_ng) = to;
+    let toward = to - p;
+    let origin = if left == Hit::NONE { offset(p, error, ng, toward) } else { p };
+    let far = FAR_END * toward.abs().max_element();
+    let to = if end == Hit::NONE && to_error > 0.0 { offset(to, to_error + far, to_ng, -toward) } else { to };
+    Ray { t_max: BELOW_ONE, left, end, ..Ray::new(origin, to - origin) }
+}
+
+/// `ray`, whose ends lie on the surfaces `left` and `end` if there are such, moved off them as far as any ray is.
+pub fn clear_of(ray: &Ray, left: Option<&Triangle>, end: Option<&Triangle>) -> Ray {
+    let normal = |triangle: &Triangle| triangle.scaled_normal().normalize_or_zero().as_vec3();
+    let origin = left.map_or(ray.origin, |t| offset(ray.origin, t.error_at(ray.origin), normal(t), ray.direction));
+    let free = Ray { origin, left: Hit::NONE, end: Hit::NONE, ..*ray };
+    let Some(last) = end else { return free };
+    let to = ray.at(ray.t_max);
+    let error = last.error_at(to) + FAR_END * (to - ray.origin).abs().max_element();
+    let to = offset(to, error, normal(last), -ray.direction);
+    Ray { direction: to - origin, t_max: BELOW_ONE, ..free }
 }

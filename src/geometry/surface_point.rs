@@ -1,6 +1,8 @@
 //! A point on a surface, as shading sees it.
 
-use crate::geometry::{Frame, Geometry, Hit, Ray, TriangleHit, spawn_ray, spawn_segment};
+use super::spawn::touching_segment;
+use crate::defects::{Defect, planted};
+use crate::geometry::{Frame, Geometry, Hit, Ray, TriangleHit, leave, spawn_segment};
 use glam::Vec3;
 
 /// Where a ray met a surface. Normals have unit length and are on the side of the triangle's counter-clockwise winding.
@@ -20,6 +22,8 @@ pub struct SurfacePoint {
     pub hit: Hit,
     /// Ray parameter.
     pub t: f32,
+    /// Whether another surface touches this one here, so that leaving rays must not be moved off it.
+    pub touching: bool,
     /// Whether the backend's hit agrees with the triangle: see [`super::TriangleHit::consistent`].
     pub consistent: bool,
 }
@@ -35,19 +39,35 @@ impl SurfacePoint {
         let ng = (meet.normal * (winding / meet.normal.length())).as_vec3();
         let ns = geometry.shading_normal(hit, meet.barycentric).map_or(ng, |n| facing(n, ng));
         let TriangleHit { barycentric, t, consistent, .. } = meet;
-        Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, consistent })
+        Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, touching: false, consistent })
+    }
+
+    /// The primitive, if another surface touches it here; [`Hit::NONE`] otherwise.
+    #[inline]
+    pub fn touched(&self) -> Hit {
+        if self.touching && !planted(Defect::ContactJumpedOver) { self.hit } else { Hit::NONE }
     }
 
     /// A ray that leaves this point.
     #[inline]
     pub fn spawn(&self, direction: Vec3) -> Ray {
-        spawn_ray(self.p, self.error, self.ng, direction)
+        leave(self.p, self.error, self.ng, self.touched(), direction)
     }
 
-    /// The open segment to a point `to` on a surface of normal `to_ng`, known within `to_error` (0 for a point in space).
+    /// The open segment to a point `to` on a surface of normal `to_ng`, known within `to_error` (0 for a point in space); `touched`
+    /// is the primitive there if another one touches it, or [`Hit::NONE`].
     #[inline]
-    pub fn segment(&self, to: Vec3, to_error: f32, to_ng: Vec3) -> Ray {
-        spawn_segment(self.p, self.error, self.ng, to, to_error, to_ng)
+    pub fn segment(&self, to: Vec3, to_error: f32, to_ng: Vec3, touched: Hit) -> Ray {
+        match (self.touched(), touched) {
+            (Hit::NONE, Hit::NONE) => spawn_segment(self.p, self.error, self.ng, to, to_error, to_ng),
+            (left, end) => touching_segment(self.p, left, self.error, self.ng, (to, to_error, to_ng), end),
+        }
+    }
+
+    /// The open segment to `other`.
+    #[inline]
+    pub fn segment_to(&self, other: &SurfacePoint) -> Ray {
+        self.segment(other.p, other.error, other.ng, other.touched())
     }
 }
 

@@ -49,6 +49,12 @@ impl Triangle {
         (b - a).cross(c - a)
     }
 
+    /// The point of its plane that is nearest to `p`; `p` itself if it has no area.
+    pub fn project(&self, p: DVec3) -> DVec3 {
+        let n = self.scaled_normal().normalize_or_zero();
+        p - n * n.dot(p - self.vertices[0].as_dvec3())
+    }
+
     /// The area.
     pub fn area(&self) -> f64 {
         self.scaled_normal().length() * 0.5
@@ -79,7 +85,7 @@ impl Triangle {
     /// By how much a backend's edge functions may be wrong, |d| and 1 / det left out: 8 roundings of products of vertex offsets,
     /// and what placing adds to the two offsets of a product and to the ray.
     #[inline]
-    fn backend_slack(&self, s: DVec3, e1: DVec3, e2: DVec3) -> f64 {
+    pub(super) fn backend_slack(&self, s: DVec3, e1: DVec3, e2: DVec3) -> f64 {
         let reach2 = s.length_squared().max((s - e1).length_squared()).max((s - e2).length_squared());
         8.0 * f64::from(HALF_ULP) * reach2 + 3.0 * f64::from(self.placement_error) * reach2.sqrt()
     }
@@ -96,9 +102,26 @@ impl Triangle {
         let [u, v] = barycentric;
         let (e1, e2) = (b - a, c - a);
         let p = a + (e1 * u + e2 * v);
-        let reach = (e1.abs() + e2.abs()).max_element();
-        let error = HALF_ULP * (4.0 * p.abs().max_element() + 12.0 * reach) + self.placement_error;
-        (p, error)
+        (p, self.error_at(p))
+    }
+
+    /// [`Triangle::point`]'s distance for the point `p` of it.
+    #[inline]
+    pub fn error_at(&self, p: Vec3) -> f32 {
+        let [a, b, c] = self.vertices;
+        let reach = ((b - a).abs() + (c - a).abs()).max_element();
+        HALF_ULP * (4.0 * p.abs().max_element() + 12.0 * reach) + self.placement_error
+    }
+
+    /// The largest of [`Triangle::error_at`] over its points.
+    pub fn most_error(&self) -> f32 {
+        let [a, b, c] = self.vertices;
+        self.error_at(a.abs().max(b.abs()).max(c.abs()))
+    }
+
+    /// Whether a vertex of it is one of `other`, by position.
+    pub fn shares_vertex(&self, other: &Triangle) -> bool {
+        self.vertices.iter().any(|a| other.vertices.contains(a))
     }
 }
 

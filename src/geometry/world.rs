@@ -1,7 +1,7 @@
 //! All geometry of a scene, as backends are given it.
 
 use crate::defects::{Defect, planted};
-use crate::geometry::{Hit, Triangle, TriangleMesh};
+use crate::geometry::{Bounds, Hit, Triangle, TriangleMesh};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -43,6 +43,13 @@ impl Geometry {
             None => Triangle::new(a, b, c),
             Some(m) => Triangle::placed(m, a, b, c),
         }
+    }
+
+    /// The box around object `object` in the world.
+    pub fn bounds(&self, object: u32) -> Bounds {
+        let placement = self.objects[object as usize].placement;
+        let world = |p: &Vec3| placement.map_or(*p, |m| m.transform_point3(*p));
+        Bounds::around(self.mesh_of(object).positions().iter().map(world))
     }
 
     /// +1 where the object's winding is the mesh's, −1 where its placement mirrors. glTF says that a node with a negative

@@ -61,7 +61,7 @@ fn first_diffuse(
     tally: &mut Tally,
 ) -> (Spectrum, Vec3) {
     loop {
-        let surface = scene.surface(&mut point);
+        let surface = scene.surface(&mut point, walk.ray.bodies);
         let wo = -walk.ray.direction;
         let normal = if wo.dot(point.frame.n) < 0.0 { -point.frame.n } else { point.frame.n };
         let here = (walk.beta.map(|b: f32| b.min(1.0)) * surface.reflectance(), normal);

@@ -159,7 +159,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let Some(sample) = lights.all()[index].sample_toward(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
-        let segment = toward_light(self.scene, shading.point, shading.known(), walk.ray.medium, &sample);
+        let segment = toward_light(self.scene, shading.point, walk.ray.bodies, &sample);
         let through = self.scene.transmittance(&Ray { time: walk.ray.time, ..segment }, &mut tally.shadows);
         walk.beta * scattering.f_cos * sample.radiance * through * weight
     }
@@ -194,7 +194,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
             if walk.depth >= self.max_depth.saturating_add(u32::from(planted(Defect::DepthOneMore))) {
                 return total;
             }
-            let surface = self.scene.surface(&mut point);
+            let surface = self.scene.surface(&mut point, walk.ray.bodies);
             let wo = -walk.ray.direction;
             let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return total };
             if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {

@@ -2,7 +2,7 @@
 
 use super::{EmissionNumbers, Emitted, End, LightSample};
 use crate::defects::{Defect, planted};
-use crate::geometry::{Frame, Local, Triangle, spawn_ray};
+use crate::geometry::{Frame, Hit, Local, Triangle, leave};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
 use crate::texture::Texture;
@@ -103,6 +103,7 @@ impl Emission {
 #[derive(Debug)]
 pub struct AreaLight {
     triangle: Triangle,
+    touched: Hit,
     ng: Vec3,
     density: Pdf<Area>,
     emission: Emission,
@@ -113,11 +114,16 @@ impl AreaLight {
     /// The light on `triangle`, whose front is the side of its winding times `winding` (±1). `mean_texture` is the texture's
     /// mean colour, white without one.
     pub fn new(triangle: Triangle, winding: f64, emission: Emission, mean_texture: Spectrum) -> Self {
+        Self::touched(triangle, Hit::NONE, winding, emission, mean_texture)
+    }
+
+    /// [`AreaLight::new`], on the primitive `touched`, which another one touches.
+    pub fn touched(triangle: Triangle, touched: Hit, winding: f64, emission: Emission, mean_texture: Spectrum) -> Self {
         let normal = triangle.scaled_normal() * winding;
         let area = triangle.area() as f32;
         let density = if area.recip().is_finite() { Pdf::new(area.recip()) } else { Pdf::new(0.0) };
         let mean_radiance = emission.radiance * mean_texture;
-        AreaLight { triangle, ng: normal.normalize_or_zero().as_vec3(), density, emission, mean_radiance }
+        AreaLight { triangle, touched, ng: normal.normalize_or_zero().as_vec3(), density, emission, mean_radiance }
     }
 
     /// Radiance that leaves the point with `barycentric` along the unit direction `wo`.
@@ -151,7 +157,12 @@ impl AreaLight {
         if radiance.is_black() || pdf.value() <= 0.0 || d2 == 0.0 {
             return None;
         }
-        Some(LightSample { wi, radiance, density: Density::Smooth(pdf), end: End::Surface { p: q, error, ng: self.ng } })
+        Some(LightSample {
+            wi,
+            radiance,
+            density: Density::Smooth(pdf),
+            end: End::Surface { p: q, error, ng: self.ng, touched: self.touched },
+        })
     }
 
     /// See [`super::Light::emit`].
@@ -167,8 +178,12 @@ impl AreaLight {
         let coverage = self.emission.coverage.as_ref().map_or(1.0, |c| c.at(barycentric));
         // The cosine is in the density of the direction.
         let power = self.emission.at(barycentric) * (coverage * sides * std::f32::consts::PI / self.density.value());
-        let ray = spawn_ray(p, error, self.ng, w);
-        (self.density.value() > 0.0).then_some(Emitted { end: End::Surface { p, error, ng: self.ng }, ray, power })
+        let ray = leave(p, error, self.ng, self.touched, w);
+        (self.density.value() > 0.0).then_some(Emitted {
+            end: End::Surface { p, error, ng: self.ng, touched: self.touched },
+            ray,
+            power,
+        })
     }
 
     /// Density per area of where [`AreaLight::emit`] begins.

@@ -19,7 +19,7 @@ pub use lat_long::LatLong;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 pub use sky::Sky;
 
-use crate::geometry::SurfacePoint;
+use crate::geometry::{Hit, SurfacePoint};
 use crate::sampling::Density;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -51,6 +51,8 @@ pub enum End {
         error: f32,
         /// Its unit normal.
         ng: Vec3,
+        /// Its primitive, if another one touches it; [`Hit::NONE`] otherwise.
+        touched: Hit,
     },
     /// At a point in space.
     Point(Vec3),

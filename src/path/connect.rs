@@ -6,7 +6,7 @@ use super::mis::Weights;
 use crate::bsdf::{Scattering, Shading};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
-use crate::geometry::{MediumId, Ray, SurfacePoint};
+use crate::geometry::{Bodies, Hit, Ray, SurfacePoint};
 use crate::light::{End, LightSample, Receiver};
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
@@ -66,22 +66,22 @@ pub fn next_event(
         value: z.beta * f_cos * sample.radiance / (pmf as f32 * sample.density.value()),
         weight: weights.next_event(hit, weights.earlier(&z.sums, made, reverse)),
         survival: z.survival,
-        segment: toward_light(scene, &z.point, z.known, z.medium, &sample),
+        segment: toward_light(scene, &z.point, z.bodies, &sample),
     })
 }
 
-/// The segment that must be free for `sample` to arrive at `point`, where a walk came from the direction `known` through `medium`.
+/// The segment that must be free for `sample` to arrive at `point`, where a walk came in `bodies`.
 #[inline]
-pub fn toward_light(scene: &Scene, point: &SurfacePoint, known: Vec3, medium: MediumId, sample: &LightSample) -> Ray {
-    Ray { medium: scene.medium_toward(point, known, medium, sample.wi), ..toward_end(point, &sample.end, sample.wi) }
+pub fn toward_light(scene: &Scene, point: &SurfacePoint, bodies: Bodies, sample: &LightSample) -> Ray {
+    Ray { bodies: scene.bodies_toward(point, bodies, sample.wi), ..toward_end(point, &sample.end, sample.wi) }
 }
 
 /// The segment between `point` and the `end` of a path, which lies in the direction `wi`.
 #[inline]
 pub fn toward_end(point: &SurfacePoint, end: &End, wi: Vec3) -> Ray {
     match *end {
-        End::Surface { p, error, ng } => point.segment(p, error, ng),
-        End::Point(p) => point.segment(p, 0.0, point.ng),
+        End::Surface { p, error, ng, touched } => point.segment(p, error, ng, touched),
+        End::Point(p) => point.segment(p, 0.0, point.ng, Hit::NONE),
         End::Infinity => point.spawn(wi),
     }
 }
@@ -103,7 +103,7 @@ pub fn connect(scene: &Scene, weights: &Weights, y: &Vertex, z: &Vertex, z_shadi
     let light = weights.earlier(&y.sums, per_area(at_z.pdf.value(), &y.point), reverse(&y_shading, -wi));
     let camera = weights.earlier(&z.sums, per_area(at_y.pdf.value(), &z.point), reverse(z_shading, wi));
     let value = y.beta * at_y.f_cos * at_z.f_cos * z.beta / d2;
-    let segment = Ray { medium: z.medium_toward(scene, wi), ..z.point.segment(y.point.p, y.point.error, y.point.ng) };
+    let segment = Ray { bodies: z.bodies_toward(scene, wi), ..z.point.segment_to(&y.point) };
     Some(Connection { value, weight: weights.connection(light, camera), survival: y.survival * z.survival, segment })
 }
 
@@ -118,7 +118,7 @@ pub fn splat(scene: &Scene, weights: &Weights, camera: &Camera, y: &Vertex) -> O
     let magnification = if planted(Defect::SplatsWithoutMagnification) { 1.0 } else { seen.magnification };
     let density = f64::from(seen.magnification) * f64::from(seen.toward.dot(y.point.ng).abs());
     let reverse = f64::from(shading.reverse_pdf(seen.toward).value());
-    let segment = Ray { medium: y.medium_toward(scene, seen.toward), ..y.point.segment(seen.eye, 0.0, y.point.ng) };
+    let segment = Ray { bodies: y.bodies_toward(scene, seen.toward), ..y.point.segment(seen.eye, 0.0, y.point.ng, Hit::NONE) };
     let value = y.beta * at_y.f_cos * magnification;
     let connection = Connection { value, weight: weights.splat(&y.sums, density, reverse), survival: y.survival, segment };
     Some(Splat { connection, film: seen.film })

@@ -1,6 +1,7 @@
 //! The end of a path on a light, however it was found.
 
-use crate::geometry::SurfacePoint;
+use crate::defects::{Defect, planted};
+use crate::geometry::{Bodies, Ray, SurfacePoint};
 use crate::light::{EmissionDensity, Emitted, End, Light, LightSample, Receiver};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -23,6 +24,13 @@ impl Emitter {
         let cos = if let End::Surface { ng, .. } = emitted.end { emitted.ray.direction.dot(ng).abs() } else { 1.0 };
         let radiance = emitted.power * ((density.end * density.ray) as f32 / cos);
         Emitter { index, end: emitted.end, radiance }
+    }
+
+    /// The ray of what a light `emitted`, in the bodies where it starts.
+    pub fn ray(scene: &Scene, emitted: &Emitted) -> Ray {
+        let bodies =
+            if planted(Defect::LightsInVacuum) { Bodies::NONE } else { scene.bodies_of_light(&emitted.end, &emitted.ray) };
+        Ray { bodies, ..emitted.ray }
     }
 
     /// Where light `index` was sampled by the point `p`.
@@ -56,7 +64,7 @@ impl Emitter {
     pub fn at(scene: &Scene, point: &SurfacePoint, wo: Vec3) -> Option<Self> {
         let (index, Light::Area(area)) = scene.light_at(point)? else { return None };
         let radiance = area.radiance(point.barycentric, wo);
-        let end = End::Surface { p: point.p, error: point.error, ng: point.ng };
+        let end = End::Surface { p: point.p, error: point.error, ng: point.ng, touched: point.touched() };
         (!radiance.is_black()).then_some(Emitter { index, end, radiance })
     }
 

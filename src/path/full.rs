@@ -11,7 +11,7 @@ use crate::bsdf::sides::{Sided, Sources};
 use crate::bsdf::{Bsdf, Lobes, Surface};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
-use crate::geometry::{Frame, Local, SurfacePoint};
+use crate::geometry::{Bodies, Frame, Local, SurfacePoint};
 use crate::light::{End, Light, Receiver};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -23,6 +23,8 @@ use glam::{DVec3, Vec3};
 pub struct Node {
     /// Where.
     pub point: SurfacePoint,
+    /// The bodies that a walk came through; see [`Scene::bodies_toward`].
+    pub bodies: Bodies,
     /// How it scatters.
     pub surface: Surface,
     /// The component that scatters: one Dirac lobe, or [`Lobes::SMOOTH`].
@@ -97,7 +99,7 @@ impl Node {
     /// A vertex of a walk that scatters through `lobe`.
     pub fn new(vertex: &Vertex, lobe: Lobes) -> Self {
         let lobe = if lobe.intersects(Lobes::DIRAC) { lobe } else { Lobes::SMOOTH };
-        Node { point: vertex.point, surface: *vertex.surface, lobe }
+        Node { point: vertex.point, bodies: vertex.bodies, surface: *vertex.surface, lobe }
     }
 
     /// Whether its component is a Dirac lobe.

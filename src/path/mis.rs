@@ -130,6 +130,13 @@ pub struct Link {
 }
 
 /// |w·ng| in f64.
+/// The squared distance of two vertices. Where surfaces coincide it may be 0; it is in densities of both ways along the edge, which it must
+/// leave finite, and cancels.
+#[inline]
+fn squared_distance(a: Vec3, b: Vec3) -> f64 {
+    f64::from(a.distance_squared(b).max(f32::MIN_POSITIVE))
+}
+
 #[inline]
 fn cosine(w: Vec3, ng: Vec3) -> f64 {
     f64::from(w.dot(ng).abs())
@@ -196,9 +203,9 @@ impl Weights {
         let cos = cosine(w, ng);
         let (made, back) = match link.start {
             Start::Far => (link.forward * cos, 1.0),
-            Start::Point(from) => (link.forward * cos / f64::from(from.distance_squared(p)), 0.0),
+            Start::Point(from) => (link.forward * cos / squared_distance(from, p), 0.0),
             Start::Surface { p: from, ng } => {
-                let d2 = f64::from(from.distance_squared(p));
+                let d2 = squared_distance(from, p);
                 (link.forward * cos / d2, cosine(w, ng) / d2)
             }
         };

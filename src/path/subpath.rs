@@ -8,7 +8,7 @@ use super::{Departure, Tally, Walk};
 use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
-use crate::geometry::{MediumId, Ray, SurfacePoint};
+use crate::geometry::{Bodies, Ray, SurfacePoint};
 use crate::light::{EmissionNumbers, End, Receiver};
 use crate::sampling::{Discrete, Pdf, Sampler, Slot};
 use crate::scene::Scene;
@@ -27,10 +27,10 @@ pub struct Vertex<'a> {
     pub known: Vec3,
     /// The walk's throughput up to here.
     pub beta: Spectrum,
-    /// Probability of having survived roulette so far: the throughput is over it.
+    /// See [`Walk::survival`].
     pub survival: f32,
-    /// The medium that the walk came through.
-    pub medium: MediumId,
+    /// The bodies that the walk came through.
+    pub bodies: Bodies,
     /// What it knows of earlier techniques.
     pub sums: Sums,
     /// The end of the path that its walk goes toward.
@@ -50,10 +50,10 @@ impl Vertex<'_> {
         self.surface.lobes().intersects(Lobes::SMOOTH)
     }
 
-    /// The medium of an edge that leaves along `w`.
+    /// The bodies of an edge that leaves along `w`.
     #[inline]
-    pub fn medium_toward(&self, scene: &Scene, w: Vec3) -> MediumId {
-        scene.medium_toward(&self.point, self.known, self.medium, w)
+    pub fn bodies_toward(&self, scene: &Scene, w: Vec3) -> Bodies {
+        scene.bodies_toward(&self.point, self.bodies, w)
     }
 }
 
@@ -109,7 +109,7 @@ impl<'a> Subpath<'a> {
         let direct = end(scene.lights().pmf(&receiver, index));
         let link = weights.from_light(end(pmf), density.ray, direct, light.is_dirac(), start);
         let emitter = Emitter::of_emission(index, &emitted, &density);
-        let walk = Walk::from_light(scene, emitted.ray, power);
+        let walk = Walk::from_light(scene, Emitter::ray(scene, &emitted), power);
         Some((Subpath { scene, weights: *weights, walk, link }, emitter))
     }
 
@@ -124,14 +124,14 @@ impl<'a> Subpath<'a> {
         }
         let ng = if planted(Defect::WeightsByShadingNormal) { point.frame.n } else { point.ng };
         let sums = self.weights.arrive(&self.link, point.p, ng, self.walk.ray.direction);
-        let surface = self.scene.surface(&mut point);
+        let surface = self.scene.surface(&mut point, self.walk.ray.bodies);
         Arrival::Surface(Vertex {
             point,
             surface,
             known: -self.walk.ray.direction,
             beta: self.walk.beta,
             survival: self.walk.survival,
-            medium: self.walk.ray.medium,
+            bodies: self.walk.ray.bodies,
             sums,
             toward: self.walk.toward,
         })

@@ -1,19 +1,18 @@
 //! A walk from the camera toward the lights or the other way: the state that is carried from vertex to vertex.
 //!
-//! Use it as `arrive`, look at the vertex, `depart`, `survives`, and again. Blended surfaces and absorbing media are content
-//! of the edge between two vertices and never vertices themselves.
+//! Use it as `arrive`, look at the vertex, `depart`, `survives`, and again. Blended surfaces, what lets light straight
+//! through, boundaries that are not there and absorbing media are content of the edge between two vertices and never vertices themselves.
 
 use crate::accel::RayClass;
 use crate::bsdf::{ShadingSample, Surface};
 use crate::defects::{Defect, planted};
-use crate::geometry::{MediumId, Ray, SurfacePoint};
+use crate::geometry::{Bodies, Ray, SurfacePoint};
 use crate::light::{AreaLight, Receiver};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
-use crate::scene::Scene;
+use crate::scene::{Passage, Scene};
 use crate::spectrum::Spectrum;
 use crate::transport::Transport;
-use glam::Vec3;
 
 /// How many scattering and null events a path may have before it is taken for a defect of the scene and cut.
 const LONGEST: u32 = 1 << 14;
@@ -80,7 +79,8 @@ pub struct Walk<'a> {
     pub depth: u32,
     /// What numbers are addressed by: the vertex that is left, counted from 0; a light has the 0 of its own walk.
     pub bounce: u32,
-    /// Probability of having survived roulette so far: the throughput is over it.
+    /// Probability of having survived roulette, and of having met or passed what lets light straight through, so far: the throughput is
+    /// over it.
     pub survival: f32,
     /// Whether it came from its beginning by Dirac components alone.
     pub straight: bool,
@@ -90,9 +90,11 @@ pub struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// A walk along the camera ray `ray`.
+    /// A walk along the camera ray `ray`, from within whatever contains its origin.
     #[inline]
     pub fn new(scene: &'a Scene, ray: Ray) -> Self {
+        let bodies = if planted(Defect::CameraInVacuum) { Bodies::NONE } else { scene.bodies_at(ray.origin) };
+        let ray = Ray { bodies, ..ray };
         let (beta, departure) = (Spectrum::ONE, Departure::Camera);
         Walk {
             scene,
@@ -108,7 +110,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// A walk along a ray of light that stands for `power`, which is not black.
+    /// A walk along a ray of light that stands for `power`, which is not black, in the bodies that the ray says.
     pub fn from_light(scene: &'a Scene, ray: Ray, power: Spectrum) -> Self {
         let (departure, scale) = (Departure::Light, power.max_lane().recip());
         Walk {
@@ -125,19 +127,15 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Follows the current edge to the surface at its end; `None` where it leaves the scene. A blended surface is met with
-    /// probability alpha and passed otherwise; one that the camera does not see is passed by its rays.
+    /// Follows the current edge to the surface at its end; `None` where it leaves the scene. What lets light straight on (see
+    /// [`Passage`]) is met with a probability and passed otherwise; what the camera does not see is passed by its rays.
     #[inline(always)] // a call would copy the point through memory: a tenth of the time of a simple scene
     pub fn arrive(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
-        let point = if self.scene.features().blends {
-            self.past(sampler, tally)
-        } else {
-            let point = self.trace(tally);
-            if point.as_ref().is_some_and(|p| self.unseen(p)) { self.past(sampler, tally) } else { point }
-        };
-        if let (true, Departure::Light, Some(point)) = (self.scene.features().media, &self.departure, &point) {
-            // Nothing tells what a light is in until a boundary is met: the medium that lies before it.
-            self.ray.medium = self.scene.medium_beyond(point, -self.ray.direction);
+        let mut point = self.trace(tally);
+        if let Some(first) = &point {
+            if self.scene.features().content() && self.scene.may_pass(first, self.ray.bodies) || self.unseen(first) {
+                point = self.past(*first, sampler, tally);
+            }
         }
         self.absorb(point.as_ref().map_or(f32::INFINITY, |p| p.t));
         tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
@@ -165,22 +163,29 @@ impl<'a> Walk<'a> {
         matches!(self.departure, Departure::Camera) && self.scene.culled(point, self.ray.direction)
     }
 
-    /// The first surface that does not let the edge pass; the edge then begins behind those that did.
+    /// The first surface from `point` on that the edge does not pass; the edge then begins behind those that it did.
     #[cold]
-    fn past(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
+    fn past(&mut self, mut point: SurfacePoint, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
         let mut u = sampler.u1(self.bounce, Slot::Event);
         for _ in 0..LONGEST {
-            let point = self.trace(tally)?;
-            let alpha = if self.unseen(&point) { 0.0 } else { self.scene.coverage(&point) };
-            if u < alpha {
+            let w = self.ray.direction;
+            let passage = if self.unseen(&point) { Passage::FREE } else { self.scene.passage(&point, w, self.ray.bodies) };
+            let (met, chance) = (passage.met, passage.chance());
+            if u < met {
+                self.beta *= passage.alpha / met;
+                self.survival *= met;
                 return Some(point);
             }
             // What is left of u is uniform again: one number serves all surfaces of the edge.
             if !planted(Defect::BlendsShareNumber) {
-                u = ((u - alpha) / (1.0 - alpha)).min(BELOW_ONE);
+                u = ((u - met) / chance).min(BELOW_ONE);
             }
             self.absorb(point.t);
-            self.ray = Ray { medium: self.ray.medium, time: self.ray.time, ..point.spawn(self.ray.direction) };
+            self.beta *= passage.through.map(|t: f32| t / chance);
+            self.survival *= chance;
+            let bodies = self.scene.bodies_toward(&point, self.ray.bodies, w);
+            self.ray = Ray { bodies, time: self.ray.time, ..point.spawn(w) };
+            point = self.trace(tally)?;
         }
         tally.overlong += 1;
         self.beta = Spectrum::ZERO;
@@ -189,15 +194,9 @@ impl<'a> Walk<'a> {
 
     #[inline]
     fn absorb(&mut self, length: f32) {
-        if self.ray.medium != MediumId::VACUUM && !planted(Defect::GlassClear) {
-            self.beta *= self.scene.absorption(self.ray.medium, length);
+        if !self.ray.bodies.is_empty() && self.scene.features().media && !planted(Defect::GlassClear) {
+            self.beta *= self.scene.absorption(self.ray.bodies, length);
         }
-    }
-
-    /// The medium that a ray enters which leaves `point`, where the walk now is, along `w`.
-    #[inline]
-    pub fn medium_toward(&self, point: &SurfacePoint, w: Vec3) -> MediumId {
-        self.scene.medium_toward(point, -self.ray.direction, self.ray.medium, w)
     }
 
     /// Whether the walk sees what `light`, which it found on a surface, emits: what lights nothing is seen by those of the camera that
@@ -225,13 +224,13 @@ impl<'a> Walk<'a> {
         self.straight &= scatter.density.is_delta();
         self.depth += 1;
         self.bounce += 1;
-        let medium = self.medium_toward(point, scatter.direction);
+        let bodies = self.scene.bodies_toward(point, self.ray.bodies, scatter.direction);
         let density = match self.departure {
             Departure::Surface(_, before @ Density::Delta(_)) if planted(Defect::EmissionTwiceAfterDirac) => before,
             _ => scatter.density,
         };
         self.departure = Departure::Surface(Receiver::from(point), density);
-        self.ray = Ray { medium, time: self.ray.time, ..point.spawn(scatter.direction) };
+        self.ray = Ray { bodies, time: self.ray.time, ..point.spawn(scatter.direction) };
     }
 
     /// Russian roulette by the share of light that is left, and by depth. Whoever survives is scaled up.

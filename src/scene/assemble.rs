@@ -5,7 +5,7 @@ use super::description::{AlphaMode, Description, Instance, Primitive};
 use super::material::Material;
 use super::rebase::Rebase;
 use crate::error::{Error, Result};
-use crate::geometry::{Attributes, Geometry, Object, TriangleMesh, is_placement};
+use crate::geometry::{Attributes, Bodies, Geometry, Object, TriangleMesh, is_placement};
 use crate::pages::Pages;
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
 use std::collections::HashMap;
@@ -48,7 +48,7 @@ pub(super) fn assemble(
             let filtered = matches!(material.source.alpha_mode, AlphaMode::Mask { .. });
             geometry.objects.push(Object { mesh, placement, filtered });
             let (material, instance) = (primitive.material as u32, index as u32);
-            objects.push(ObjectInfo { material, first_light: None, instance, colors });
+            objects.push(ObjectInfo { material, first_light: None, instance, colors, body: Bodies::NOBODY, passes: false });
         }
     }
     Ok((geometry, objects))

@@ -1,18 +1,21 @@
 //! From a description to a scene: rebasing, baking, compiling, building.
 
 use super::assemble::assemble;
+use super::bodies::{AllBodies, Interior};
+use super::contact::Contacts;
 use super::description::{self, Description, PunctualKind};
 use super::extent::Extent;
 use super::material::{Material, settle};
 use super::rebase::Rebase;
 use super::usage::Usage;
 use super::view::Views;
-use super::{Absorption, Features, ObjectInfo, Scene, SceneInfo, coincident, surroundings};
+use super::{Features, ObjectInfo, Scene, SceneInfo, coincident, surroundings};
 use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::Lobes;
-use crate::error::{Error, Result};
-use crate::geometry::{Geometry, Hit, MediumId};
+use crate::error::Result;
+use crate::geometry::{Geometry, Hit};
 use crate::light::{AreaLight, Ball, DirectionalLight, Emission, Environment, Light, Lights, PointLight, SpotLight};
+use crate::spectrum::Spectrum;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -49,17 +52,18 @@ impl Scene {
                 extent.spoilt
             ));
         }
-        let mut media = Vec::new();
         let compile = |(m, mut usage): (&description::Material, Usage)| {
             let mut m = m.clone();
             settle(&mut m, &mut usage);
-            let interior = interior(&m, &rebase, &mut media)?;
-            Ok(Material::new(m, &usage, interior))
+            let interior = interior(&m, &rebase);
+            Material::new(m, &usage, interior)
         };
         let usages = Usage::of_all(&description);
-        let materials = description.materials.iter().zip(usages).map(compile).collect::<Result<Vec<Material>>>()?;
-        let (geometry, mut objects) = assemble(&description, &rebase, &materials)?;
-        let mut lights = area_lights(&geometry, &mut objects, &materials);
+        let materials: Vec<Material> = description.materials.iter().zip(usages).map(compile).collect();
+        let (mut geometry, mut objects) = assemble(&description, &rebase, &materials)?;
+        let bodies = AllBodies::find(&geometry, &mut objects, &materials);
+        let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
+        let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());
         lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
         warnings.extend(coincident::emitters(&description, &objects, &geometry, &lights));
         let environment =
@@ -72,7 +76,12 @@ impl Scene {
         let centre = rebase.point((extent.min + extent.max) * 0.5).as_vec3();
         let ball = Ball { centre, radius: (extent.radius() * rebase.scale) as f32 };
         let shining = lights.iter().filter(|light| light.power(ball.radius) > 0.0).count();
-        let features = features(&geometry, &objects, &materials, &lights, &media);
+        for object in &mut objects {
+            let material = &materials[object.material as usize];
+            let blends = material.source.alpha_mode == description::AlphaMode::Blend;
+            object.passes = blends || material.may_pass(1.0);
+        }
+        let features = Features { contacts: contacts.is_some(), ..features(&geometry, &objects, &materials, &lights, &bodies) };
         let mut info = census(&geometry, &materials, shining, features);
         info.instances = description.instances.len();
         info.texture_bytes += environment_bytes;
@@ -85,29 +94,53 @@ impl Scene {
         info.accel_bytes = accel.bytes();
         let views = Views::new(description.cameras, extent.min, extent.max);
         let lights = Lights::new(lights, ball.radius);
-        Ok(Scene { geometry, objects, materials, media, lights, accel, rebase, ball, features, views, info, hash })
+        Ok(Scene { geometry, objects, materials, bodies, lights, accel, contacts, rebase, ball, features, views, info, hash })
     }
 }
 
-/// The medium inside a material; equal media are shared.
-fn interior(material: &description::Material, rebase: &Rebase, media: &mut Vec<Absorption>) -> Result<MediumId> {
-    let Some(volume) = &material.volume else { return Ok(MediumId::VACUUM) };
-    if material.transmission <= 0.0 || !volume.attenuation_distance.is_finite() {
-        return Ok(MediumId::VACUUM);
-    }
+/// What is inside a material that light goes through and that has an inside.
+fn interior(material: &description::Material, rebase: &Rebase) -> Option<Interior> {
+    let m = material;
+    let volume = m.volume.as_ref().filter(|_| m.transmission > 0.0 && m.metallic < 1.0 && m.ior >= 1.0 && !m.unlit)?;
     // White light has the attenuation colour after the attenuation distance.
     let distance = (volume.attenuation_distance * rebase.scale) as f32;
-    let sigma = volume.attenuation_color.map(|c: f32| -c.clamp(f32::MIN_POSITIVE, 1.0).ln() / distance);
-    let id = media.iter().position(|m| m.0 == sigma).unwrap_or_else(|| {
-        media.push(Absorption(sigma));
-        media.len() - 1
-    });
-    let id = u16::try_from(id).ok().map(MediumId).filter(|&id| id != MediumId::VACUUM);
-    id.ok_or_else(|| Error::scene(format!("the scene has more than {} volumes of different absorption", u16::MAX)))
+    let absorption = if distance.is_finite() {
+        volume.attenuation_color.map(|c: f32| -c.clamp(f32::MIN_POSITIVE, 1.0).ln() / distance)
+    } else {
+        Spectrum::ZERO
+    };
+    Some(Interior { absorption, ior: m.ior, priority: m.priority })
+}
+
+/// Finds surfaces that touch where one of them lets light pass; queries may then leave out the objects they belong to.
+fn contacts(
+    geometry: &mut Geometry,
+    objects: &[ObjectInfo],
+    materials: &[Material],
+    cameras: &[description::Camera],
+    rebase: &Rebase,
+    warnings: &mut Vec<String>,
+) -> Option<Box<Contacts>> {
+    let passes = |o: &ObjectInfo| materials[o.material as usize].lets_light_pass();
+    let passes: Vec<bool> = objects.iter().map(passes).collect();
+    let eyes: Vec<_> = cameras.iter().map(|camera| rebase.point(camera.transform.translation).as_vec3()).collect();
+    let contacts = Contacts::find(geometry, &passes, &eyes).unwrap_or_else(|many| {
+        warnings.push(format!("{many} triangles lie at surfaces that let light pass, too many to tell which of them touch"));
+        None
+    })?;
+    for (object, placed) in (0..).zip(&mut geometry.objects) {
+        placed.filtered |= contacts.has(object);
+    }
+    Some(Box::new(contacts))
 }
 
 /// Makes each emitting triangle a light, and notes in `objects` where those of each object begin.
-fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Material]) -> Vec<Light> {
+fn area_lights(
+    geometry: &Geometry,
+    objects: &mut [ObjectInfo],
+    materials: &[Material],
+    contacts: Option<&Contacts>,
+) -> Vec<Light> {
     let mut lights = Vec::new();
     for (index, info) in objects.iter_mut().enumerate() {
         let material = &materials[info.material as usize];
@@ -120,7 +153,8 @@ fn area_lights(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Mat
         lights.extend((0..geometry.mesh_of(object).triangles().len() as u32).map(|primitive| {
             let hit = Hit { object, primitive };
             let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), geometry.corner_colors(hit));
-            Light::Area(AreaLight::new(geometry.triangle(hit), winding, emission.unwrap_or(Emission::NONE), mean))
+            let touched = if contacts.is_some_and(|c| c.flags(hit)) { hit } else { Hit::NONE };
+            Light::Area(AreaLight::touched(geometry.triangle(hit), touched, winding, emission.unwrap_or(Emission::NONE), mean))
         }));
     }
     lights
@@ -144,7 +178,7 @@ fn features(
     objects: &[ObjectInfo],
     materials: &[Material],
     lights: &[Light],
-    media: &[Absorption],
+    bodies: &AllBodies,
 ) -> Features {
     let used = |test: &dyn Fn(&Material) -> bool| objects.iter().any(|o| test(&materials[o.material as usize]));
     let holes = |mode: fn(description::AlphaMode) -> bool| used(&|m| mode(m.source.alpha_mode));
@@ -152,7 +186,9 @@ fn features(
         masks: holes(|m| matches!(m, description::AlphaMode::Mask { .. })),
         blends: holes(|m| matches!(m, description::AlphaMode::Blend)),
         culled: used(&Material::is_culled),
-        media: !media.is_empty(),
+        media: bodies.absorb(),
+        panes: used(&|m| m.may_pass(1.0)),
+        nested: bodies.overlap(),
         textures: used(&Material::has_surface_textures),
         normal_maps: used(&|m| m.source.normal_texture.is_some()),
         shading_normals: geometry.meshes.iter().any(|m| m.attributes().normals.is_some()),
@@ -160,6 +196,7 @@ fn features(
         refraction: used(&Material::refracts),
         instances: geometry.objects.iter().any(|o| o.placement.is_some()),
         dirac_lights: lights.iter().any(Light::is_dirac),
+        contacts: false,
     }
 }
 

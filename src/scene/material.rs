@@ -1,11 +1,11 @@
 //! Materials as shading uses them: a constant surface where nothing varies, textures looked up where something does, and what may
 //! come of it anywhere.
 
+use super::bodies::Interior;
 use super::description::{self, AlphaMode, MetalFresnel};
 use super::usage::Usage;
-use crate::bsdf::{Bsdf, Lobes, MetallicRoughness, Surface, Wall};
+use crate::bsdf::{Bsdf, Ggx, Lobes, MetallicRoughness, Surface, Wall};
 use crate::defects::{Defect, planted};
-use crate::geometry::MediumId;
 use crate::light::{Coverage, Emission};
 use crate::spectrum::Spectrum;
 use crate::texture::{Extremes, Texture};
@@ -17,8 +17,9 @@ use std::sync::Arc;
 pub(super) struct Material {
     /// As loaded, what its textures say everywhere alike being in its factors; opaque if alpha makes no holes in it.
     pub(super) source: description::Material,
-    /// The surface, if it is the same everywhere (vertex colours apart).
-    constant: Option<Surface>,
+    /// The surface outside all other bodies and what is left of it without what it lets straight through, if it is the same
+    /// everywhere (vertex colours apart).
+    constant: Option<[Surface; 2]>,
     /// Every lobe that it has somewhere.
     lobes: Lobes,
     /// The least roughness that it has somewhere.
@@ -26,7 +27,7 @@ pub(super) struct Material {
     /// The emission texture, shared by the lights of the material.
     emission_texture: Option<Arc<Texture>>,
     /// What is inside an object of this material.
-    pub(super) interior: MediumId,
+    pub(super) interior: Option<Interior>,
     /// See [`Material::is_culled`].
     culled: bool,
 }
@@ -56,7 +57,7 @@ struct Found {
 
 impl Material {
     /// The material `source` with what is in it, where `usage` is left of what varies: see [`settle`].
-    pub(super) fn new(source: description::Material, usage: &Usage, interior: MediumId) -> Self {
+    pub(super) fn new(source: description::Material, usage: &Usage, interior: Option<Interior>) -> Self {
         let emission_texture = emission_map(&source).cloned().map(Arc::new);
         let least_roughness = source.roughness * usage.metallic_roughness.min[1];
         let (lobes, culled) = (Lobes::NONE, false);
@@ -65,7 +66,8 @@ impl Material {
         let seen_through = m.unlit || material.emission().is_black() && m.transmission <= 0.0;
         material.culled = !m.double_sided && seen_through;
         if !material.has_surface_textures() {
-            material.constant = Some(material.surface_of(&Found::corner(&Usage::NOTHING, 0)));
+            let whole = material.surface_of(&Found::corner(&Usage::NOTHING, 0), 1.0);
+            material.constant = Some([whole, material.scattering(whole)]);
         }
         material.lobes = material.possible_lobes(usage);
         material
@@ -86,7 +88,9 @@ impl Material {
     /// Every lobe of the surfaces at the corners of the box in which its parameters lie, and so of those between: a lobe is
     /// there or not by the sign of a share, which ascends or descends with each parameter, or by the least roughness.
     fn possible_lobes(&self, usage: &Usage) -> Lobes {
-        let corners = (0..Found::CORNERS).map(|corner| self.surface_of(&Found::corner(usage, corner)).lobes());
+        // The inside of a body may have another index around it, where it refracts though it does not in empty space.
+        let seen = |whole: Surface| if self.interior.is_some() { whole } else { self.scattering(whole) };
+        let corners = (0..Found::CORNERS).map(|corner| seen(self.surface_of(&Found::corner(usage, corner), 1.0)).lobes());
         corners.fold(Lobes::NONE, Lobes::union)
     }
 
@@ -110,29 +114,53 @@ impl Material {
             .any(Option::is_some)
     }
 
-    /// The surface, if neither textures nor vertex colours change it.
+    /// The surface outside all other bodies, whole and without what it lets straight through, if neither textures nor vertex colours
+    /// change it.
     #[inline]
-    pub(super) fn constant(&self) -> Option<&Surface> {
+    pub(super) fn constant(&self) -> Option<&[Surface; 2]> {
         self.constant.as_ref()
     }
 
-    /// The surface at `at`.
-    pub(super) fn resolve(&self, at: &Coordinates) -> Surface {
+    /// Whether it may let light straight through where the index outside is `outside`.
+    pub(super) fn may_pass(&self, outside: f32) -> bool {
+        let m = &self.source;
+        if m.unlit
+            || m.transmission <= 0.0
+            || m.metallic >= 1.0
+            || !self.emission().is_black()
+            || planted(Defect::PanesStopShadows)
+        {
+            return false;
+        }
+        match self.interior {
+            Some(interior) => (interior.ior - outside).abs() <= 0.0,
+            None => Ggx::new(self.least_roughness * self.least_roughness).is_dirac(),
+        }
+    }
+
+    /// The surface at `at`, whole, where the index outside is `outside`.
+    pub(super) fn resolve(&self, at: &Coordinates, outside: f32) -> Surface {
         let m = &self.source;
         if m.unlit {
             return Surface::Black;
         }
-        self.surface_of(&Found {
+        let found = Found {
             base: at.look_up(&m.base_color_texture),
             metallic_roughness: at.look_up(&m.metallic_roughness_texture),
             specular: at.look_up(&m.specular_texture),
             specular_color: at.look_up(&m.specular_color_texture),
             transmission: at.look_up(&m.transmission_texture),
             color: at.color.to_array(),
-        })
+        };
+        self.surface_of(&found, outside)
     }
 
-    fn surface_of(&self, found: &Found) -> Surface {
+    /// What scatters of the surface `whole`: all but what goes straight on, unless it emits and so is always met.
+    fn scattering(&self, whole: Surface) -> Surface {
+        if self.emission().is_black() { whole.rest() } else { whole }
+    }
+
+    fn surface_of(&self, found: &Found, outside: f32) -> Surface {
         let m = &self.source;
         if m.unlit {
             return Surface::Black;
@@ -147,6 +175,7 @@ impl Material {
             specular: m.specular * found.specular[3],
             specular_color: m.specular_color * rgb(found.specular_color),
             ior: m.ior,
+            outside,
             transmission: m.transmission * found.transmission[0],
             wall: if m.volume.is_some() { Wall::Solid } else { Wall::Thin },
             metal_f90: if m.metal_fresnel == MetalFresnel::Constant { base } else { Spectrum::ONE },
@@ -162,6 +191,11 @@ impl Material {
     /// Whether light passes through it into a body.
     pub(super) fn refracts(&self) -> bool {
         self.lobes.intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)) && self.source.volume.is_some()
+    }
+
+    /// Whether rays go on behind it: it transmits, or blends by alpha.
+    pub(super) fn lets_light_pass(&self) -> bool {
+        self.source.transmission > 0.0 || self.source.alpha_mode == AlphaMode::Blend
     }
 
     /// Whether the camera sees through its back: single-sided, without light of its own that reaches others, or through it.

@@ -2,26 +2,31 @@
 //! there, what emits there, and how much light passes between two points.
 
 mod assemble;
+mod bodies;
 mod build;
 mod coincident;
+mod contact;
 pub mod description;
+mod edge;
 mod extent;
 mod info;
 mod material;
 mod query;
 mod rebase;
 mod surroundings;
+mod touching;
 mod usage;
 mod view;
 
 pub use build::BuildOptions;
+pub use edge::{Edge, Passage};
 pub use info::SceneInfo;
 pub use rebase::Rebase;
 
 use crate::accel::{Accel, Backend};
 use crate::geometry::Geometry;
 use crate::light::{Ball, Lights};
-use crate::spectrum::Spectrum;
+use bodies::AllBodies;
 use material::Material;
 
 /// A scene ready to render. Lengths are scene units: the file's, rebased by [`Scene::rebase`].
@@ -29,9 +34,11 @@ pub struct Scene {
     geometry: Geometry,
     objects: Vec<ObjectInfo>,
     materials: Vec<Material>,
-    media: Vec<Absorption>,
+    bodies: AllBodies,
     lights: Lights,
     accel: Accel,
+    /// Surfaces that touch where one lets light pass, if there are any.
+    contacts: Option<Box<contact::Contacts>>,
     rebase: Rebase,
     ball: Ball,
     features: Features,
@@ -51,6 +58,10 @@ pub struct Features {
     pub culled: bool,
     /// Some object absorbs light inside.
     pub media: bool,
+    /// Some surface lets light straight through.
+    pub panes: bool,
+    /// Some bodies may lie in others.
+    pub nested: bool,
     /// Some material looks textures up.
     pub textures: bool,
     /// Some material bends normals.
@@ -65,9 +76,17 @@ pub struct Features {
     pub instances: bool,
     /// Some light has no extent.
     pub dirac_lights: bool,
+    /// Some surface that lets light pass touches another.
+    pub contacts: bool,
 }
 
 impl Features {
+    /// Whether edges between vertices may pass surfaces.
+    #[inline]
+    pub fn content(&self) -> bool {
+        self.blends || self.panes || self.nested
+    }
+
     /// The names of those that are there.
     pub fn names(&self) -> Vec<&'static str> {
         [
@@ -75,6 +94,8 @@ impl Features {
             ("alpha-blend", self.blends),
             ("single-sided", self.culled),
             ("absorption", self.media),
+            ("panes", self.panes),
+            ("nested-bodies", self.nested),
             ("textures", self.textures),
             ("normal-maps", self.normal_maps),
             ("shading-normals", self.shading_normals),
@@ -82,6 +103,7 @@ impl Features {
             ("refraction", self.refraction),
             ("instances", self.instances),
             ("dirac-lights", self.dirac_lights),
+            ("contacts", self.contacts),
         ]
         .into_iter()
         .filter_map(|(name, there)| there.then_some(name))
@@ -100,11 +122,11 @@ struct ObjectInfo {
     instance: u32,
     /// Whether its mesh has vertex colours.
     colors: bool,
+    /// The body whose boundary it is, or [`crate::geometry::Bodies::NOBODY`].
+    body: u32,
+    /// Whether light may pass it straight on, wherever it stands.
+    passes: bool,
 }
-
-/// Absorption coefficient per scene unit of length, one medium.
-#[derive(Debug, Clone, Copy)]
-struct Absorption(Spectrum);
 
 impl Scene {
     /// The lights and the choice among them.

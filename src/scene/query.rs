@@ -1,20 +1,19 @@
-//! What integrators ask a scene: what does a ray meet, what scatters and emits there, how much light passes between points.
+//! What integrators ask a scene: what does a ray meet, what scatters and emits there.
 
 use super::description::AlphaMode;
 use super::material::{Coordinates, Material};
 use super::{ObjectInfo, Scene};
-use crate::accel::{Intersector, RayClass};
+use crate::accel::Intersector;
 use crate::bsdf::Surface;
 use crate::defects::{Defect, planted};
-use crate::geometry::{AnyHit, Frame, Hit, MediumId, Opaque, Ray, SurfacePoint};
+use crate::geometry::{AnyHit, Bodies, Frame, Hit, Opaque, Ray, SurfacePoint};
 use crate::light::Light;
-use crate::spectrum::Spectrum;
 use crate::texture::Texture;
 use glam::{Vec2, Vec3};
 use std::borrow::Cow;
 
 /// Alpha masks: a hit counts where the alpha of its material reaches the cutoff.
-struct Mask<'a>(&'a Scene);
+pub(super) struct Mask<'a>(pub(super) &'a Scene);
 
 impl AnyHit for Mask<'_> {
     fn accepts(&self, ray: &Ray, hit: Hit) -> bool {
@@ -28,7 +27,7 @@ impl AnyHit for Mask<'_> {
 
 impl Scene {
     #[inline]
-    fn material_of(&self, hit: Hit) -> (&ObjectInfo, &Material) {
+    pub(super) fn material_of(&self, hit: Hit) -> (&ObjectInfo, &Material) {
         let object = &self.objects[hit.object as usize];
         (object, &self.materials[object.material as usize])
     }
@@ -42,6 +41,9 @@ impl Scene {
     /// The first surface that `ray` meets. Alpha masks are geometry; blended surfaces are met whatever their alpha.
     #[inline(always)] // see Walk::arrive
     pub fn intersect(&self, ray: &Ray) -> Option<SurfacePoint> {
+        if let Some(contacts) = &self.contacts {
+            return self.intersect_touching(contacts, ray);
+        }
         let hit = if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) };
         SurfacePoint::new(&self.geometry, hit?, ray)
     }
@@ -75,24 +77,12 @@ impl Scene {
         }
     }
 
-    /// Share of light that passes along the segment `ray` (`t_max` finite, or free space to infinity). Adds to `rays` how many
-    /// were traced to know it.
     #[inline]
-    pub fn transmittance(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
-        self.accel.announce(RayClass::Shadow);
-        let through = if self.features.blends && !planted(Defect::ShadowsIgnoreBlend) {
-            Spectrum::splat(self.passed(*ray, rays, |point| self.coverage(point)))
-        } else if self.is_occluded(ray, rays) {
-            Spectrum::ZERO
-        } else {
-            Spectrum::ONE
-        };
-        if ray.medium == MediumId::VACUUM { through } else { through * self.absorption(ray.medium, segment_length(ray)) }
-    }
-
-    #[inline]
-    fn is_occluded(&self, ray: &Ray, rays: &mut u64) -> bool {
+    pub(super) fn is_occluded(&self, ray: &Ray, rays: &mut u64) -> bool {
         *rays += 1;
+        if let Some(contacts) = self.contacts.as_deref().filter(|_| ray.touches()) {
+            return self.is_occluded_touching(contacts, ray);
+        }
         if self.features.masks && !planted(Defect::ShadowsIgnoreMask) {
             self.accel.occluded(ray, &Mask(self))
         } else {
@@ -100,83 +90,39 @@ impl Scene {
         }
     }
 
-    /// [`Scene::transmittance`] of a segment that ends at the camera, for which [`Scene::culled`] surfaces are not there.
+    /// How the surface at `point` scatters, met in `bodies`, and its shading frame, bent by a normal map if it has one. What it lets
+    /// straight through is not among its components: see [`Scene::passage`].
     #[inline]
-    pub fn transmittance_to_camera(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
-        if !self.features.culled {
-            return self.transmittance(ray, rays);
-        }
-        self.accel.announce(RayClass::Shadow);
-        let covers = |point: &SurfacePoint| if self.culled(point, -ray.direction) { 0.0 } else { self.coverage(point) };
-        let through = Spectrum::splat(self.passed(*ray, rays, covers));
-        if ray.medium == MediumId::VACUUM { through } else { through * self.absorption(ray.medium, segment_length(ray)) }
-    }
-
-    /// Product over the surfaces on a segment of 1 minus what each `covers`.
-    fn passed(&self, mut ray: Ray, rays: &mut u64, covers: impl Fn(&SurfacePoint) -> f32) -> f32 {
-        let (end, mut through) = (ray.at(ray.t_max), 1.0);
-        while through > 0.0 {
-            *rays += 1;
-            let Some(point) = self.intersect(&ray) else { return through };
-            through *= 1.0 - covers(&point);
-            let next = point.spawn(ray.direction);
-            let t_max = if ray.t_max.is_finite() {
-                (end - next.origin).dot(ray.direction) / ray.direction.length_squared()
-            } else {
-                f32::INFINITY
-            };
-            if t_max <= 0.0 {
-                return through;
-            }
-            ray = Ray { t_max, ..next };
-        }
-        through
-    }
-
-    /// What is left of light after `length` scene units in `medium` (Beer and Lambert).
-    #[inline]
-    pub fn absorption(&self, medium: MediumId, length: f32) -> Spectrum {
-        let sigma = self.media[usize::from(medium.0)].0;
-        // 0 · ∞ at a lane that does not absorb is no absorption.
-        sigma.map(|s: f32| if s > 0.0 { (-s * length).exp() } else { 1.0 })
-    }
-
-    /// The medium on the side of `point` to which the unit direction `w` leads, for a ray that goes through the surface.
-    #[inline]
-    pub(crate) fn medium_beyond(&self, point: &SurfacePoint, w: Vec3) -> MediumId {
-        if w.dot(point.ng) < 0.0 { self.material_of(point.hit).1.interior } else { MediumId::VACUUM }
-    }
-
-    /// The medium of an edge from `point` along the unit direction `w`, for a walk that came there from the direction `known` through
-    /// `medium`.
-    #[inline]
-    pub fn medium_toward(&self, point: &SurfacePoint, known: Vec3, medium: MediumId, w: Vec3) -> MediumId {
-        if !self.features.media {
-            return MediumId::VACUUM;
-        }
-        let crosses = (w.dot(point.ng) > 0.0) != (known.dot(point.ng) > 0.0);
-        if crosses { self.medium_beyond(point, w) } else { medium }
-    }
-
-    /// How the surface at `point` scatters, and its shading frame, bent by a normal map if it has one.
-    #[inline]
-    pub fn surface(&self, point: &mut SurfacePoint) -> Cow<'_, Surface> {
+    pub fn surface(&self, point: &mut SurfacePoint, bodies: Bodies) -> Cow<'_, Surface> {
         let (object, material) = self.material_of(point.hit);
-        if let (Some(surface), false, None) = (material.constant(), object.colors, &material.source.normal_texture) {
-            if surface.refracts() {
+        let outside = self.outer_index(object, bodies);
+        if let (Some([whole, rest]), false, None, true) =
+            (material.constant(), object.colors, &material.source.normal_texture, is_vacuum(outside))
+        {
+            if whole.refracts() {
                 point.frame = eased(point);
             }
-            return Cow::Borrowed(surface);
+            return Cow::Borrowed(rest);
         }
+        let whole = self.whole_surface(point, outside);
+        Cow::Owned(if object.first_light.is_some() { whole } else { whole.rest() })
+    }
+
+    /// All that the surface at `point` does, where the index outside is `outside`.
+    pub(super) fn whole_surface(&self, point: &mut SurfacePoint, outside: f32) -> Surface {
+        let (object, material) = self.material_of(point.hit);
         let at = self.coordinates(object, point.hit, point.barycentric);
         if let Some(frame) = self.normal_map_frame(material, point, &at) {
             point.frame = frame;
         }
-        let surface = material.resolve(&at);
-        if surface.refracts() {
+        let whole = match material.constant() {
+            Some([whole, _]) if !object.colors && is_vacuum(outside) => *whole,
+            _ => material.resolve(&at, outside),
+        };
+        if whole.refracts() {
             point.frame = eased(point);
         }
-        Cow::Owned(surface)
+        whole
     }
 
     /// The frame around a normal map's normal; `None` without a map or usable tangents.
@@ -223,8 +169,10 @@ impl Scene {
     }
 }
 
-fn segment_length(ray: &Ray) -> f32 {
-    ray.direction.length() * ray.t_max
+/// Whether an index is that of empty space.
+#[inline]
+fn is_vacuum(index: f32) -> bool {
+    (index - 1.0).abs() <= 0.0
 }
 
 /// Share of the geometric normal in the shading normal of solids that refract. Where normals are the same on both sides of an edge,

@@ -25,8 +25,10 @@ fn how(method: Method, samples: u64, limit: f64) -> How {
 fn chains_show_what_bidirectional_path_tracing_shows() {
     for World { name, scene, .. } in all() {
         let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, spp(16)));
+        // Lamps behind bodies and panes are found by few.
+        let samples = if name == "nested" { 128 } else { 16 };
         for method in METHODS {
-            let found = runs(&scene, &how(method, 16, 0.0));
+            let found = runs(&scene, &how(method, samples, 0.0));
             agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}: {e}"));
             assert!(agree(&bdpt, &found.scaled(1.2)).is_err(), "{name}, {method:?}: 20 % more is not convicted");
         }

@@ -43,6 +43,17 @@ fn a_closed_room_of_one_material_is_uniformly_bright() {
     }
 }
 
+/// A quarter of the paths of a room that reflects 99 % is longer than the events after which roulette goes by depth, and they carry a
+/// twelfth of its light.
+#[test]
+fn roulette_by_depth_is_paid() {
+    let picture = render(&furnace(0.99, 0.01), Shot::new(Method::Path, 16, 64));
+    let mean = picture.overall();
+    let error = mean.variance.sqrt();
+    assert!((mean.mean - 1.0).abs() <= limit(1) * error, "{} ± {error}", mean.mean);
+    assert!(0.04 > limit(1) * error, "4 % less would not be seen: {error}");
+}
+
 #[test]
 fn depth_counts_scattering_events() {
     // Emission plus n reflections of it: 0.5 (1 + 1/2 + … + 2⁻ⁿ).

@@ -18,6 +18,7 @@ mod worlds;
 #[cfg(feature = "embree")]
 mod backends;
 mod bidirectional;
+mod bodies;
 mod chains;
 mod closed_forms;
 mod coverage;
@@ -46,4 +47,5 @@ mod studio;
 mod symmetries;
 mod techniques;
 mod textures;
+mod touching;
 mod trusted;

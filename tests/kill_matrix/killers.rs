@@ -20,6 +20,10 @@ const fn of(binary: &'static str, test: &'static str) -> Killer {
 
 pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "sampling::sobol::tests::the_first_and_the_next_power_of_two_points_are_nets"),
+    of("agreement", "bodies::nested_blocks_absorb_by_what_has_each_place"),
+    of("agreement", "bodies::boundaries_bend_by_the_indices_on_both_sides"),
+    of("agreement", "bodies::panes_let_lamps_and_suns_pass"),
+    of("agreement", "bodies::a_sky_behind_panes_counts_once"),
     of("lib", "sampling::sobol::tests::slots_and_replicates_are_not_correlated"),
     of("lib", "sampling::table::tests::choices_agree_with_their_probability_at_every_boundary"),
     of("lib", "sampling::table::tests::probabilities_sum_to_one_and_zero_weights_are_never_chosen"),
@@ -67,6 +71,11 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "render::same_mean::judge::tests::exact_pictures_differ_if_their_means_do"),
     of("lib", "render::same_mean::judge::tests::a_picture_that_is_not_to_be_trusted_is_convicted_of_too_much_light_only"),
     of("lib", "render::settings::tests::a_method_hashes_what_it_reads_and_nothing_else"),
+    of("agreement", "closed_forms::roulette_by_depth_is_paid"),
+    of("agreement", "smooth_glass::a_clear_cube_with_corner_normals_shows_what_surrounds_it"),
+    of("agreement", "touching::layers_that_coincide_count_once_each_in_the_order_of_the_file"),
+    of("agreement", "touching::glass_on_a_table_never_hides_it"),
+    of("agreement", "bodies::walks_from_lights_and_chains_know_what_they_are_in"),
     of("agreement", "chains::walks_from_lights_share_their_light_with_chains"),
     of("agreement", "chains::a_small_picture_of_paths_is_right"),
     of("agreement", "chains::a_small_picture_of_techniques_is_right"),

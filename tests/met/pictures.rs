@@ -4,6 +4,34 @@ use crate::render::{backends, render};
 
 const WHOLE: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
 
+/// A glass cube stands on a table of albedo (.5, 0, 0) under a white sky: what is not red is reflected by the glass, twice at most.
+#[test]
+fn a_table_under_glass_is_there() {
+    for file in ["touching/glass-on-table-01.gltf", "touching/glass-on-table-02.gltf", "touching/glass-on-table-07.gltf"] {
+        for backend in backends() {
+            for method in ["path", "bdpt"] {
+                let mean = render(file, &format!("--env 1 --size 8x8 --spp 256 --method {method}"), backend).mean(WHOLE);
+                assert!(mean.is_at_most([0.5, 0.08, 0.08]), "{file} {backend} {method}: {mean:?}");
+                assert!(mean.value[0] > 0.25, "{file} {backend} {method}: {mean:?}");
+            }
+        }
+    }
+}
+
+/// An orthographic beam through a wedge of index 1.5 in a slab of 1.33 lands at x = −.3206 on a ramp of red from x = −4 to 4 by Snell's
+/// law. Green and blue are constant there. Light reflected within the slab is up to 1 % of the rest and lands within the ramp.
+#[test]
+fn a_wedge_in_a_slab_bends_by_the_ratio_of_the_two() {
+    for backend in backends() {
+        for method in ["path", "bdpt"] {
+            let options = format!("--env 0 --size 8x8 --spp 64 --method {method}");
+            let [red, green, _] = render("nested-media/wedge-1.33-1.5.gltf", &options, backend).mean(WHOLE).value;
+            let x = red / green * 8.0 - 4.0;
+            assert!((x + 0.3206).abs() < 0.01 * 8.0 * 0.5, "{backend} {method}: {x}");
+        }
+    }
+}
+
 /// KHR_texture_transform of a normal map is the same as texture coordinates that have it already.
 #[test]
 fn a_transform_of_a_normal_map_turns_its_tangents() {

@@ -79,4 +79,9 @@ impl Mean {
     pub(crate) fn is(&self, right: [f64; 3], within: f64) -> bool {
         (0..3).all(|lane| (self.value[lane] - right[lane]).abs() <= within + SIGMAS * self.error[lane])
     }
+
+    /// Whether no lane is above `most` but by noise.
+    pub(crate) fn is_at_most(&self, most: [f64; 3]) -> bool {
+        (0..3).all(|lane| self.value[lane] <= most[lane] + SIGMAS * self.error[lane])
+    }
 }

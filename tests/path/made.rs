@@ -3,9 +3,11 @@
 use crate::worlds::LAMP;
 use etendue::bsdf::Lobes;
 use etendue::camera::Camera;
-use etendue::geometry::MediumId;
+use etendue::geometry::{Ray, SurfacePoint};
 use etendue::light::{End, Light, Receiver};
-use etendue::path::{Arrival, Emitter, FullPath, Node, Subpath, Sums, Tally, Vertex, Weights, connect, next_event, splat};
+use etendue::path::{
+    Arrival, Emitter, FullPath, Node, Subpath, Sums, Tally, Vertex, Weights, connect, next_event, splat, toward_end,
+};
 use etendue::sampling::{Address, Independent, Sampler, Slot};
 use etendue::scene::Scene;
 use etendue::spectrum::Spectrum;
@@ -15,7 +17,7 @@ use glam::{DVec3, Vec3};
 const LONGEST: usize = 7;
 
 /// A vertex of a walk, the component that it left through, and what the evaluator knows nothing of: the probability that roulette let
-/// it come there, over the share of light that media left.
+/// it come there and meet or pass what lets light through, over the share of light that edges carried.
 struct Step<'a> {
     vertex: Vertex<'a>,
     lobe: Lobes,
@@ -57,21 +59,23 @@ struct Sky {
 }
 
 impl<'a> Studio<'a> {
-    fn walk(&self, mut path: Subpath<'a>, sampler: &mut Independent) -> Walked<'a> {
-        let (mut steps, mut tally, mut left_by_media) = (Vec::<Step>::new(), Tally::default(), Spectrum::ONE);
+    fn walk(&self, mut path: Subpath<'a>, mut from: End, sampler: &mut Independent) -> Walked<'a> {
+        let (mut steps, mut tally, mut through) = (Vec::<Step>::new(), Tally::default(), Spectrum::ONE);
         loop {
             let vertex = match path.arrive(self.camera, sampler, &mut tally) {
                 Arrival::Surface(vertex) => vertex,
                 Arrival::Infinity(sums) => {
-                    let undo = left_by_media.map(|x: f32| path.walk.survival / x);
+                    let w = path.walk.ray.direction;
+                    let last = steps.last().map(|step: &Step| self.carried(&step.vertex, &End::Infinity, w));
+                    let undo = (through * last.unwrap_or(Spectrum::ONE)).map(|x: f32| path.walk.survival / x);
                     let sky = Sky { sums, w: path.walk.ray.direction, beta: path.walk.beta, undo };
                     return Walked { steps, sky: Some(sky) };
                 }
             };
-            if vertex.medium != MediumId::VACUUM {
-                left_by_media *= self.scene.absorption(vertex.medium, vertex.point.t);
-            }
-            let undo = left_by_media.map(|x: f32| path.walk.survival / x);
+            through *= self.carried(&vertex, &from, vertex.known);
+            let SurfacePoint { p, error, ng, .. } = vertex.point;
+            from = End::Surface { p, error, ng, touched: vertex.point.touched() };
+            let undo = through.map(|x: f32| path.walk.survival / x);
             let left = vertex.shading().and_then(|shading| path.go_on(&vertex, &shading, sampler, &mut tally));
             steps.push(Step { vertex, lobe: left.unwrap_or(Lobes::SMOOTH), undo });
             if left.is_none() || steps.len() == LONGEST {
@@ -80,11 +84,20 @@ impl<'a> Studio<'a> {
         }
     }
 
+    /// What the edge between a vertex and the `end` in direction `w` carries.
+    fn carried(&self, vertex: &Vertex, end: &End, w: Vec3) -> Spectrum {
+        let bodies = self.scene.bodies_toward(&vertex.point, vertex.bodies, w);
+        let segment = Ray { bodies, ..toward_end(&vertex.point, end, w) };
+        self.scene.edge(&segment, &mut 0, |_| false).through
+    }
+
     /// Every path that the two walks of sample `index` make.
     pub(crate) fn sample(&self, index: u64) -> Vec<Made<'a>> {
         let [mut eye, mut lamp] = [0, 1].map(|stream| Independent::new(Address::new(index).with(stream)));
         let film = eye.u2(0, Slot::Aux).map(|u| u * self.side as f32);
-        let camera = self.walk(Subpath::from_camera(self.scene, &self.weights, self.camera.ray(film)), &mut eye);
+        let camera = self.camera.ray(film);
+        let eye_point = End::Point(camera.origin);
+        let camera = self.walk(Subpath::from_camera(self.scene, &self.weights, camera), eye_point, &mut eye);
         let light = Subpath::from_light(self.scene, &self.weights, &mut lamp);
         if let Some((_, Emitter { end: End::Surface { .. }, radiance, .. })) = &light {
             // Emission's power over its densities: a dozen roundings.
@@ -93,7 +106,7 @@ impl<'a> Studio<'a> {
         }
         let mut made = Vec::new();
         if let Some((path, emitter)) = light {
-            let light = self.walk(path, &mut lamp);
+            let light = self.walk(path, emitter.end, &mut lamp);
             self.joined(&emitter, &light.steps, &camera.steps, &mut made);
         }
         self.ended(&camera, &mut eye, &mut made);
@@ -161,7 +174,11 @@ impl<'a> Studio<'a> {
         let [direct, end] = [lights.pmf(&Receiver::from(&z.point), index), lights.emitter_pmf(index)];
         let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value()) * density.end);
         let weight = self.weights.hit(&z.sums, direct, end, density.ray);
-        let emitter = Emitter { index, end: End::Surface { p: z.point.p, error: z.point.error, ng: z.point.ng }, radiance };
+        let emitter = Emitter {
+            index,
+            end: End::Surface { p: z.point.p, error: z.point.error, ng: z.point.ng, touched: z.point.touched() },
+            radiance,
+        };
         let value = z.beta * radiance * steps[steps.len() - 1].undo;
         self.made(emitter, &[], &steps[..steps.len() - 1], z.known, value, weight, steps.len() + 1)
     }

@@ -1,6 +1,6 @@
 //! Scenes that have between them all that paths can meet.
 
-use crate::studio::{Ball, add_room, add_square, camera, glass, matte, metal, point_light};
+use crate::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, point_light};
 use etendue::accel::Backend;
 use etendue::scene::description::{Description, Environment, Material, PunctualKind, PunctualLight, Volume};
 use etendue::scene::{BuildOptions, Scene};
@@ -143,6 +143,25 @@ fn tinted() -> World {
     build("tinted", 0.25, scene)
 }
 
-pub(crate) fn all() -> [World; 5] {
-    [rough(), dirac(), bent(), open(), tinted()]
+/// Bodies in bodies, a lamp and a camera in different ones, and a window before the lamp.
+fn nested() -> World {
+    let mut scene = room();
+    let inside = |ior, distance, color| Material {
+        ior,
+        volume: Some(Volume { attenuation_distance: distance, attenuation_color: Spectrum(color) }),
+        ..glass(0.0)
+    };
+    add_box(&mut scene, Vec3::new(0.0, -0.3, 0.0), Vec3::new(0.9, 0.6, 0.9), inside(1.33, 2.0, [0.5, 0.8, 0.9]));
+    Ball::new(2, 0.3).add(&mut scene, DVec3::new(-0.3, -0.5, -0.2), inside(1.5, 0.5, [0.9, 0.4, 0.6]));
+    Ball::new(2, 0.15).add(&mut scene, DVec3::new(-0.3, -0.5, -0.2), inside(1.0, f64::INFINITY, [1.0; 3]));
+    Ball::new(2, 0.25).add(&mut scene, DVec3::new(0.4, -0.5, 0.1), inside(1.33, 1.0, [0.3, 0.9, 0.3]));
+    let pane = |transmission| Material { transmission, roughness: 0.0, base_color: Spectrum([0.9, 0.8, 0.5]), ..lacquer(0.0) };
+    add_square(&mut scene, Vec3::new(0.0, 0.6, 0.0), Vec3::X * 0.6, Vec3::Z * 0.6, pane(1.0));
+    add_square(&mut scene, Vec3::new(0.5, 0.5, -0.5), Vec3::X * 0.3, Vec3::Z * 0.3, pane(0.5));
+    scene.cameras.push(camera(DVec3::new(0.1, -0.1, 0.8), DVec3::new(-0.05, -0.2, -0.3)));
+    build("nested", 0.25, scene)
+}
+
+pub(crate) fn all() -> [World; 6] {
+    [rough(), dirac(), bent(), open(), tinted(), nested()]
 }

@@ -23,6 +23,7 @@ pub(crate) fn white_plastic(alpha: f32) -> MetallicRoughness {
         specular: 1.0,
         specular_color: Spectrum::ONE,
         ior: 1.5,
+        outside: 1.0,
         transmission: 0.0,
         wall: Wall::Thin,
         metal_f90: Spectrum::ONE,

@@ -19,6 +19,7 @@ fn point(ng: Vec3, ns: Vec3) -> SurfacePoint {
         hit: Hit { object: 0, primitive: 0 },
         t: 1.0,
         consistent: true,
+        touching: false,
     }
 }
 

@@ -1,24 +1,36 @@
-//! What étendue reads from a material's `extras.etendue`: `"fresnel": "schlick"` (glTF's, the default) or `"constant"`.
+//! What étendue reads from a material's `extras.etendue`: `"fresnel": "schlick"` (glTF's, the default) or `"constant"`, and
+//! `"priority"`, an integer (0 without it): of bodies that overlap the one of the highest has the place.
 
 use crate::error::{Error, Result};
 use crate::scene::description::MetalFresnel;
 use ::gltf::json::Extras;
 use serde_json::Value;
 
-/// The Fresnel reflectance that a material's extras ask for.
+/// What a material's extras ask for.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Asked {
+    pub(super) metal_fresnel: MetalFresnel,
+    pub(super) priority: i32,
+}
+
+/// What a material's extras ask for.
 ///
 /// # Errors
 /// A scene error if `etendue` has another key or value: a misspelt one must not silently mean nothing.
-pub(super) fn metal_fresnel(extras: &Extras) -> Result<MetalFresnel> {
+pub(super) fn of_material(extras: &Extras) -> Result<Asked> {
     let parsed: Option<Value> = extras.as_ref().and_then(|raw| serde_json::from_str(raw.get()).ok());
-    let Some(ours) = parsed.as_ref().and_then(|v| v.get("etendue")) else { return Ok(MetalFresnel::default()) };
+    let Some(ours) = parsed.as_ref().and_then(|v| v.get("etendue")) else { return Ok(Asked::default()) };
     let keys = ours.as_object().ok_or_else(|| Error::scene("extras.etendue is not an object"))?;
-    if let Some(unknown) = keys.keys().find(|k| *k != "fresnel") {
+    if let Some(unknown) = keys.keys().find(|k| !["fresnel", "priority"].contains(&k.as_str())) {
         return Err(Error::scene(format!("extras.etendue has the unknown key '{unknown}'")));
     }
-    match keys.get("fresnel").map(Value::as_str) {
-        None | Some(Some("schlick")) => Ok(MetalFresnel::Schlick),
-        Some(Some("constant")) => Ok(MetalFresnel::Constant),
-        Some(_) => Err(Error::scene("extras.etendue.fresnel is neither \"schlick\" nor \"constant\"")),
-    }
+    let metal_fresnel = match keys.get("fresnel").map(Value::as_str) {
+        None | Some(Some("schlick")) => MetalFresnel::Schlick,
+        Some(Some("constant")) => MetalFresnel::Constant,
+        Some(_) => return Err(Error::scene("extras.etendue.fresnel is neither \"schlick\" nor \"constant\"")),
+    };
+    let whole = |v: &Value| v.as_i64().and_then(|i| i32::try_from(i).ok());
+    let priority =
+        keys.get("priority").map(|v| whole(v).ok_or_else(|| Error::scene("extras.etendue.priority is no integer of 32 bits")));
+    Ok(Asked { metal_fresnel, priority: priority.transpose()?.unwrap_or(0) })
 }

@@ -63,6 +63,7 @@ impl Source<'_> {
         let pbr = &self.json.pbr_metallic_roughness;
         let [r, g, b, a] = pbr.base_color_factor.0;
         let normal_texture = self.texture(Role::Normal).zip(self.normal_scale()?);
+        let asked = extras::of_material(&self.json.extras).map_err(|e| self.named(e))?;
         let base = Material {
             base_color: self.unit_color([r, g, b], "base colour", notes),
             alpha: self.unit(a, "alpha", notes),
@@ -75,7 +76,8 @@ impl Source<'_> {
             emission_texture: self.texture(Role::Emission),
             alpha_mode: self.alpha_mode(),
             double_sided: self.json.double_sided,
-            metal_fresnel: extras::metal_fresnel(&self.json.extras).map_err(|e| self.named(e))?,
+            metal_fresnel: asked.metal_fresnel,
+            priority: asked.priority,
             name: self.name.clone(),
             ..Material::default()
         };

@@ -7,7 +7,7 @@
 use super::Stream;
 use crate::accel::{Query, Question, RayClass};
 use crate::error::{Error, Kind, Result};
-use crate::geometry::{MediumId, Ray};
+use crate::geometry::Ray;
 use crate::io::atomic::write_atomically;
 use crate::io::hashed::Hashed;
 use glam::Vec3;
@@ -183,7 +183,7 @@ fn question(bytes: &[u8; RAY]) -> std::result::Result<Question, &'static str> {
         return Err("begins before its origin");
     }
     let (origin, direction) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
-    Ok(Question { ray: Ray { origin, direction, t_min, t_max, time: 0.0, medium: MediumId::VACUUM }, query, class })
+    Ok(Question { ray: Ray { t_min, t_max, ..Ray::new(origin, direction) }, query, class })
 }
 
 fn word(bytes: &[u8]) -> u32 {

@@ -2,8 +2,7 @@
 
 use super::sum::{Parts, Replicates, Sum};
 use super::tiles::{CHANNELS, Level, Pyramid, Tile, smallest_tiles};
-use crate::film::{Crop, Film, ImageError, Independent, Plane};
-use crate::stats::pareto::Tail;
+use crate::film::{Crop, Film, ImageError, Independent, Plane, Reason};
 
 /// Samples that a tile has at least whose skewness is not known, for the central limit to work on.
 const LEAST_SAMPLES: f64 = 4096.0;
@@ -66,10 +65,11 @@ impl PixelErrors<'_> {
     }
 }
 
-/// Why the errors of a picture's means are not to be trusted, if they are not: a heavy tail, of which more may be to come.
+/// Why the errors of a picture's means are not to be trusted, if they are not: light that its method meets by luck, or a heavy tail, of
+/// which more may be to come. Noise alone is no reason, since a difference of means is judged by it.
 ///
 /// This is the one place that decides it, for all that asks whether pictures have the same mean.
 pub(in crate::render) fn doubt(error: &ImageError) -> Option<&'static str> {
-    let is_heavy = !error.tail.as_ref().is_none_or(Tail::is_trusted);
-    is_heavy.then_some("a few samples carry it, and there may be larger ones to come")
+    let by_luck = [Reason::RarePaths, Reason::HeavyTail, Reason::FewSamples];
+    error.trust().reasons.iter().map(|distrust| distrust.reason).find(|reason| by_luck.contains(reason)).map(Reason::sentence)
 }

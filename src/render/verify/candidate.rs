@@ -106,6 +106,6 @@ impl<'a> Candidate<'a> {
 
     /// Why its errors are not to be trusted, if they are not.
     pub fn doubt(&self) -> Option<&'static str> {
-        self.film.image_error(self.method().independent()).as_ref().and_then(same_mean::doubt)
+        self.provenance.error_of(&self.film).as_ref().and_then(same_mean::doubt)
     }
 }

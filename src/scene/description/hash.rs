@@ -129,6 +129,7 @@ impl Content for Material {
             volume,
             metal_fresnel,
             unlit,
+            priority,
         } = self;
         base_color.feed(bytes);
         alpha.feed(bytes);
@@ -151,6 +152,7 @@ impl Content for Material {
         volume.feed(bytes);
         metal_fresnel.feed(bytes);
         unlit.feed(bytes);
+        priority.feed(bytes);
     }
 }
 
@@ -312,6 +314,12 @@ numbers!(u8, u32, u64, i64, f32, f64);
 impl Content for usize {
     fn feed(&self, bytes: &mut Bytes) {
         (*self as u64).feed(bytes);
+    }
+}
+
+impl Content for i32 {
+    fn feed(&self, bytes: &mut Bytes) {
+        bytes.update(&self.to_le_bytes());
     }
 }
 

@@ -172,6 +172,8 @@ pub struct Material {
     pub transmission_texture: Option<Texture>,
     /// `Some` for solid glass (KHR_materials_volume with a thickness above 0), `None` for a thin wall.
     pub volume: Option<Volume>,
+    /// Which of the bodies that share a place has it: those of higher priority (`extras.etendue.priority`), then smaller ones.
+    pub priority: i32,
     /// Fresnel of the metallic part.
     pub metal_fresnel: MetalFresnel,
     /// KHR_materials_unlit: emits its base colour and scatters nothing.
@@ -202,6 +204,7 @@ impl Default for Material {
             transmission: 0.0,
             transmission_texture: None,
             volume: None,
+            priority: 0,
             metal_fresnel: MetalFresnel::Schlick,
             unlit: false,
         }

@@ -6,7 +6,7 @@ use super::extend::{Met, Part, Walker};
 use super::eye::{log_uniform, turned};
 use super::state::{Draft, PathState};
 use crate::defects::{Defect, planted};
-use crate::geometry::{Ray, spawn_ray};
+use crate::geometry::{Ray, leave};
 use crate::light::End;
 use crate::mcmc::{Kernel, Numbers};
 
@@ -53,15 +53,15 @@ impl<'a> Caustic<'_, 'a> {
         let (mut emitter, mut part) = (*path.emitter(), Part::default());
         let mut met = if begin > 0 {
             part = Part::from_light(x, begin + 1);
-            walker.along(part.nodes.last()?.point.spawn(w))?
+            walker.leave(part.nodes.last()?, w)?
         } else {
             let (ray, at) = match emitter.end {
-                End::Surface { p, error, ng } => (spawn_ray(p, error, ng, w), p + w),
+                End::Surface { p, error, ng, touched } => (leave(p, error, ng, touched, w), p + w),
                 End::Point(p) => (Ray::new(p, w), p + w),
                 End::Infinity => return None,
             };
             emitter = emitter.turned(self.common.scene, path.directions()[0], w.as_dvec3(), at)?;
-            walker.along(ray)?
+            walker.along(Ray { bodies: self.common.scene.bodies_of_light(&emitter.end, &ray), ..ray })?
         };
         for i in begin + 1..=seen {
             let Met::Surface(mut node) = met else { return None };

@@ -75,13 +75,19 @@ impl Walker<'_, '_> {
     fn follow(&mut self, mut walk: Walk) -> Option<Met> {
         let mut sampler = Independent::new(self.numbers.address());
         let Some(mut point) = walk.arrive(&mut sampler, self.tally) else { return Some(Met::Outside) };
-        let surface = self.common.scene.surface(&mut point).into_owned();
-        point.consistent.then_some(Met::Surface(Node { point, surface, lobe: Lobes::SMOOTH }))
+        let surface = self.common.scene.surface(&mut point, walk.ray.bodies).into_owned();
+        point.consistent.then_some(Met::Surface(Node { point, bodies: walk.ray.bodies, surface, lobe: Lobes::SMOOTH }))
     }
 
     /// Along a ray that is not the camera's.
     pub(super) fn along(&mut self, ray: Ray) -> Option<Met> {
         self.follow(Walk::from_light(self.common.scene, ray, Spectrum::ONE))
+    }
+
+    /// From `node` in the direction `w`.
+    pub(super) fn leave(&mut self, node: &Node, w: Vec3) -> Option<Met> {
+        let bodies = self.common.scene.bodies_toward(&node.point, node.bodies, w);
+        self.along(Ray { bodies, ..node.point.spawn(w) })
     }
 
     /// Through a film position.
@@ -102,7 +108,7 @@ impl Walker<'_, '_> {
         let [u, v] = pair(self.numbers);
         let scatter = shading.sample([single(self.numbers), u, v])?;
         node.lobe = if scatter.density.is_delta() { scatter.lobe } else { Lobes::SMOOTH };
-        Some((scatter.direction, self.along(node.point.spawn(scatter.direction))?))
+        Some((scatter.direction, self.leave(node, scatter.direction)?))
     }
 
     /// Leaves `node` toward the light through the Dirac component `lobe`; `None` if it has none.
@@ -119,7 +125,7 @@ impl Walker<'_, '_> {
     fn through(&mut self, node: &mut Node, known: Vec3, toward: Transport, lobe: Lobes, folds: Folds) -> Option<(Vec3, Met)> {
         let direction = Shading::new(&node.point, &node.surface, known, toward)?.dirac(lobe, folds)?;
         node.lobe = lobe;
-        Some((direction, self.along(node.point.spawn(direction))?))
+        Some((direction, self.leave(node, direction)?))
     }
 
     /// One vertex more toward the light; where that leads outside the scene only the edge is added, and `false` returned.
@@ -157,7 +163,7 @@ impl Walker<'_, '_> {
         let density = light.emission_density(scene.ball(), emitted.ray.direction);
         let emitter = Emitter::of_emission(index, &emitted, &density);
         let mut part = Part { nodes: Vec::new(), directions: vec![emitted.ray.direction.as_dvec3()] };
-        let met = self.along(emitted.ray)?;
+        let met = self.along(Emitter::ray(scene, &emitted))?;
         part.add(met).then_some((emitter, part))
     }
 

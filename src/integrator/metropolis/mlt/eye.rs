@@ -92,7 +92,7 @@ impl<'c, 'a> Eye<'c, 'a> {
                     log_uniform(TURNS, walker.numbers.uniform()),
                     walker.numbers.uniform(),
                 );
-                (w, walker.along(node.point.spawn(w))?)
+                (w, walker.leave(&node, w)?)
             } else {
                 walker.back_through(&mut node, known, x.node(i).lobe)?
             };

@@ -4,11 +4,10 @@ use super::super::contribution::Contribution;
 use super::super::limit::Limit;
 use super::super::{Common, Lit};
 use crate::bsdf::{Bsdf, Lobes};
-use crate::geometry::MediumId;
+use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::light::End;
 use crate::mcmc::State;
 use crate::path::{Emitter, FullPath, Node, Steps, Tally, toward_end};
-use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use glam::DVec3;
 
@@ -82,11 +81,14 @@ impl<'a> PathState<'a> {
         if !common.region.contains(film) {
             return None;
         }
-        let through = absorbed(common.scene, &draft);
+        let content = Content::of(common, &draft, &mut self.tally);
         let path = FullPath::new(common.scene, &common.camera, draft.emitter, draft.nodes, draft.directions)?;
-        let (f, steps) = path.steps();
-        let f = f * through.cast::<f64>();
+        let (f, mut steps) = path.steps();
+        let f = content.as_ref().map_or(f, |content| f * content.through.cast::<f64>());
         let f = f * share_of_chains(common, film, &path, &steps, &f);
+        if let Some(content) = &content {
+            content.weigh(&mut steps);
+        }
         let most = f.max_lane();
         if !(most > 0.0 && most.is_finite()) {
             return None;
@@ -116,26 +118,54 @@ fn share_of_chains(common: &Common, film: [f32; 2], path: &FullPath, steps: &Ste
     (0..=path.k()).filter_map(of).sum()
 }
 
-/// What media leave of the light along all edges: which one an edge is in follows from the camera on, vertex by vertex.
-fn absorbed(scene: &Scene, draft: &Draft) -> Spectrum {
-    let mut through = Spectrum::ONE;
-    if !scene.features().media {
-        return through;
-    }
-    let mut medium = MediumId::VACUUM;
-    for (i, node) in draft.nodes.iter().enumerate().rev() {
-        let [known, w] = [draft.directions[i + 1], -draft.directions[i]].map(|w| w.as_vec3());
-        medium = scene.medium_toward(&node.point, known, medium, w);
-        if medium != MediumId::VACUUM {
-            let length = match (i, draft.emitter.end) {
-                (0, End::Infinity) => f32::INFINITY,
-                (0, End::Surface { p, .. } | End::Point(p)) => p.distance(node.point.p),
-                _ => draft.nodes[i - 1].point.p.distance(node.point.p),
+/// What is on the edges of a path, which are known to be free: see [`crate::scene::Passage`].
+struct Content {
+    /// Share of light that they carry together.
+    through: Spectrum,
+    /// Probability with which a walk passes what is on each.
+    passed: Vec<f64>,
+    /// Probability with which walks from the light and from the camera scatter at each vertex and do not pass it.
+    met: [Vec<f64>; 2],
+}
+
+impl Content {
+    /// That of `draft`; `None` where there is nothing of the kind in the scene.
+    fn of(common: &Common, draft: &Draft, tally: &mut Tally) -> Option<Self> {
+        let scene = common.scene;
+        if !(scene.features().content() || scene.features().media) {
+            return None;
+        }
+        let mut found = Content { through: Spectrum::ONE, passed: Vec::new(), met: [Vec::new(), Vec::new()] };
+        for i in 0..draft.directions.len() {
+            let to_camera = i + 1 == draft.directions.len();
+            let segment = draft.segment(common, i)?;
+            let unseen = |point: &SurfacePoint| to_camera && scene.culled(point, -segment.direction);
+            let edge = scene.edge(&segment, &mut tally.shadows, unseen);
+            found.through *= edge.through;
+            found.passed.push(f64::from(edge.chance));
+        }
+        for (i, node) in draft.nodes.iter().enumerate() {
+            let met = |w: DVec3| match scene.features().content() && scene.may_pass(&node.point, node.bodies) {
+                true => f64::from(scene.passage(&node.point, w.as_vec3(), node.bodies).met),
+                false => 1.0,
             };
-            through *= scene.absorption(medium, length);
+            found.met[0].push(met(draft.directions[i]));
+            found.met[1].push(met(draft.directions[i + 1]));
+        }
+        Some(found)
+    }
+
+    /// `steps` of walks that pass what is on the edges by chance.
+    fn weigh(&self, steps: &mut Steps) {
+        let [light, camera] = &self.met;
+        let (k, Steps { light: from_light, camera: from_camera, copied, .. }) = (self.passed.len(), steps);
+        for made in [from_light, &mut copied[0]] {
+            (1..k).for_each(|i| made[i] *= self.passed[i - 1] * light[i - 1]);
+        }
+        for made in [from_camera, &mut copied[1]] {
+            (0..k).for_each(|i| made[i] *= self.passed[i] * if i > 0 { camera[i - 1] } else { 1.0 });
         }
     }
-    through
 }
 
 impl Draft {
@@ -144,6 +174,21 @@ impl Draft {
         let node = &mut self.nodes[i - 1];
         node.lobe = Lobes::SMOOTH;
         node.surface.lobes().intersects(Lobes::SMOOTH).then_some(())
+    }
+
+    /// The segment of edge `i`, from the end that is nearer to the camera but for the last; `None` where the camera does not see it.
+    fn segment(&self, common: &Common, i: usize) -> Option<Ray> {
+        let to_camera = i + 1 == self.directions.len();
+        let (node, w) = if to_camera { (&self.nodes[i - 1], self.directions[i]) } else { (&self.nodes[i], -self.directions[i]) };
+        let bodies = common.scene.bodies_toward(&node.point, node.bodies, w.as_vec3());
+        let segment = if to_camera {
+            node.point.segment(common.camera.seen(node.point.p)?.eye, 0.0, node.point.ng, Hit::NONE)
+        } else if i == 0 {
+            toward_end(&node.point, &self.emitter.end, w.as_vec3())
+        } else {
+            node.point.segment_to(&self.nodes[i - 1].point)
+        };
+        Some(Ray { bodies, ..segment })
     }
 
     /// Connects x_i and x_{i+1}, both smooth, with a straight edge that is free, wherever it leads.
@@ -158,8 +203,7 @@ impl Draft {
             }
             self.directions[i] = seen.toward.as_dvec3();
             self.scatters(i)?;
-            let segment = y.segment(seen.eye, 0.0, y.ng);
-            return (!scene.transmittance_to_camera(&segment, shadows).is_black()).then_some(());
+            return (!scene.transmittance_to_camera(&self.segment(common, i)?, shadows).is_black()).then_some(());
         }
         if i == 0 {
             let (z, before) = (&self.nodes[0].point, self.directions[0]);
@@ -167,18 +211,16 @@ impl Draft {
                 End::Surface { p, .. } | End::Point(p) => (z.p.as_dvec3() - p.as_dvec3()).try_normalize()?,
                 End::Infinity => before,
             };
-            let segment = toward_end(z, &self.emitter.end, -w.as_vec3());
             self.emitter = self.emitter.turned(scene, before, w, z.p)?;
             self.directions[0] = w;
             self.scatters(1)?;
-            return (!scene.transmittance(&segment, shadows).is_black()).then_some(());
+        } else {
+            let [y, z] = [i, i + 1].map(|i| self.nodes[i - 1].point);
+            self.directions[i] = (z.p.as_dvec3() - y.p.as_dvec3()).try_normalize()?;
+            self.scatters(i)?;
+            self.scatters(i + 1)?;
         }
-        let [y, z] = [i, i + 1].map(|i| self.nodes[i - 1].point);
-        self.directions[i] = (z.p.as_dvec3() - y.p.as_dvec3()).try_normalize()?;
-        self.scatters(i)?;
-        self.scatters(i + 1)?;
-        let segment = z.segment(y.p, y.error, y.ng);
-        (!scene.transmittance(&segment, shadows).is_black()).then_some(())
+        (!scene.transmittance(&self.segment(common, i)?, shadows).is_black()).then_some(())
     }
 
     /// Whether x_i may scatter light at all from where it comes: on one side of both normals. Asked before rays are traced.

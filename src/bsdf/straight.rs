@@ -1,0 +1,91 @@
+//! What goes straight through a surface: the unscattered transmission of thin clear walls and of boundaries between equal refractive
+//! indices. It is content of the edge that passes, as blended surfaces are, so that lights are seen through it by every technique;
+//! what is left of the surface scatters as any other.
+
+use super::{Bsdf, Conductor, Lobes, Surface};
+use crate::geometry::Local;
+use crate::transport::Transport;
+use crate::{sampling::Density, spectrum::Spectrum};
+
+impl Surface {
+    /// Share of light that goes straight on at incidence cosine `cos` ≥ 0, and the probability with which a walk does that: the same
+    /// from both sides. `None` where nothing does.
+    pub fn straight(&self, cos: f32) -> Option<(Spectrum, f32)> {
+        if !self.passes_straight() {
+            return None;
+        }
+        let known = Local::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+        let through = self.dirac(known, Transport::Light, Lobes::DIRAC_TRANSMIT)?;
+        let Density::Delta(probability) = through.density else { return None };
+        Some((through.value, probability))
+    }
+
+    fn passes_straight(&self) -> bool {
+        match self {
+            Surface::Thin(wall) => wall.ggx.is_dirac(),
+            Surface::Dielectric(glass) => glass.is_matched(),
+            Surface::Gltf(mixture) => mixture.passes_straight(),
+            Surface::Black | Surface::Lambert(_) | Surface::Conductor(_) => false,
+        }
+    }
+
+    /// What scatters: all but [`Surface::straight`].
+    #[must_use]
+    pub fn rest(self) -> Surface {
+        match self {
+            Surface::Thin(wall) if wall.ggx.is_dirac() => Surface::Conductor(Conductor { ggx: wall.ggx, fresnel: wall.fresnel }),
+            Surface::Dielectric(glass) if glass.is_matched() => Surface::Black,
+            Surface::Gltf(mixture) if mixture.passes_straight() => Surface::Gltf(mixture.opaque()),
+            other => other,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::{MetallicRoughness, Wall};
+
+    fn glassy(wall: Wall, transmission: f32, ior: f32) -> Surface {
+        MetallicRoughness {
+            base: Spectrum([0.9, 0.5, 0.2]),
+            metallic: 0.0,
+            roughness: 0.0,
+            specular: 1.0,
+            specular_color: Spectrum::ONE,
+            ior,
+            outside: 1.0,
+            transmission,
+            wall,
+            metal_f90: Spectrum::ONE,
+        }
+        .surface()
+    }
+
+    /// What goes on and what is left are the whole: a walk that meets the rest with the other probability has all lobes.
+    #[test]
+    fn a_surface_is_its_rest_and_what_goes_straight_on() {
+        for whole in [glassy(Wall::Thin, 1.0, 1.5), glassy(Wall::Thin, 0.6, 1.5), glassy(Wall::Solid, 0.6, 1.0)] {
+            for cos in [1.0f32, 0.6, 0.05] {
+                let (_, probability) = whole.straight(cos).expect("it is clear");
+                let known = Local::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+                assert!(!whole.rest().lobes().intersects(Lobes::DIRAC_TRANSMIT));
+                let mirrored = |s: Surface| s.dirac(known, Transport::Light, Lobes::DIRAC_REFLECT);
+                // Nothing is reflected head on where indices are equal.
+                let (Some(all), Some(rest)) = (mirrored(whole), mirrored(whole.rest())) else { continue };
+                assert_eq!(all.value, rest.value);
+                // Probabilities are sums and quotients of albedos: sixteen roundings.
+                let met = (1.0 - probability) * rest.density.value();
+                assert!((met - all.density.value()).abs() < 16.0 * f32::EPSILON, "{met} {all:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn equal_indices_pass_the_tint_alone() {
+        let (value, probability) = glassy(Wall::Solid, 1.0, 1.0).straight(0.3).expect("it is clear");
+        assert_eq!((value, probability), (Spectrum([0.9, 0.5, 0.2]), 1.0));
+        assert!(matches!(glassy(Wall::Solid, 1.0, 1.0).rest(), Surface::Black));
+        assert!(glassy(Wall::Solid, 1.0, 1.5).straight(0.3).is_none());
+    }
+}
