@@ -99,13 +99,13 @@ pub(super) fn run(args: Args) -> Result<()> {
     let pictures: Vec<Picture<'_, Method>> = candidates
         .iter()
         .zip(&pyramids)
-        .map(|(c, pyramid)| Picture { pyramid, method: c.method(), is_trusted: c.doubt().is_none() })
+        .map(|(c, pyramid)| Picture { pyramid, method: c.method(), doubt: c.doubt(args.who.level) })
         .collect();
     let judgement = judge(&pictures, args.who.level);
     if let Some(folder) = &args.who.output {
         write_pictures(folder, &candidates, &judgement)?;
     }
-    tell(&Report::new(&candidates, &pyramids, lineup, judgement), console)
+    tell(&Report::new(&candidates, &pictures, lineup, judgement), console)
 }
 
 /// The command as clap shows it: what of `render`'s flags means nothing here is hidden, what means something else says so.

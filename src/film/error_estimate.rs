@@ -164,6 +164,16 @@ impl ImageError {
         self.relmse.limit(level, 1.0)
     }
 
+    /// What samples larger than any that was met may bring to an image of so many `pixels`, as a share of its light, but for a chance of
+    /// `level`: −ln `level` of them at most are expected where none was met, and one of them brings the mean beyond the largest sample of a
+    /// tail of that shape, or the radiance that is known of rare paths. Infinite where the tail has no mean.
+    pub fn unseen_share(&self, pixels: usize, level: f64) -> f64 {
+        let largest = self.largest.map_or(0.0, |largest| largest.share);
+        let shape = self.evidence.shape_limit.unwrap_or(0.0).max(0.0);
+        let of_tail = if shape < 1.0 { largest / (1.0 - shape) } else { f64::INFINITY };
+        -level.ln() * of_tail.max(self.evidence.rare_share(pixels))
+    }
+
     /// Whether the interval of `relmse` is to be trusted.
     pub fn trust(&self) -> &Trust {
         &self.trust

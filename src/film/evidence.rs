@@ -50,6 +50,11 @@ impl Evidence {
         (Evidence { peaks, shape_limit, rare_relmse: RULE_OF_THREE * rare * rare / pixels }, tail)
     }
 
+    /// What one sample of a rare path brings to an image of so many `pixels`, as a share of its light.
+    pub(super) fn rare_share(&self, pixels: usize) -> f64 {
+        (self.rare_relmse / (RULE_OF_THREE * pixels as f64)).sqrt()
+    }
+
     /// The verdict.
     pub(super) fn verdict(&self, relmse: &RelMse, known: Known, replicates: u32) -> Trust {
         let least = f64::from(known.independent.least_replicates());

@@ -79,6 +79,24 @@ fn a_lottery_is_trusted_by_nobody_who_knows_of_it() {
     }
 }
 
+/// The mean is no more above that of the samples than what they may not have met, but for a chance of 5 %: of 200 films 20 or more beyond it
+/// have a probability of .002.
+#[test]
+fn what_was_not_met_is_bounded() {
+    let lottery = |r: &mut Random| if r.uniform() < 1e-4 { 5000.0 } else { 0.75 + 0.5 * r.uniform() };
+    let pareto = |r: &mut Random| (1.0 - r.uniform()).powf(-0.8);
+    let prior = Prior { blind: false, rare_radiance: 5000.0 };
+    let known = |prior: Prior| Known { independent: Independent::Pixels, prior };
+    for (mean, known, draw) in
+        [(1.5, known(prior), &lottery as &dyn Fn(&mut Random) -> f64), (5.0, known(Prior::default()), &pareto)]
+    {
+        let pixels = (SIDE * SIDE) as usize;
+        let errors = (0..200).map(|seed| film(8, 5000 + seed, draw).image_error(known).unwrap());
+        let beyond = errors.filter(|e| e.mean * (1.0 + e.unseen_share(pixels, 0.05)) < mean).count();
+        assert!(beyond < 20, "{beyond}");
+    }
+}
+
 /// What is rare in a pixel is common in a large picture: what none of enough samples met is small beside the error.
 #[test]
 fn enough_samples_rule_out_what_they_did_not_meet() {

@@ -205,7 +205,8 @@ fn panes() -> Vec<Case> {
 
 /// Method, samples a pixel, and an error that must be convicted.
 const FAST: [(Method, u64, f64); 2] = [(Method::Path, 16, 0.02), (Method::Bdpt, 16, 0.05)];
-const SLOW: [(Method, u64, f64); 3] = [(Method::Light, 512, 0.1), (Method::Mlt, 64, 0.1), (Method::Pssmlt, 64, 0.1)];
+const FROM_LIGHTS: [(Method, u64, f64); 1] = [(Method::Light, 512, 0.1)];
+const CHAINS: [(Method, u64, f64); 2] = [(Method::Mlt, 64, 0.1), (Method::Pssmlt, 64, 0.1)];
 
 #[test]
 fn nested_blocks_absorb_by_what_has_each_place() {
@@ -213,8 +214,13 @@ fn nested_blocks_absorb_by_what_has_each_place() {
 }
 
 #[test]
-fn walks_from_lights_and_chains_know_what_they_are_in() {
-    nested().iter().for_each(|case| case.check(&SLOW));
+fn walks_from_lights_know_what_they_are_in() {
+    nested().iter().for_each(|case| case.check(&FROM_LIGHTS));
+}
+
+#[test]
+fn chains_know_what_they_are_in() {
+    nested().iter().for_each(|case| case.check(&CHAINS));
 }
 
 #[test]
@@ -224,7 +230,7 @@ fn panes_let_lamps_and_suns_pass() {
 
 #[test]
 fn walks_from_lights_and_chains_pass_panes() {
-    panes().iter().for_each(|case| case.check(&SLOW));
+    [&FROM_LIGHTS[..], &CHAINS[..]].iter().for_each(|how| panes().iter().for_each(|case| case.check(how)));
 }
 
 /// A box of panes over a floor under a white sky: each direction crosses one pane. Lights found by walks and by samples are the same

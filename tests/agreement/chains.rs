@@ -94,7 +94,7 @@ fn a_small_picture_of_paths_is_right() {
 
 #[test]
 fn a_small_picture_of_techniques_is_right() {
-    expect_small_picture(Method::Mmlt, 16, MetropolisOptions { limit: Some(0.0), lengths: 2, ..MetropolisOptions::default() });
+    expect_small_picture(Method::Mmlt, 10, MetropolisOptions { limit: Some(0.0), lengths: 2, ..MetropolisOptions::default() });
 }
 
 #[test]

@@ -55,7 +55,7 @@ impl Subject {
     /// What the pair number `pair` comes to, the second picture being brighter by `factor`.
     fn outcome(&self, scene: &Scene, pair: u64, factor: f32, level: f64) -> Outcome {
         let pictures = [self.render(scene, 2 * pair + 1, factor), self.render(scene, 2 * pair + 2, 1.0)];
-        let pictures = pictures.each_ref().map(|pyramid| Picture { pyramid, method: self.method, is_trusted: true });
+        let pictures = pictures.each_ref().map(|pyramid| Picture { pyramid, method: self.method, doubt: None });
         judge(&pictures, level).outcome()
     }
 

@@ -14,6 +14,7 @@ mod end_to_end;
 mod environments;
 mod faults;
 mod frames;
+mod notes;
 mod one_hash;
 mod run;
 mod signals;

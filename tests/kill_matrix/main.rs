@@ -2,7 +2,7 @@
 //! code: a defect that no test notices is a test that is missing.
 //!
 //! Without arguments, as `cargo test --features defects` runs it, it takes the sixth of the defects whose turn it is today, or
-//! the one of `ETENDUE_KILL_PART` (0 to 5); `--all` takes all, `--defect NAME` one, `--list` says what they are. It fails if a
+//! the one of `ETENDUE_KILL_PART` (0 to 5); `--all` takes all, `--defect NAME …` those, `--list` says what they are. It fails if a
 //! defect survives, if a killer fails without a defect, is not there, or takes more than [`run::LIMIT`] seconds of a processor.
 
 // What it prints is what it is for.
@@ -25,7 +25,7 @@ fn main() -> ExitCode {
     let outcome = match arguments[..] {
         ["--list"] => list(),
         ["--all"] => judge(Defect::ALL.to_vec()),
-        ["--defect", name] => named(name).and_then(|defect| judge(vec![defect])),
+        ["--defect", ref names @ ..] => names.iter().map(|name| named(name)).collect::<Result<_, _>>().and_then(judge),
         [] => part().and_then(judge),
         // A filter or a flag that was meant for the tests of other binaries.
         _ => Ok(()),

@@ -40,7 +40,7 @@ pub(super) struct Document {
     /// Bytes that decoded images may take.
     pub(super) memory: u64,
     /// What is odd about the container, a sentence each.
-    pub(super) oddities: Vec<&'static str>,
+    pub(super) oddities: Vec<String>,
     /// The directory that relative URIs start from.
     pub(super) base: PathBuf,
     /// The file's animations as it has them, unchecked, apart from `raw`; null if there are none.
@@ -54,7 +54,7 @@ impl Document {
     /// A scene error if anything is malformed, unsupported or missing.
     pub(super) fn parse(file: &[u8], base: &Path, memory: u64) -> Result<Self> {
         let (text, binary) = if file.starts_with(glb::MAGIC) { glb::split(file)? } else { (file, None) };
-        let (text, oddities) = plain(text)?;
+        let (text, mut oddities) = plain(text)?;
         let mut raw: Value = serde_json::from_slice(text).map_err(|e| Error::scene("the JSON is not valid").because(e))?;
         check_version(&raw["asset"])?;
         check_required(&raw["extensionsRequired"])?;
@@ -63,7 +63,7 @@ impl Document {
         let animations = set_animations_aside(&mut raw);
         let mut root = Root::deserialize(&raw).map_err(|e| Error::scene("the glTF is not valid").because(located(e, text)))?;
         forget_skins(&mut root);
-        validate(&root)?;
+        oddities.extend(validate(&root)?);
         let buffers = buffer::read_all(&root, base, binary)?;
         let size = file.len() + buffer::size(&buffers);
         let (budget, base) = (Budget::of(size), base.to_path_buf());
@@ -110,19 +110,19 @@ pub(super) fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
 }
 
 /// The JSON without what the specification forbids around it and writers leave there all the same, and what that was.
-fn plain(mut text: &[u8]) -> Result<(&[u8], Vec<&'static str>)> {
+fn plain(mut text: &[u8]) -> Result<(&[u8], Vec<String>)> {
     let mut oddities = Vec::new();
     if matches!(text, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) {
         return Err(Error::scene("the JSON is UTF-16, and glTF is UTF-8"));
     }
     if let Some(rest) = text.strip_prefix(b"\xef\xbb\xbf") {
         text = rest;
-        oddities.push("the JSON begins with a byte order mark, which glTF forbids, and is read without it");
+        oddities.push("the JSON begins with a byte order mark, which glTF forbids, and is read without it".into());
     }
     let length = text.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     if length < text.len() {
         text = &text[..length];
-        oddities.push("the JSON is padded with zeros where glTF wants spaces, and is read without them");
+        oddities.push("the JSON is padded with zeros where glTF wants spaces, and is read without them".into());
     }
     Ok((text, oddities))
 }
@@ -189,24 +189,27 @@ fn located(defect: serde_json::Error, text: &[u8]) -> serde_json::Error {
     Root::from_slice(text).err().filter(same).unwrap_or(defect)
 }
 
-fn validate(root: &Root) -> Result<()> {
+/// Refuses what has no one meaning; what is rendered by a default is returned, in sentences.
+fn validate(root: &Root) -> Result<Vec<String>> {
     // The crate's validation indexes with these before it has checked them.
     let positions = Checked::Valid(Semantic::Positions);
     let used = root.meshes.iter().flat_map(|m| &m.primitives).filter_map(|p| p.attributes.get(&positions));
     if let Some(missing) = used.map(|a| a.value()).find(|&a| a >= root.accessors.len()) {
         return Err(Error::scene(format!("a mesh's positions refer to accessor {missing}, which does not exist")));
     }
-    let mut first = None;
-    let mut more = 0;
+    let (mut first, mut more, mut defaults) = (None, 0, Vec::new());
     root.validate(root, json::Path::new, &mut |path, defect| {
         let path = path();
         match (&first, tolerated(path.as_str(), defect)) {
+            (_, true) if defect == Defect::Invalid && has_default(path.as_str()) => {
+                defaults.push(format!("{} has an invalid value, and the default is taken", path.as_str()));
+            }
             (_, true) => {}
             (None, false) => first = Some((path, defect)),
             (Some(_), false) => more += 1,
         }
     });
-    let Some((path, defect)) = first else { return Ok(()) };
+    let Some((path, defect)) = first else { return Ok(defaults) };
     let others = if more > 0 { format!(" (and {more} more defects)") } else { String::new() };
     Err(Error::scene(format!("{} {}{others}", path.as_str(), sentence_end(defect))))
 }
@@ -232,9 +235,14 @@ fn tolerated(path: &str, defect: Defect) -> bool {
 
 /// Whether an invalid value has a default or is in what can be left out: see docs/forgiven.md.
 fn is_forgiven(path: &str) -> bool {
-    const WITH_DEFAULTS: [&str; 7] = [".alphaMode", ".wrapS", ".wrapT", ".magFilter", ".minFilter", ".target", ".mimeType"];
     let left_out = path.starts_with("cameras[") || path.contains("khrLightsPunctual") || path.contains("lights_punctual");
-    left_out || path.contains(".mode") || WITH_DEFAULTS.iter().any(|end| path.ends_with(end))
+    left_out || path.contains(".mode") || has_default(path)
+}
+
+/// Whether an invalid value has a default; an image's type is decided by its own first bytes.
+fn has_default(path: &str) -> bool {
+    const WITH_DEFAULTS: [&str; 7] = [".alphaMode", ".wrapS", ".wrapT", ".magFilter", ".minFilter", ".target", ".mimeType"];
+    WITH_DEFAULTS.iter().any(|end| path.ends_with(end))
 }
 
 fn sentence_end(defect: Defect) -> &'static str {

@@ -32,7 +32,7 @@ mod topology;
 mod vertex;
 
 use crate::error::{Error, Result};
-use crate::scene::description::{Description, Instance, Mesh};
+use crate::scene::description::{Description, Instance, Mesh, PunctualLight};
 use animation::Pose;
 use document::{Document, name_or};
 use graph::Placement;
@@ -183,7 +183,10 @@ impl Loader<'_> {
             }
         }
         if let Some(punctual) = punctual {
-            out.lights.extend(light::load(self.document, punctual.light, placement.stand, &mut self.notes)?);
+            let light = light::load(self.document, punctual.light, placement.stand, &mut self.notes)?;
+            // Many nodes may stand for one light of the file.
+            let name = node.name.as_ref().map(|_| name_or(&node.name, "node", placement.node));
+            out.lights.extend(light.map(|light| PunctualLight { name: name.unwrap_or(light.name), ..light }));
         }
         Ok(())
     }

@@ -20,7 +20,7 @@ impl Notes {
 
     /// Notes what is ignored whichever part of the file is used.
     pub(super) fn about_file(&mut self, document: &Document) {
-        document.oddities.iter().for_each(|&oddity| self.add(oddity));
+        document.oddities.iter().for_each(|oddity| self.add(oddity));
         for extension in document.root.extensions_used.iter().filter(|e| !READ_EXTENSIONS.contains(&e.as_str())) {
             self.add(format!("the extension {extension} is not read"));
         }

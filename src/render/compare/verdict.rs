@@ -167,7 +167,7 @@ impl<'a> Evidence<'a> {
 
     fn judge(&self, level: f64) -> Verdict {
         let sides = [&self.pair.image, &self.pair.reference];
-        let picture = |i: usize| Picture { pyramid: &self.pyramids[i], method: &sides[i].origin.method, is_trusted: true };
+        let picture = |i: usize| Picture { pyramid: &self.pyramids[i], method: &sides[i].origin.method, doubt: None };
         let tested: Tested = test_pair([&picture(0), &picture(1)]);
         let found = tested.findings(level);
         let outcome = if found.is_empty() { Outcome::NoDifference } else { Outcome::Differ };

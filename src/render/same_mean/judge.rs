@@ -3,8 +3,10 @@
 //! that anything is said to differ where all candidates are right is at most the level.
 //!
 //! That holds where errors are what they say. A picture whose error is not to be trusted (a heavy tail that it has hardly met) is too
-//! dark and too certain as a rule: where it is the darker one nothing is concluded, and the pair cannot be told.
+//! dark and too certain as a rule: where it is the darker one it is given what it may have missed ([`Doubt`]), and what differs without
+//! that only cannot be told.
 
+use super::Doubt;
 use super::measured::{Comparison, Kin, compare};
 use super::tiles::Pyramid;
 use crate::defects::{Defect, planted};
@@ -19,8 +21,15 @@ pub struct Picture<'a, M> {
     pub pyramid: &'a Pyramid,
     /// The method that made it.
     pub method: M,
-    /// Whether its errors are to be trusted.
-    pub is_trusted: bool,
+    /// What it may have missed, if its errors are not to be trusted.
+    pub doubt: Option<Doubt>,
+}
+
+impl<M> Picture<'_, M> {
+    /// What it may have missed, as a sum over pixels.
+    fn unseen(&self) -> f64 {
+        self.doubt.filter(|_| !planted(Defect::VerifyTrustsAll)).map_or(0.0, |doubt| doubt.unseen)
+    }
 }
 
 /// What comes of two pictures.
@@ -117,8 +126,6 @@ pub(in crate::render) struct Tested {
     sides: Vec<u32>,
     t: Vec<f64>,
     p: Vec<f64>,
-    /// How many differ but for the distrust of the darker picture.
-    in_doubt: usize,
 }
 
 /// Compares all pairs; `level` is the family's.
@@ -129,20 +136,31 @@ pub fn judge<M: PartialEq + Copy>(pictures: &[Picture<'_, M>], level: f64) -> Ju
     let n = pictures.len();
     assert!(n >= 2 && level > 0.0 && level < 1.0, "{n} pictures at level {level}");
     let numbers: Vec<[usize; 2]> = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b])).collect();
-    let mut pairs: Vec<Tested> = numbers.iter().map(|pair| Tested::new(pair.map(|i| &pictures[i]))).collect();
-    let [tile_tests, image_tests] = correct_all(&mut pairs);
-    let each = [level / 2.0 / tile_tests.max(1) as f64, level / 2.0 / image_tests as f64];
-    let of = |(&[a, b], tested): (&[usize; 2], &mut Tested)| {
-        tested.excuse([a, b].map(|i| pictures[i].is_trusted), level);
-        tested.pair(a, b, level, each)
+    let test = |unseen: fn(&Picture<'_, M>) -> f64| {
+        let pair = |&[a, b]: &[usize; 2]| Tested::new([&pictures[a], &pictures[b]], [a, b].map(|i| unseen(&pictures[i])));
+        let mut pairs: Vec<Tested> = numbers.iter().map(pair).collect();
+        let tests = correct_all(&mut pairs);
+        (pairs, tests)
     };
-    let pairs = numbers.iter().zip(&mut pairs).map(of).collect();
+    let (plain, _) = test(|_| 0.0);
+    let (pairs, [tile_tests, image_tests]) = test(|picture| picture.unseen());
+    let each = [level / 2.0 / tile_tests.max(1) as f64, level / 2.0 / image_tests as f64];
+    let of = |((&[a, b], tested), plain): ((&[usize; 2], &Tested), &Tested)| {
+        let found = |tested: &Tested| tested.p.iter().any(|&p| p < level);
+        let outcome = match [found(plain), found(tested)] {
+            [_, true] => Outcome::Differ,
+            [true, false] => Outcome::CannotTell,
+            [false, false] => Outcome::Agree,
+        };
+        tested.pair(a, b, outcome, level, each)
+    };
+    let pairs = numbers.iter().zip(&pairs).zip(&plain).map(of).collect();
     Judgement { level, tests: image_tests + tile_tests, pairs }
 }
 
 /// All tests of two pictures, corrected for their number.
 pub(in crate::render) fn test_pair<M: PartialEq>(pictures: [&Picture<'_, M>; 2]) -> Tested {
-    let mut pairs = [Tested::new(pictures)];
+    let mut pairs = [Tested::new(pictures, pictures.map(Picture::unseen))];
     correct_all(&mut pairs);
     let [pair] = pairs;
     pair
@@ -166,24 +184,14 @@ fn correct(pairs: &mut [Tested], range: impl Fn(&Tested) -> std::ops::Range<usiz
 }
 
 impl Tested {
-    fn new<M: PartialEq>([a, b]: [&Picture<'_, M>; 2]) -> Tested {
+    /// All tests of two pictures that may have missed so much each, as a sum over pixels.
+    fn new<M: PartialEq>([a, b]: [&Picture<'_, M>; 2], unseen: [f64; 2]) -> Tested {
         let kin = if a.method == b.method { Kin::SameMethod } else { Kin::OtherMethod };
         let levels = compare(a.pyramid, b.pyramid, kin);
         let first = a.pyramid.levels.len() - levels.len();
         let sides = (0..levels.len()).map(|i| a.pyramid.side(first + i)).collect();
-        let (t, p) = levels.iter().flatten().map(|c| c.test()).map(|test| (test.statistic, test.p_value)).unzip();
-        Tested { levels, sides, t, p, in_doubt: 0 }
-    }
-
-    /// Concludes nothing from a mean that is too dark in a picture that is not `trusted`.
-    fn excuse(&mut self, trusted: [bool; 2], level: f64) {
-        for (p, c) in self.p.iter_mut().zip(self.levels.iter().flatten()) {
-            let darker = usize::from(c.b.value < c.a.value);
-            if *p < level && !trusted[darker] && !planted(Defect::VerifyTrustsAll) {
-                *p = 1.0;
-                self.in_doubt += 1;
-            }
-        }
+        let (t, p) = levels.iter().flatten().map(|c| c.test(unseen)).map(|test| (test.statistic, test.p_value)).unzip();
+        Tested { levels, sides, t, p }
     }
 
     /// How many tests there are.
@@ -217,7 +225,7 @@ impl Tested {
         self.p.len() - self.levels.last().map_or(0, Vec::len)
     }
 
-    fn pair(&self, a: usize, b: usize, level: f64, each: [f64; 2]) -> Pair {
+    fn pair(&self, a: usize, b: usize, outcome: Outcome, level: f64, each: [f64; 2]) -> Pair {
         let split = self.tile_tests();
         let all: Vec<&Comparison> = self.levels.iter().flatten().collect();
         let image = all[split..].iter().map(|c| c.detectable(each[1])).fold(f64::INFINITY, f64::min);
@@ -225,11 +233,6 @@ impl Tested {
         let decided = areas(all[..split].iter().filter(|c| c.detectable(each[0]).is_finite()).map(|c| c.area));
         let tiles = areas(all[..split].iter().map(|c| c.area));
         let smallest = self.smallest_decided(each[0]);
-        let outcome = match self.in_doubt {
-            _ if self.p.iter().any(|&p| p < level) => Outcome::Differ,
-            0 => Outcome::Agree,
-            _ => Outcome::CannotTell,
-        };
         Pair {
             a,
             b,

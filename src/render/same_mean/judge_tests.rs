@@ -46,7 +46,7 @@ fn differs(a: &Pyramid, b: &Pyramid, level: f64) -> bool {
 
 fn judged(pyramids: &[&Pyramid], methods: &[u8], level: f64) -> Judgement {
     let both = pyramids.iter().zip(methods);
-    let pictures: Vec<_> = both.map(|(&pyramid, &method)| Picture { pyramid, method, is_trusted: true }).collect();
+    let pictures: Vec<_> = both.map(|(&pyramid, &method)| Picture { pyramid, method, doubt: None }).collect();
     judge(&pictures, level)
 }
 
@@ -138,20 +138,29 @@ fn exact_pictures_differ_if_their_means_do() {
     assert_eq!(differs(0.8, 0.8 * (1.0 + 1e-6)), [false; 2]);
 }
 
-/// The darker picture may owe its darkness to a tail that it has hardly met; the brighter one has no such excuse.
+/// The darker picture may owe its darkness to a tail that it has hardly met, as far as that may reach; the brighter one has no such
+/// excuse.
 #[test]
-fn a_picture_that_is_not_to_be_trusted_is_convicted_of_too_much_light_only() {
+fn a_picture_that_is_not_to_be_trusted_is_given_what_it_may_have_missed() {
     let (plain, bright) = (picture(20, Noise::Smooth), picture(21, Noise::Smooth).times(1.3));
-    let outcome = |trusted: [bool; 2]| {
-        let [plain, bright] =
-            [(&plain, trusted[0]), (&bright, trusted[1])].map(|(pyramid, is_trusted)| Picture { pyramid, method: 0, is_trusted });
+    let light = plain.image_mean(0).value * plain.image().pixels;
+    // What each may have missed as a share of the light of the darker one.
+    let outcome = |missed: [Option<f64>; 2]| {
+        let doubt = |share: f64| Doubt { sentence: "a tail", unseen: share * light };
+        let [plain, bright] = [(&plain, missed[0]), (&bright, missed[1])].map(|(pyramid, share)| Picture {
+            pyramid,
+            method: 0,
+            doubt: share.map(doubt),
+        });
         judge(&[plain, bright], 1e-3)
     };
-    assert_eq!(outcome([true, true]).outcome(), Outcome::Differ);
-    assert_eq!(outcome([true, false]).outcome(), Outcome::Differ);
-    let untold = outcome([false, true]);
-    assert_eq!((untold.outcome(), untold.pairs[0].tiles_different), (Outcome::CannotTell, 0));
-    assert_eq!(outcome([false, false]).outcome(), Outcome::CannotTell);
+    assert_eq!(outcome([None, None]).outcome(), Outcome::Differ);
+    assert_eq!(outcome([None, Some(f64::INFINITY)]).outcome(), Outcome::Differ);
+    assert_eq!(outcome([Some(0.1), None]).outcome(), Outcome::Differ);
+    for missed in [[Some(0.4), None], [Some(f64::INFINITY), None], [Some(f64::INFINITY); 2]] {
+        let untold = outcome(missed);
+        assert_eq!((untold.outcome(), untold.pairs[0].tiles_different), (Outcome::CannotTell, 0));
+    }
 }
 
 /// Every pixel of a replicate rises and falls as one, as if one chain had them all. At level .05 of 200 pairs no more than

@@ -18,7 +18,8 @@ mod tiles;
 pub(in crate::render) use judge::{Finding, Tested, test_pair};
 pub use judge::{Judgement, Outcome, Pair, Picture, Worst, judge};
 pub(in crate::render) use record::{RECORD, decode, encode};
-pub(in crate::render) use sources::{PixelErrors, doubt};
+pub use sources::Doubt;
+pub(in crate::render) use sources::PixelErrors;
 pub(in crate::render) use tiles::CHANNELS;
 pub use tiles::Pyramid;
 

@@ -65,11 +65,26 @@ impl PixelErrors<'_> {
     }
 }
 
-/// Why the errors of a picture's means are not to be trusted, if they are not: light that its method meets by luck, or a heavy tail, of
-/// which more may be to come. Noise alone is no reason, since a difference of means is judged by it.
-///
-/// This is the one place that decides it, for all that asks whether pictures have the same mean.
-pub(in crate::render) fn doubt(error: &ImageError) -> Option<&'static str> {
-    let by_luck = [Reason::RarePaths, Reason::HeavyTail, Reason::FewSamples];
-    error.trust().reasons.iter().map(|distrust| distrust.reason).find(|reason| by_luck.contains(reason)).map(Reason::sentence)
+/// Why the errors of a picture's means are not to be trusted, and what they may be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Doubt {
+    /// Why, in words.
+    pub sentence: &'static str,
+    /// What samples that were not met may bring at most to a channel, as a sum over pixels; infinite where nothing bounds it.
+    pub unseen: f64,
+}
+
+impl Doubt {
+    /// The doubt of a picture of so many `pixels`, if there is one: light that its method meets by luck, or a heavy tail, of which more
+    /// may be to come. Noise alone is no reason, since a difference of means is judged by it. What is unseen holds but for a chance
+    /// of `level`.
+    ///
+    /// This is the one place that decides it, for all that asks whether pictures have the same mean.
+    pub fn of(error: &ImageError, pixels: usize, level: f64) -> Option<Doubt> {
+        let by_luck = [Reason::RarePaths, Reason::HeavyTail, Reason::FewSamples];
+        let reason = error.trust().reasons.iter().map(|distrust| distrust.reason).find(|reason| by_luck.contains(reason))?;
+        // A sample is the mean of its channels; all of it may be in one.
+        let unseen = error.unseen_share(pixels, level) * error.mean * (pixels * CHANNELS) as f64;
+        Some(Doubt { sentence: reason.sentence(), unseen })
+    }
 }

@@ -6,7 +6,7 @@ use crate::film::{Film, Layout, PassFilm};
 use crate::integrator::{self, Integrator, Method};
 use crate::parallel::Cancel;
 use crate::render::machine::Stopwatch;
-use crate::render::same_mean::{self, Pyramid};
+use crate::render::same_mean::{Doubt, Pyramid};
 use crate::render::{Choices, Plan, Provenance, Selection, Stage, Stop};
 
 /// Independent replicates of each candidate: their scatter is the error that differences are measured by.
@@ -104,8 +104,8 @@ impl<'a> Candidate<'a> {
         self.provenance.settings.method
     }
 
-    /// Why its errors are not to be trusted, if they are not.
-    pub fn doubt(&self) -> Option<&'static str> {
-        self.provenance.error_of(&self.film).as_ref().and_then(same_mean::doubt)
+    /// Why its errors are not to be trusted, if they are not; what is unseen holds but for a chance of `level`.
+    pub fn doubt(&self, level: f64) -> Option<Doubt> {
+        Doubt::of(&self.provenance.error_of(&self.film)?, self.film.layout().pixels(), level)
     }
 }

@@ -4,7 +4,7 @@ use super::lineup::Excluded;
 use super::{Candidate, Lineup, Odd, REPLICATES};
 use crate::integrator::{Guards, Method};
 use crate::render::Program;
-use crate::render::same_mean::{CHANNELS, Judgement, Outcome, Pyramid};
+use crate::render::same_mean::{CHANNELS, Judgement, Outcome, Picture};
 use serde::Serialize;
 
 /// The result of a verification.
@@ -61,7 +61,7 @@ pub struct Entry {
 
 impl Report {
     /// The report on candidates with these pictures.
-    pub fn new(candidates: &[Candidate<'_>], pictures: &[Pyramid], lineup: Lineup, judgement: Judgement) -> Report {
+    pub fn new(candidates: &[Candidate<'_>], pictures: &[Picture<'_, Method>], lineup: Lineup, judgement: Judgement) -> Report {
         let entries: Vec<Entry> = candidates.iter().zip(pictures).map(|(c, p)| Entry::new(c, p)).collect();
         let provenance = &candidates[0].provenance;
         Report {
@@ -81,9 +81,9 @@ impl Report {
 }
 
 impl Entry {
-    fn new(candidate: &Candidate<'_>, picture: &Pyramid) -> Entry {
+    fn new(candidate: &Candidate<'_>, picture: &Picture<'_, Method>) -> Entry {
         let settings = &candidate.provenance.settings;
-        let image = std::array::from_fn::<_, CHANNELS, _>(|c| picture.image_mean(c));
+        let image = std::array::from_fn::<_, CHANNELS, _>(|c| picture.pyramid.image_mean(c));
         Entry {
             name: candidate.name.clone(),
             method: settings.method,
@@ -93,7 +93,7 @@ impl Entry {
             seconds: candidate.seconds(),
             mean: image.map(|e| e.value),
             standard_error: image.map(|e| e.standard_error),
-            doubt: candidate.doubt(),
+            doubt: picture.doubt.map(|doubt| doubt.sentence),
             guards: candidate.provenance.work.passes.guards,
         }
     }
