@@ -2,7 +2,7 @@
 //! code: a defect that no test notices is a test that is missing.
 //!
 //! Without arguments, as `cargo test --features defects` runs it, it takes the sixth of the defects whose turn it is today, or
-//! the one of `ETENDUE_KILL_PART` (0 to 5); `--all` takes all, `--defect NAME …` those, `--list` says what they are. It fails if a
+//! the one of `ETENDUE_KILL_PART` (0 to 5), each until one killer kills, the fastest first; `--all` takes all, `--defect NAME …` those, `--list` says what they are. It fails if a
 //! defect survives, if a killer fails without a defect, is not there, or takes more than [`run::LIMIT`] seconds of a processor.
 
 // What it prints is what it is for.
@@ -24,9 +24,11 @@ fn main() -> ExitCode {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments[..] {
         ["--list"] => list(),
-        ["--all"] => judge(Defect::ALL.to_vec()),
-        ["--defect", ref names @ ..] => names.iter().map(|name| named(name)).collect::<Result<_, _>>().and_then(judge),
-        [] => part().and_then(judge),
+        ["--all"] => judge(Defect::ALL.to_vec(), Until::All),
+        ["--defect", ref names @ ..] => {
+            names.iter().map(|name| named(name)).collect::<Result<_, _>>().and_then(|defects| judge(defects, Until::All))
+        }
+        [] => part().and_then(|defects| judge(defects, Until::Killed)),
         // A filter or a flag that was meant for the tests of other binaries.
         _ => Ok(()),
     };
@@ -58,8 +60,17 @@ fn part() -> Result<Vec<Defect>, String> {
     Ok((turn as usize..Defect::ALL.len()).step_by(PARTS as usize).map(|i| Defect::ALL[i]).collect())
 }
 
+/// How many killers run against a defect.
+#[derive(Clone, Copy)]
+enum Until {
+    /// All of them.
+    All,
+    /// The fastest first, until one kills.
+    Killed,
+}
+
 /// Runs every killer without a defect, then against each of `defects`, and says what came of it.
-fn judge(defects: Vec<Defect>) -> Result<(), String> {
+fn judge(defects: Vec<Defect>, until: Until) -> Result<(), String> {
     let start = std::time::Instant::now();
     let killers = binaries::locate(killers::KILLERS)?;
     println!("{} defects, {} killers", defects.len(), killers.len());
@@ -67,7 +78,10 @@ fn judge(defects: Vec<Defect>) -> Result<(), String> {
     matrix::check_healthy(&killers, &healthy)?;
     matrix::print_head(&killers);
     let plant = |&defect: &Defect| {
-        let row = run::all(Some(defect), &killers);
+        let row = match until {
+            Until::All => run::all(Some(defect), &killers),
+            Until::Killed => run::until_killed(defect, &killers, &healthy),
+        };
         matrix::print_row(defect, &killers, &row);
         row
     };

@@ -13,6 +13,7 @@ pub(crate) fn check_healthy(killers: &[Located], healthy: &[Outcome]) -> Result<
             Ending::Passed => Some(format!("{name} takes {:.1} s of a processor, at most {LIMIT}", outcome.seconds)),
             Ending::Failed => Some(format!("{name} fails without a defect: a false alarm")),
             Ending::Unclear(what) => Some(format!("{name}: {what}")),
+            Ending::NotRun => Some(format!("{name} did not run")),
         }
     };
     let complaints: Vec<String> = killers.iter().zip(healthy).filter_map(complaint).collect();
@@ -25,7 +26,7 @@ pub(crate) fn print_head(killers: &[Located]) {
     println!("\n{:28} {}\n{:28} {}", "", digits(|i| i / 10), "", digits(|i| i % 10));
 }
 
-/// A row: `x` killed, `.` survived, `?` no verdict, `>` killed too late. Then how many killed, and which was the fastest.
+/// A row: `x` killed, `.` survived, `?` no verdict, `>` killed too late, a blank did not run. Then how many killed, and which was the fastest.
 pub(crate) fn print_row(defect: Defect, killers: &[Located], row: &[Outcome]) {
     let marks: String = row.iter().map(mark).collect();
     let kills = || row.iter().enumerate().filter(|(_, outcome)| outcome.is_kill());
@@ -51,6 +52,7 @@ fn mark(outcome: &Outcome) -> char {
         Ending::Failed => '>',
         Ending::Passed => '.',
         Ending::Unclear(_) => '?',
+        Ending::NotRun => ' ',
     }
 }
 

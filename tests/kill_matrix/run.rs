@@ -18,6 +18,8 @@ pub(crate) enum Ending {
     Failed,
     /// Neither: it does not exist, was stopped at three times the limit, or died without a verdict. No kill.
     Unclear(String),
+    /// It did not run, since another had killed before.
+    NotRun,
 }
 
 /// How a killer ended and how long it took.
@@ -37,18 +39,32 @@ impl Outcome {
 
 /// The outcome of every killer with `planted` in the renderer, on all processors.
 pub(crate) fn all(planted: Option<Defect>, killers: &[Located]) -> Vec<Outcome> {
-    let (next, done) = (AtomicUsize::new(0), Mutex::new(vec![None; killers.len()]));
+    in_order(planted, killers, &(0..killers.len()).collect::<Vec<_>>(), |_| false)
+}
+
+/// The same, the fastest first by what they took when `healthy`, until one kills.
+pub(crate) fn until_killed(planted: Defect, killers: &[Located], healthy: &[Outcome]) -> Vec<Outcome> {
+    let mut order: Vec<usize> = (0..killers.len()).collect();
+    order.sort_by(|&a, &b| healthy[a].seconds.total_cmp(&healthy[b].seconds));
+    in_order(Some(planted), killers, &order, Outcome::is_kill)
+}
+
+/// Runs killers in this `order` until one ends as `is_enough` wants.
+fn in_order(planted: Option<Defect>, killers: &[Located], order: &[usize], is_enough: fn(&Outcome) -> bool) -> Vec<Outcome> {
+    let not_run = Outcome { ending: Ending::NotRun, seconds: 0.0 };
+    let (next, done) = (AtomicUsize::new(0), Mutex::new(vec![not_run; killers.len()]));
     let work = || {
-        loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            let Some(killer) = killers.get(i) else { return };
-            let outcome = one(planted, killer);
-            done.lock().unwrap_or_else(PoisonError::into_inner)[i] = Some(outcome);
+        while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let outcome = one(planted, &killers[i]);
+            if is_enough(&outcome) {
+                next.store(order.len(), Ordering::Relaxed);
+            }
+            done.lock().unwrap_or_else(PoisonError::into_inner)[i] = outcome;
         }
     };
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| (0..workers).for_each(|_| _ = scope.spawn(work)));
-    done.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().flatten().collect()
+    done.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The shell stops what hangs and knows how much processor time its children took.
