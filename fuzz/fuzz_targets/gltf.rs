@@ -25,12 +25,15 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// A few rays of the scene's camera.
+/// A few rays of the scene's camera, and what is on the edges beyond what they meet.
 fn look(scene: &Scene) {
     let Ok(camera) = scene.camera(None, 4, 4) else { return };
     for at in [[0.5, 0.5], [2.0, 2.0], [3.5, 1.0]] {
-        if let Some(mut point) = scene.intersect(&camera.ray(at)) {
-            scene.surface(&mut point);
+        let ray = camera.ray(at);
+        let bodies = scene.bodies_at(ray.origin);
+        if let Some(mut point) = scene.intersect(&ray) {
+            scene.surface(&mut point, bodies);
+            scene.transmittance(&point.spawn(ray.direction), &mut 0);
         }
     }
 }

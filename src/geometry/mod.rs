@@ -4,6 +4,7 @@
 mod any_hit;
 mod bodies;
 mod bounds;
+mod box_tree;
 mod exact;
 mod frame;
 mod mesh;
@@ -11,12 +12,12 @@ mod ray;
 mod spawn;
 mod surface_point;
 mod triangle;
-mod triangle_tree;
 mod world;
 
 pub use any_hit::{AnyHit, Opaque};
 pub use bodies::Bodies;
 pub use bounds::Bounds;
+pub use box_tree::{Bounded, BoxTree, Leaf};
 pub use exact::{Crossing, Line};
 pub use frame::{Frame, Local};
 pub use mesh::{Attributes, TriangleMesh};
@@ -24,5 +25,4 @@ pub use ray::{Hit, Ray};
 pub use spawn::{clear_of, leave, spawn_ray, spawn_segment};
 pub use surface_point::SurfacePoint;
 pub use triangle::{Triangle, TriangleHit, is_placement, placement_error};
-pub use triangle_tree::{Leaf, TriangleTree};
 pub use world::{Geometry, Object};

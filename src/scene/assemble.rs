@@ -48,7 +48,15 @@ pub(super) fn assemble(
             let filtered = matches!(material.source.alpha_mode, AlphaMode::Mask { .. });
             geometry.objects.push(Object { mesh, placement, filtered });
             let (material, instance) = (primitive.material as u32, index as u32);
-            objects.push(ObjectInfo { material, first_light: None, instance, colors, body: Bodies::NOBODY, passes: false });
+            objects.push(ObjectInfo {
+                material,
+                first_light: None,
+                instance,
+                colors,
+                body: Bodies::NOBODY,
+                passes: false,
+                plain: false,
+            });
         }
     }
     Ok((geometry, objects))

@@ -6,19 +6,25 @@
 //! smaller bounding box, since what lies inside another is smaller, then the later one in the file. The boundary of one that does not
 //! have the place is not there. Indices of bodies are their ranks in that order.
 //!
-//! Limits: bodies are taken to be closed and to have their fronts outward; an open one bends light where it is crossed, and its inside
-//! has no other end than a surface with the same. Surfaces that alpha masks cut away do not count as crossed.
+//! An open body, such as a surface of water, has no inside that a box could tell: it counts as large as a cube of its longest side, and
+//! as one that may share places with every other. A body that shares no place with one that is entered has been left, whatever was crossed.
+//!
+//! Limits: bodies are taken to have their fronts outward; an open one bends light where it is crossed, and its inside
+//! has no other end than a surface with the same. Surfaces that alpha masks cut away do not count as crossed. Of those behind a body in
+//! precedence that share places with it, [`Bodies::MOST_OTHERS`] are told apart.
 
 use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::defects::{Defect, planted};
-use crate::geometry::{Bodies, Bounds, Geometry, Ray, SurfacePoint, TriangleMesh};
+use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, SurfacePoint, TriangleMesh};
 use crate::light::End;
 use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
+use smallvec::SmallVec;
 use std::cmp::Ordering;
 use std::collections::HashMap;
+use std::ops::ControlFlow::{Break, Continue};
 
 /// What is inside a material.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +50,7 @@ impl Interior {
 pub(super) struct Body {
     pub(super) interior: Interior,
     bounds: Bounds,
+    is_open: bool,
 }
 
 impl Body {
@@ -51,19 +58,41 @@ impl Body {
     fn precedes(&self, other: &Body) -> Ordering {
         let priority = other.interior.priority.cmp(&self.interior.priority);
         let priority = if planted(Defect::PriorityReversed) { priority.reverse() } else { priority };
-        priority.then(self.bounds.volume().total_cmp(&other.bounds.volume()))
+        priority.then(self.size().total_cmp(&other.size()))
+    }
+
+    fn size(&self) -> f32 {
+        if self.is_open { (self.bounds.max - self.bounds.min).max_element().powi(3) } else { self.bounds.volume() }
     }
 }
 
-/// All bodies, by rank, and the box around them.
+/// The box of a body.
+#[derive(Debug)]
+struct Place {
+    rank: u32,
+    bounds: Bounds,
+}
+
+impl Bounded for Place {
+    fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+}
+
+/// The bodies of a place, by rank.
+type Members = SmallVec<[u32; 8]>;
+
+/// All bodies, by rank.
 #[derive(Debug, Default)]
 pub(super) struct AllBodies {
     list: Vec<Body>,
-    bounds: Option<Bounds>,
+    /// Of each body those of higher rank that it may share places with, by rank; empty if no two may.
+    behind: Vec<Members>,
+    places: BoxTree<Place>,
 }
 
-/// Beyond so many bodies whether two overlap is not looked at, but taken for granted.
-const MANY: usize = 4096;
+/// No more pairs of bodies are looked at to know which may share places: where boxes overlap so much, what is beyond is forgotten.
+const MOST_PAIRS: usize = 1 << 24;
 
 /// No more surfaces are passed on the way out of a place.
 const MOST_CROSSED: u32 = 1 << 14;
@@ -103,7 +132,7 @@ impl AllBodies {
             let bounds = geometry.bounds(index);
             let is_closed = parts[&part] == 0;
             let id = *known.entry((is_closed.then_some(part.0), part.1)).or_insert_with(|| {
-                found.push(Body { interior, bounds });
+                found.push(Body { interior, bounds, is_open: !is_closed });
                 found.len() - 1
             });
             found[id].bounds = found[id].bounds.union(bounds);
@@ -116,9 +145,44 @@ impl AllBodies {
         for object in objects.iter_mut().filter(|o| o.body != Bodies::NOBODY) {
             object.body = ranks[object.body as usize];
         }
-        let list: Vec<Body> = order.into_iter().map(|id| found[id]).collect();
-        let bounds = list.iter().map(|b| b.bounds).reduce(Bounds::union);
-        AllBodies { list, bounds }
+        AllBodies::ranked(order.into_iter().map(|id| found[id]).collect())
+    }
+
+    /// Those in `list`, which is by rank.
+    fn ranked(list: Vec<Body>) -> Self {
+        let places = list.iter().zip(0..).map(|(body, rank)| Place { rank, bounds: body.bounds }).collect();
+        let mut bodies = AllBodies { list, behind: Vec::new(), places: BoxTree::new(places) };
+        let behind = bodies.overlaps();
+        if behind.iter().any(|list| !list.is_empty()) {
+            bodies.behind = behind;
+        }
+        bodies
+    }
+
+    /// See [`AllBodies::behind`].
+    fn overlaps(&self) -> Vec<Members> {
+        let mut pairs = 0;
+        let open: Members = (0..).zip(&self.list).filter(|(_, body)| body.is_open).map(|(rank, _)| rank).collect();
+        let behind = |(rank, body): (u32, &Body)| {
+            if body.is_open {
+                return (rank + 1..self.list.len() as u32).take(Bodies::MOST_OTHERS).collect();
+            }
+            let mut found: Members = open.iter().copied().filter(|&other| other > rank).collect();
+            let _ = self.places.visit(
+                |bounds| bounds.meets(&body.bounds),
+                |place| {
+                    pairs += 1;
+                    if place.rank > rank && place.bounds.meets(&body.bounds) && !self.list[place.rank as usize].is_open {
+                        found.push(place.rank);
+                    }
+                    if pairs < MOST_PAIRS { Continue(()) } else { Break(()) }
+                },
+            );
+            found.sort_unstable();
+            found.truncate(Bodies::MOST_OTHERS);
+            found
+        };
+        (0..).zip(&self.list).map(behind).collect()
     }
 
     #[inline]
@@ -139,24 +203,96 @@ impl AllBodies {
 
     /// Whether two may share a place.
     pub(super) fn overlap(&self) -> bool {
-        let pairs = || (1..self.list.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        self.list.len() > MANY || pairs().any(|(i, j)| self.list[i].bounds.meets(&self.list[j].bounds))
+        !self.behind.is_empty()
     }
 
     /// Those whose boxes hold `p`.
-    fn around(&self, p: Vec3) -> Vec<u32> {
-        if !self.bounds.is_some_and(|all| all.contains(p)) {
-            return Vec::new();
+    fn around(&self, p: Vec3) -> Members {
+        let mut near = Members::new();
+        let _ = self.places.visit(
+            |bounds| bounds.contains(p),
+            |place| {
+                if place.bounds.contains(p) {
+                    near.push(place.rank);
+                }
+                Continue(())
+            },
+        );
+        near
+    }
+
+    /// On the inner side of the boundary of `body`.
+    #[inline]
+    fn with(&self, set: Bodies, body: u32) -> Bodies {
+        if self.behind.is_empty() || set.is_empty() { Bodies::new(body, 0) } else { self.joined(set, body) }
+    }
+
+    /// On the outer side of the boundary of `body`. Leaving a body that is not there (an open mesh) changes nothing.
+    #[inline]
+    fn without(&self, set: Bodies, body: u32) -> Bodies {
+        match (set == Bodies::new(body, 0), set.others()) {
+            (true, _) => Bodies::NONE,
+            (false, 0) => set,
+            (false, _) => self.removed(set, body),
         }
-        let near = self.list.iter().enumerate().filter(|(_, body)| body.bounds.contains(p));
-        near.map(|(rank, _)| rank as u32).collect()
+    }
+
+    #[inline(never)]
+    fn removed(&self, set: Bodies, body: u32) -> Bodies {
+        self.set(self.members(set).into_iter().filter(|&member| member != body))
+    }
+
+    /// Of those in `set`, the first that is not `body`.
+    #[inline]
+    fn first_without(&self, set: Bodies, body: u32) -> Option<u32> {
+        match set.first() {
+            Some(first) if first == body => {
+                (set.others() != 0).then(|| self.behind[body as usize][set.others().trailing_zeros() as usize])
+            }
+            first => first,
+        }
+    }
+
+    #[inline(never)]
+    fn joined(&self, set: Bodies, body: u32) -> Bodies {
+        let mut members = self.members(set);
+        members.retain(|&mut member| member != body && self.may_share(member, body));
+        members.push(body);
+        members.sort_unstable();
+        self.set(members)
+    }
+
+    fn may_share(&self, a: u32, b: u32) -> bool {
+        self.behind[a.min(b) as usize].contains(&a.max(b))
+    }
+
+    /// By rank.
+    fn members(&self, set: Bodies) -> Members {
+        let Some(first) = set.first() else { return Members::new() };
+        let behind = self.behind.get(first as usize).into_iter().flatten().enumerate();
+        std::iter::once(first).chain(behind.filter(|(bit, _)| set.others() >> bit & 1 != 0).map(|(_, &rank)| rank)).collect()
+    }
+
+    /// The set of `members`, by rank.
+    fn set(&self, members: impl IntoIterator<Item = u32>) -> Bodies {
+        let mut members = members.into_iter();
+        let Some(first) = members.next() else { return Bodies::NONE };
+        let behind = &self.behind[first as usize];
+        let bits = members.filter_map(|member| behind.iter().position(|&other| other == member));
+        Bodies::new(first, bits.fold(0, |others, bit| others | 1 << bit))
     }
 }
 
 impl Scene {
     /// The bodies that contain the point `p`: those whose surface is left more often than entered on the way out.
+    #[inline]
     pub fn bodies_at(&self, p: Vec3) -> Bodies {
-        let mut near: Vec<(u32, i32)> = self.bodies.around(p).into_iter().map(|body| (body, 0)).collect();
+        if self.bodies.places.bounds().contains(p) { self.bodies_around(p) } else { Bodies::NONE }
+    }
+
+    #[inline(never)]
+    fn bodies_around(&self, p: Vec3) -> Bodies {
+        let mut near: SmallVec<[(u32, i32); 8]> = self.bodies.around(p).into_iter().map(|body| (body, 0)).collect();
         if near.is_empty() {
             return Bodies::NONE;
         }
@@ -169,7 +305,7 @@ impl Scene {
             }
             ray = point.spawn(OUT);
         }
-        near.into_iter().filter(|&(_, left)| left > 0).fold(Bodies::NONE, |inside, (body, _)| inside.with(body))
+        near.into_iter().filter(|&(_, left)| left > 0).fold(Bodies::NONE, |inside, (body, _)| self.bodies.with(inside, body))
     }
 
     /// The bodies in which light starts that leaves its `end` along `ray`; what comes from infinity starts outside all.
@@ -189,9 +325,9 @@ impl Scene {
         }
         match self.objects[point.hit.object as usize].body {
             Bodies::NOBODY => bodies,
-            body if w.dot(point.ng) < 0.0 => bodies.with(body),
+            body if w.dot(point.ng) < 0.0 => self.bodies.with(bodies, body),
             _ if planted(Defect::LeavingIsVacuum) => Bodies::NONE,
-            body => bodies.without(body),
+            body => self.bodies.without(bodies, body),
         }
     }
 
@@ -209,14 +345,16 @@ impl Scene {
         if !self.features.nested || object.body == Bodies::NOBODY || planted(Defect::OuterIndexIsOne) {
             return 1.0;
         }
-        bodies.without(object.body).first().map_or(1.0, |outside| self.bodies.interior(outside).ior)
+        self.bodies.first_without(bodies, object.body).map_or(1.0, |outside| self.bodies.interior(outside).ior)
     }
 
     /// Whether the boundary of `object`, met in `bodies`, is not there, since another body has the place.
     #[inline]
     pub(super) fn is_null(&self, object: &ObjectInfo, bodies: Bodies) -> bool {
-        self.features.nested
-            && object.body != Bodies::NOBODY
-            && bodies.without(object.body).first().is_some_and(|outside| outside < object.body)
+        self.features.nested && object.body != Bodies::NOBODY && bodies.first().is_some_and(|first| first < object.body)
     }
 }
+
+#[cfg(test)]
+#[path = "bodies_tests.rs"]
+mod tests;

@@ -80,6 +80,7 @@ impl Scene {
             let material = &materials[object.material as usize];
             let blends = material.source.alpha_mode == description::AlphaMode::Blend;
             object.passes = blends || material.may_pass(1.0);
+            object.plain = material.is_plain() && !object.colors;
         }
         let features = Features { contacts: contacts.is_some(), ..features(&geometry, &objects, &materials, &lights, &bodies) };
         let mut info = census(&geometry, &materials, shining, features);

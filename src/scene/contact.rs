@@ -5,7 +5,7 @@
 mod close;
 mod find;
 
-use crate::geometry::{Crossing, Geometry, Hit, Line, Ray, Triangle, TriangleTree, clear_of};
+use crate::geometry::{BoxTree, Crossing, Geometry, Hit, Leaf, Line, Ray, Triangle, clear_of};
 use glam::Vec3;
 use std::ops::ControlFlow::{Break, Continue};
 
@@ -14,7 +14,7 @@ use std::ops::ControlFlow::{Break, Continue};
 pub(super) struct Contacts {
     /// For each object that has any: a bit for each of its triangles.
     flags: Vec<Option<Box<[u64]>>>,
-    tree: TriangleTree,
+    tree: BoxTree<Leaf>,
     /// By how much a backend's heights over a plane may be wrong, in scene units.
     doubt: f32,
     /// The largest of [`Contacts::reach`].

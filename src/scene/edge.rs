@@ -44,7 +44,7 @@ impl Scene {
     #[inline]
     pub fn may_pass(&self, point: &SurfacePoint, bodies: Bodies) -> bool {
         let object = &self.objects[point.hit.object as usize];
-        object.passes || self.features.nested && object.body != Bodies::NOBODY && !bodies.without(object.body).is_empty()
+        object.passes || self.features.nested && object.body != Bodies::NOBODY && bodies.has_more_than(object.body)
     }
 
     /// What the surface at `point` lets pass straight on along the unit direction `w`, met in `bodies`. It is the same against `w`. What

@@ -121,6 +121,11 @@ impl Material {
         self.constant.as_ref()
     }
 
+    /// Whether its surface depends neither on the place, vertex colours apart, nor on what it stands in.
+    pub(super) fn is_plain(&self) -> bool {
+        self.source.normal_texture.is_none() && self.constant.is_some_and(|[whole, _]| !whole.refracts())
+    }
+
     /// Whether it may let light straight through where the index outside is `outside`.
     pub(super) fn may_pass(&self, outside: f32) -> bool {
         let m = &self.source;

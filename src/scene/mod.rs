@@ -126,6 +126,8 @@ struct ObjectInfo {
     body: u32,
     /// Whether light may pass it straight on, wherever it stands.
     passes: bool,
+    /// Whether its surface is the same everywhere, in whatever it stands, and in its own shading frame.
+    plain: bool,
 }
 
 impl Scene {

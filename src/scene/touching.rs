@@ -23,6 +23,7 @@ impl Scene {
     }
 
     /// [`Scene::intersect`] of a scene in which surfaces touch.
+    #[inline(never)] // other scenes need not carry it
     pub(super) fn intersect_touching(&self, contacts: &Contacts, ray: &Ray) -> Option<SurfacePoint> {
         if ray.touches() {
             return self.next_beyond(contacts, ray);

@@ -1,7 +1,7 @@
 //! Which triangles touch. Every placed triangle is held against a tree of those that let light pass; these against the ones so found.
 
 use super::{Contacts, close};
-use crate::geometry::{Bounds, Geometry, Hit, Leaf, Triangle, TriangleTree};
+use crate::geometry::{Bounds, BoxTree, Geometry, Hit, Leaf, Triangle};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::ControlFlow::{Break, Continue};
@@ -33,20 +33,19 @@ impl Contacts {
         let all = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
         let far = eyes.iter().fold(all.min.abs().max(all.max.abs()), |most, eye| most.max(eye.abs())).max_element();
         // A vertex is at most twice as far from a ray's origin as either is from the world's.
-        let mut contacts =
-            Contacts { flags: Vec::new(), tree: TriangleTree::default(), doubt: SORTING * 2.0 * far, most_reach: 0.0 };
+        let mut contacts = Contacts { flags: Vec::new(), tree: BoxTree::default(), doubt: SORTING * 2.0 * far, most_reach: 0.0 };
         let [passing, near] = contacts.candidates(geometry, passes, &boxes)?;
-        let passing = TriangleTree::new(passing);
+        let passing = BoxTree::new(passing);
         let mut found: Vec<Leaf> = near.into_par_iter().filter(|leaf| contacts.meets_any(leaf, &passing)).collect();
         // What lets light pass and is touched by something opaque alone.
-        let opaque = TriangleTree::new(found.iter().filter(|leaf| !passes[leaf.hit.object as usize]).copied().collect());
+        let opaque = BoxTree::new(found.iter().filter(|leaf| !passes[leaf.hit.object as usize]).copied().collect());
         let touched = passing.leaves().par_iter().filter(|leaf| contacts.meets_any(leaf, &opaque));
         found.extend(touched.copied().collect::<Vec<_>>());
         found.sort_unstable_by_key(|leaf| (leaf.hit.object, leaf.hit.primitive));
         found.dedup_by_key(|leaf| leaf.hit);
         contacts.flags = flags(geometry, &found);
         contacts.most_reach = found.iter().map(|leaf| contacts.reach(&leaf.triangle)).fold(0.0, f32::max);
-        contacts.tree = TriangleTree::new(found);
+        contacts.tree = BoxTree::new(found);
         Ok((!contacts.tree.leaves().is_empty()).then_some(contacts))
     }
 
@@ -77,7 +76,7 @@ impl Contacts {
         (a.min.cmple(b.max + pad) & b.min.cmple(a.max + pad)).all()
     }
 
-    fn meets_any(&self, leaf: &Leaf, tree: &TriangleTree) -> bool {
+    fn meets_any(&self, leaf: &Leaf, tree: &BoxTree<Leaf>) -> bool {
         let own = Bounds::around(leaf.triangle.vertices);
         let walked = tree.visit(
             |bounds| self.overlap(bounds, &own),

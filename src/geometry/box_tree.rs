@@ -1,10 +1,16 @@
-//! A small binary tree of boxes over some triangles of a scene, for questions that no backend answers: exact ones, and those about boxes.
+//! A small binary tree of boxes over some things of a scene, for questions that no backend answers: exact ones, and those about boxes.
 
 use crate::geometry::{Bounds, Hit, Triangle};
 use std::ops::ControlFlow;
 
-/// Triangles in a leaf.
+/// Things in a leaf.
 const IN_LEAF: usize = 4;
+
+/// What a tree can hold.
+pub trait Bounded {
+    /// The box around it.
+    fn bounds(&self) -> Bounds;
+}
 
 /// A triangle and its name.
 #[derive(Debug, Clone, Copy)]
@@ -15,34 +21,46 @@ pub struct Leaf {
     pub triangle: Triangle,
 }
 
+impl Bounded for Leaf {
+    fn bounds(&self) -> Bounds {
+        Bounds::around(self.triangle.vertices)
+    }
+}
+
 #[derive(Debug)]
 struct Node {
     bounds: Bounds,
-    /// The first triangle of a leaf, or the second child of an inner node, whose first one comes next.
+    /// The first thing of a leaf, or the second child of an inner node, whose first one comes next.
     first: u32,
-    /// Triangles of a leaf; 0 of an inner node.
+    /// Things of a leaf; 0 of an inner node.
     count: u32,
 }
 
 /// The tree.
-#[derive(Debug, Default)]
-pub struct TriangleTree {
+#[derive(Debug)]
+pub struct BoxTree<T> {
     nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
+    leaves: Vec<T>,
 }
 
-impl TriangleTree {
+impl<T> Default for BoxTree<T> {
+    fn default() -> Self {
+        BoxTree { nodes: Vec::new(), leaves: Vec::new() }
+    }
+}
+
+impl<T: Bounded> BoxTree<T> {
     /// A tree over `leaves`, fewer than 2³².
-    pub fn new(mut leaves: Vec<Leaf>) -> Self {
+    pub fn new(mut leaves: Vec<T>) -> Self {
         let mut nodes = Vec::with_capacity(leaves.len());
         if !leaves.is_empty() {
             grow(&mut nodes, &mut leaves, 0);
         }
-        TriangleTree { nodes, leaves }
+        BoxTree { nodes, leaves }
     }
 
     /// What it holds.
-    pub fn leaves(&self) -> &[Leaf] {
+    pub fn leaves(&self) -> &[T] {
         &self.leaves
     }
 
@@ -51,9 +69,9 @@ impl TriangleTree {
         self.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds)
     }
 
-    /// Calls `leaf` for the triangles in boxes that `enters` lets in, until it breaks.
+    /// Calls `leaf` for the things in boxes that `enters` lets in, until it breaks.
     #[inline]
-    pub fn visit(&self, enters: impl Fn(&Bounds) -> bool, mut leaf: impl FnMut(&Leaf) -> ControlFlow<()>) -> ControlFlow<()> {
+    pub fn visit(&self, enters: impl Fn(&Bounds) -> bool, mut leaf: impl FnMut(&T) -> ControlFlow<()>) -> ControlFlow<()> {
         let mut stack = smallvec::SmallVec::<[u32; 64]>::new();
         if !self.nodes.is_empty() {
             stack.push(0);
@@ -73,14 +91,9 @@ impl TriangleTree {
     }
 }
 
-/// The box around a triangle.
-fn around(leaf: &Leaf) -> Bounds {
-    Bounds::around(leaf.triangle.vertices)
-}
-
 /// Adds the nodes over `leaves`, the first of which is the tree's number `first`. Halves of equal count: depth is the logarithm.
-fn grow(nodes: &mut Vec<Node>, leaves: &mut [Leaf], first: u32) {
-    let bounds = leaves.iter().map(around).fold(Bounds::EMPTY, Bounds::union);
+fn grow<T: Bounded>(nodes: &mut Vec<Node>, leaves: &mut [T], first: u32) {
+    let bounds = leaves.iter().map(T::bounds).fold(Bounds::EMPTY, Bounds::union);
     let own = nodes.len();
     nodes.push(Node { bounds, first, count: leaves.len() as u32 });
     if leaves.len() <= IN_LEAF {
@@ -89,7 +102,7 @@ fn grow(nodes: &mut Vec<Node>, leaves: &mut [Leaf], first: u32) {
     let size = bounds.max - bounds.min;
     let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
     let middle = leaves.len() / 2;
-    leaves.select_nth_unstable_by(middle, |a, b| around(a).center()[axis].total_cmp(&around(b).center()[axis]));
+    leaves.select_nth_unstable_by(middle, |a, b| a.bounds().center()[axis].total_cmp(&b.bounds().center()[axis]));
     let (low, high) = leaves.split_at_mut(middle);
     grow(nodes, low, first);
     nodes[own].first = nodes.len() as u32;
