@@ -262,8 +262,10 @@ impl AllBodies {
         self.set(members)
     }
 
+    /// Whether two may be in one place; a list that is full does not tell.
     fn may_share(&self, a: u32, b: u32) -> bool {
-        self.behind[a.min(b) as usize].contains(&a.max(b))
+        let behind = &self.behind[a.min(b) as usize];
+        behind.len() == Bodies::MOST_OTHERS || behind.contains(&a.max(b))
     }
 
     /// By rank.

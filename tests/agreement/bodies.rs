@@ -141,6 +141,11 @@ impl Case {
 const LAMP: Option<[f64; 3]> = Some([0.4, 0.6, 0.2]);
 const EYE: [f64; 3] = [0.0, 0.9, 0.1];
 
+/// Number `i` of blocks in each other, every third of them clear.
+fn shell(i: f64) -> Block {
+    block([0.0, -0.2, 0.0], [1.6 - 0.1 * i, 0.65 - 0.05 * i, 1.6 - 0.1 * i], i % 3.0)
+}
+
 fn nested() -> Vec<Case> {
     let case = |name, blocks| Case { name, lamp: LAMP, eye: EYE, blocks, panes: Vec::new() };
     let first = |priority, block| Block { priority, ..block };
@@ -153,6 +158,7 @@ fn nested() -> Vec<Case> {
                 block([0.1, -0.2, 0.0], [1.2, 0.3, 1.2], 0.0),
             ],
         ),
+        case("twelve shells", (0..12).map(|i| shell(f64::from(i))).collect()),
         case("a lamp in a tinted block", vec![block([0.4, 0.6, 0.2], [0.3, 0.2, 0.3], 1.5)]),
         case("all in a tinted block", vec![block([0.0, 0.0, 0.0], [3.0, 3.0, 3.0], 0.8)]),
         case(
