@@ -75,7 +75,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("agreement", "smooth_glass::a_clear_cube_with_corner_normals_shows_what_surrounds_it"),
     of("agreement", "touching::layers_that_coincide_count_once_each_in_the_order_of_the_file"),
     of("agreement", "touching::glass_on_a_table_never_hides_it"),
-    of("agreement", "bodies::walks_from_lights_know_what_they_are_in"),
+    of("agreement", "bodies::walks_from_lights_know_what_lamps_are_in"),
     of("agreement", "chains::walks_from_lights_share_their_light_with_chains"),
     of("agreement", "chains::a_small_picture_of_paths_is_right"),
     of("agreement", "chains::a_small_picture_of_techniques_is_right"),
