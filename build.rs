@@ -1,4 +1,5 @@
-//! Records what a build was made of and, where the loader would not find Embree by itself, writes its folder into the binary.
+//! Records what a build was made of and, where the loader would not find Embree by itself, writes its folder into the
+//! binary.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -16,11 +17,14 @@ fn main() {
     }
 }
 
-/// The commit this source tree is at, `-dirty` if tracked files differ from it; `None` outside a checkout of this project.
+/// The commit this source tree is at, `-dirty` if tracked files differ from it; `None` outside a checkout of this
+/// project.
 fn git_revision() -> Option<String> {
     let root = variable("CARGO_MANIFEST_DIR");
     // Sources unpacked inside another project's checkout are not at that project's revision.
-    if Path::new(&git(&["rev-parse", "--show-toplevel"])?).canonicalize().ok()? != Path::new(&root).canonicalize().ok()? {
+    if Path::new(&git(&["rev-parse", "--show-toplevel"])?).canonicalize().ok()?
+        != Path::new(&root).canonicalize().ok()?
+    {
         return None;
     }
     let revision = git(&["rev-parse", "--short=12", "HEAD"])?;
@@ -29,8 +33,9 @@ fn git_revision() -> Option<String> {
     Some(if changes.is_empty() { revision } else { revision + "-dirty" })
 }
 
-/// Watches what moves when a commit is made or checked out, and the sources, whose edits make the tree dirty. The index is
-/// not watched: `git status` alone rewrites it. A watched file that does not exist would rerun this script every time.
+/// Watches what moves when a commit is made or checked out, and the sources, whose edits make the tree dirty. The index
+/// is not watched: `git status` alone rewrites it. A watched file that does not exist would rerun this script every
+/// time.
 fn rerun_when_revision_changes() {
     let branch = git(&["symbolic-ref", "--quiet", "HEAD"]);
     let references = ["HEAD", "logs/HEAD"].into_iter().chain(branch.as_deref());
@@ -54,7 +59,8 @@ fn loader_searches(lib: &Path) -> bool {
     let Ok(lib) = lib.canonicalize() else { return false };
     cache.is_some_and(|cache| {
         let libraries = cache.lines().filter(|line| line.trim_start().starts_with("libembree4."));
-        let mut folders = libraries.filter_map(|line| Path::new(line.rsplit("=> ").next()?).parent()?.canonicalize().ok());
+        let mut folders =
+            libraries.filter_map(|line| Path::new(line.rsplit("=> ").next()?).parent()?.canonicalize().ok());
         folders.any(|folder| folder == lib)
     })
 }

@@ -1,9 +1,9 @@
-//! The Monte Carlo examples of the tutorial that the renderer grew from, made of the renderer's own samplers, heuristics and
-//! statistics: π by a circle, ∫ 5x⁴, and multiple importance sampling of a product of two densities.
+//! The Monte Carlo examples of the tutorial that the renderer grew from, made of the renderer's own samplers,
+//! heuristics and statistics: π by a circle, ∫ 5x⁴, and multiple importance sampling of a product of two densities.
 //!
-//! `cargo run --example monte_carlo -- out.svg` prints estimate, standard error, exact value and error against the number of
-//! samples, and draws how the error falls: with n^-1/2 for independent numbers, faster for Owen-scrambled Sobol' points where
-//! the integrand is smooth.
+//! `cargo run --example monte_carlo -- out.svg` prints estimate, standard error, exact value and error against the
+//! number of samples, and draws how the error falls: with n^-1/2 for independent numbers, faster for Owen-scrambled
+//! Sobol' points where the integrand is smooth.
 
 #[path = "monte_carlo/estimators.rs"]
 mod estimators;
@@ -62,7 +62,10 @@ fn convergence(example: &Example, run: impl Fn(u64, u32) -> f64) -> Vec<(f64, f6
 
 /// Every estimator with independent numbers; a single one with Sobol' points, too.
 fn panel(examples: &[Example]) -> Panel {
-    let of = |e: &Example| Series { name: e.estimator.into(), points: convergence(e, |seed, n| e.independent(seed, n).value) };
+    let of = |e: &Example| Series {
+        name: e.estimator.into(),
+        points: convergence(e, |seed, n| e.independent(seed, n).value),
+    };
     let mut series: Vec<Series> = examples.iter().map(of).collect();
     if let [only] = examples {
         series[0].name = "independent".into();

@@ -1,9 +1,10 @@
-//! Planted defects: wrong variants of right code, which measure the tests. With the feature `defects` one of them is planted by
-//! `ETENDUE_DEFECT=name`; without it [`planted`] is a constant, and nothing of them is compiled.
+//! Planted defects: wrong variants of right code, which measure the tests. With the feature `defects` one of them is
+//! planted by `ETENDUE_DEFECT=name`; without it [`planted`] is a constant, and nothing of them is compiled.
 //!
-//! Each stands beside the right code as `if planted(Defect::X) { wrong } else { right }`. `make kill-matrix` plants each in turn
-//! and runs tests/kill_matrix's killers against it. To add one, give it a row here, plant it, and see a killer die of it.
-//! Limits: a defect must change pictures or figures in a way that a user would mind, and be no other one in disguise.
+//! Each stands beside the right code as `if planted(Defect::X) { wrong } else { right }`. `make kill-matrix` plants
+//! each in turn and runs tests/kill_matrix's killers against it. To add one, give it a row here, plant it, and see a
+//! killer die of it. Limits: a defect must change pictures or figures in a way that a user would mind, and be no other
+//! one in disguise.
 
 /// Writes the enum and its table from rows `variant "name" "what is wrong" "where it is known from";`.
 macro_rules! defects {
@@ -269,10 +270,10 @@ defects! {
         "absorption in shadow rays alone";
     // paths
     SplatsCountedOnce "splats-counted-once"
-        "Weights take connections with the camera for as many as walks from the camera, not for as many as a whole pass has."
+        "MisStrategy take connections with the camera for as many as walks from the camera, not for as many as a whole pass has."
         "pbrt-v4 #347, where a crop was not in the weight";
     ReversePdfForgotten "reverse-pdf-forgotten"
-        "Weights take the density of the walk in hand for that of a walk the other way."
+        "MisStrategy take the density of the walk in hand for that of a walk the other way."
         "bidirectional path tracers on materials that are not symmetric";
     InfinityHasDistance "infinity-has-distance"
         "The place where light from infinity enters is taken per area of the surface and not perpendicular to the ray."
@@ -284,13 +285,13 @@ defects! {
         "Connections with the camera do not know how large an area the film sees."
         "light tracers before a scene of another size";
     DiracConnects "dirac-connects"
-        "Weights think that a vertex can be connected which a mirror or clear glass was passed at."
+        "MisStrategy think that a vertex can be connected which a mirror or clear glass was passed at."
         "bidirectional path tracers that replace densities of zero by one";
     TwoSidedWhole "two-sided-whole"
-        "Weights take a two-sided lamp to emit to each side as often as a one-sided one does."
+        "MisStrategy take a two-sided lamp to emit to each side as often as a one-sided one does."
         "emission densities that forget the choice of a side";
     EmissionPdfUniform "emission-pdf-uniform"
-        "Weights take lamps to emit in all directions alike, which they do by the cosine."
+        "MisStrategy take lamps to emit in all directions alike, which they do by the cosine."
         "light-transport.md 2.2";
     NormalsDisagreeBlack "normals-disagree-black"
         "Nothing scatters where the two normals have a direction on different sides, so that glass with averaged normals loses light."
@@ -305,7 +306,7 @@ defects! {
         "Walks from lights scale by the refractive index as those from the camera do."
         "light-transport.md 1.2";
     WeightsByShadingNormal "weights-by-shading-normal"
-        "Weights turn densities per solid angle into ones per area by the shading normal."
+        "MisStrategy turn densities per solid angle into ones per area by the shading normal."
         "pbrt-v3 #73";
     SplatsOfTheWhole "splats-of-the-whole"
         "A crop divides its splats by the pixels of the whole image."
@@ -436,8 +437,8 @@ pub const fn current() -> Option<Defect> {
     None
 }
 
-/// The planted defect, if there is one. Ends the process at a name that is none: a typing error must not look like a healthy
-/// renderer.
+/// The planted defect, if there is one. Ends the process at a name that is none: a typing error must not look like a
+/// healthy renderer.
 #[cfg(feature = "defects")]
 #[inline]
 pub fn current() -> Option<Defect> {

@@ -2,31 +2,31 @@
 
 use std::path::Path;
 
-/// What went wrong, by what the caller (a person, a script, a farm) should do about it.
+/// Error class, by the action expected from the caller (a person, a script, a render farm).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A defect of étendue itself: exit code 1.
+    /// Internal defect of étendue: exit code 1.
     Internal,
-    /// The command line or a configuration file is wrong: exit code 2.
+    /// Invalid command line or configuration file: exit code 2.
     Usage,
-    /// The scene or one of its assets is invalid; trying again will not help: exit code 3.
+    /// Invalid scene or asset; a retry will not help: exit code 3.
     Scene,
-    /// An output cannot be written; trying again may help: exit code 4.
+    /// Output that cannot be written; a retry may help: exit code 4.
     Output,
-    /// The error target was not reached and `--require-target` was given: exit code 5.
+    /// Error target not reached while `--require-target` was given: exit code 5.
     TargetMissed,
-    /// Samples were not finite and `--fail-on-nonfinite` was given: exit code 6.
+    /// Non-finite samples while `--fail-on-nonfinite` was given: exit code 6.
     NonFinite,
-    /// Images that were compared, or methods that should agree, differ beyond their errors: exit code 7.
+    /// Compared images, or methods that should agree, differ by more than their errors: exit code 7.
     Differ,
-    /// The memory budget does not suffice: exit code 33.
+    /// Insufficient memory budget: exit code 33.
     Memory,
-    /// Stopped by a signal; running again resumes from the film, if there was one to save: exit code 75.
+    /// Stopped by a signal; a new run resumes from the saved film, if there is one: exit code 75.
     Interrupted,
 }
 
 impl Kind {
-    /// The process exit code of this class.
+    /// Returns the process exit code of this class.
     pub fn exit_code(self) -> u8 {
         match self {
             Kind::Internal => 1,
@@ -42,7 +42,7 @@ impl Kind {
     }
 }
 
-/// An error with its exit class and a sentence for the user; the cause, if any, is the standard `source`.
+/// An error with its exit class and a message for the user. The cause, if any, is the standard `source`.
 #[derive(Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct Error {
@@ -56,45 +56,45 @@ pub struct Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// An error of `kind` told by `message`.
+    /// Returns an error of class `kind` with the given `message`.
     pub fn new(kind: Kind, message: impl Into<String>) -> Self {
         Error { kind, message: message.into(), source: None }
     }
 
-    /// An invalid scene or asset (exit code 3).
+    /// Returns an error for an invalid scene or asset (exit code 3).
     pub fn scene(message: impl Into<String>) -> Self {
         Error::new(Kind::Scene, message)
     }
 
-    /// A wrong command line or configuration (exit code 2).
+    /// Returns an error for an invalid command line or configuration (exit code 2).
     pub fn usage(message: impl Into<String>) -> Self {
         Error::new(Kind::Usage, message)
     }
 
-    /// An input file that cannot be read (exit code 3).
+    /// Returns an error for an input file that cannot be read (exit code 3).
     pub fn read(path: &Path, cause: impl std::error::Error + Send + Sync + 'static) -> Self {
         Error::new(Kind::Scene, format!("cannot read {}", path.display())).because(cause)
     }
 
-    /// An output file that cannot be written (exit code 4).
+    /// Returns an error for an output file that cannot be written (exit code 4).
     pub fn write(path: &Path, cause: impl std::error::Error + Send + Sync + 'static) -> Self {
         Error::new(Kind::Output, format!("cannot write {}", path.display())).because(cause)
     }
 
-    /// The same error with its cause.
+    /// Attaches the cause.
     pub fn because(mut self, cause: impl std::error::Error + Send + Sync + 'static) -> Self {
         self.source = Some(Box::new(cause));
         self
     }
 
-    /// The same error, its sentence preceded by `what`: "what: sentence".
+    /// Prefixes the message with `what`: "what: message".
     pub fn context(mut self, what: impl std::fmt::Display) -> Self {
         self.message = format!("{what}: {}", self.message);
         self
     }
 
-    /// The sentence and its chain of causes on one line: names from files may hold line breaks and terminal codes, which
-    /// become spaces.
+    /// Returns the message and its chain of causes on one line. Control characters become spaces, since names from
+    /// files may contain line breaks and terminal codes.
     pub fn chain(&self) -> String {
         let mut line = self.message.clone();
         let mut cause = std::error::Error::source(self);

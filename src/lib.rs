@@ -1,12 +1,12 @@
-//! étendue: a physically based CPU renderer. glTF in, EXR out, and every image carries its error.
+//! étendue: a physically based CPU renderer. It reads glTF, writes EXR and estimates the error of every image.
 //!
-//! Modules are listed in floor order: a module imports its own folder and lower floors only, and siblings on one floor
-//! do not import each other (`tests/architecture.rs` checks it; ARCHITECTURE.md draws it).
+//! Modules are listed by layer, called floors. A module imports only its own folder and lower floors; siblings on a
+//! floor do not import each other. `tests/architecture.rs` enforces this; ARCHITECTURE.md draws it.
 
 // Tests compare floats exactly where arithmetic is exact.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
-// Scenes that integration tests have, for unit tests as well: they speak of the crate by its name.
+// Scenes of the integration tests, shared with unit tests. They refer to the crate by name.
 #[cfg(test)]
 extern crate self as etendue;
 #[cfg(test)]

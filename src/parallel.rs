@@ -1,30 +1,30 @@
-//! Work over rayon's threads, with a way to stop it.
+//! Cooperative cancellation of work on rayon's threads.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A stop request that many threads may watch. Cloning gives another handle to the same request.
+/// A stop request shared between threads. Clones are handles to the same request.
 #[derive(Debug, Clone, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// A request nobody has made yet.
+    /// Returns a handle whose stop has not been requested.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Asks for the stop.
+    /// Requests the stop.
     pub fn request(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the stop was asked for.
+    /// Returns whether the stop was requested.
     #[inline]
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// The flag itself, for a signal handler to set.
+    /// Returns the underlying flag, for a signal handler to set.
     pub fn flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.0)
     }

@@ -1,10 +1,10 @@
 //! Radiance, reflectance and throughput over a fixed number of wavelength lanes. Linear Rec. 709 RGB is one choice of
-//! lanes; only texture upload and the film may know it.
+//! lanes. Only texture upload and the film may depend on it.
 
 use crate::numeric::Scalar;
 use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Sub};
 
-/// How many lanes a spectrum carries.
+/// Number of lanes of a spectrum.
 pub const LANES: usize = 3;
 
 /// One value per wavelength lane.
@@ -36,19 +36,19 @@ impl<T: Scalar> Spectrum<T> {
         Spectrum(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 
-    /// The largest lane.
+    /// Returns the largest lane.
     #[inline]
     pub fn max_lane(self) -> T {
         self.0.into_iter().fold(self.0[0], T::max)
     }
 
-    /// The smallest lane.
+    /// Returns the smallest lane.
     #[inline]
     pub fn min_lane(self) -> T {
         self.0.into_iter().fold(self.0[0], T::min)
     }
 
-    /// The mean over the lanes.
+    /// Returns the mean over the lanes.
     #[inline]
     pub fn mean(self) -> T {
         self.0.into_iter().fold(T::ZERO, |a, b| a + b) / T::of(LANES as f64)
@@ -66,7 +66,7 @@ impl<T: Scalar> Spectrum<T> {
         self.0.into_iter().all(|x| x.value().is_finite())
     }
 
-    /// Linear interpolation from `self` (t = 0) to `other` (t = 1).
+    /// Interpolates linearly from `self` (t = 0) to `other` (t = 1).
     #[inline]
     pub fn lerp(self, other: Self, t: T) -> Self {
         self * (T::ONE - t) + other * t
@@ -74,26 +74,26 @@ impl<T: Scalar> Spectrum<T> {
 }
 
 impl Spectrum {
-    /// The spectrum of a linear Rec. 709 colour.
+    /// Converts from a linear Rec. 709 colour.
     #[inline]
     pub fn from_rgb(rgb: [f32; 3]) -> Self {
         Spectrum(rgb)
     }
 
-    /// The linear Rec. 709 colour of this spectrum.
+    /// Converts to a linear Rec. 709 colour.
     #[inline]
     pub fn to_rgb(self) -> [f32; 3] {
         self.0
     }
 
-    /// Relative luminance by the Rec. 709 weights.
+    /// Returns the relative luminance by the Rec. 709 weights.
     #[inline]
     pub fn luminance(self) -> f32 {
         let [r, g, b] = self.to_rgb();
         0.2126 * r + 0.7152 * g + 0.0722 * b
     }
 
-    /// The same spectrum in another scalar type.
+    /// Converts to another scalar type.
     #[inline]
     pub fn cast<U: Scalar>(self) -> Spectrum<U> {
         self.map(|x| U::of(f64::from(x)))

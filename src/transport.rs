@@ -1,31 +1,32 @@
-//! Which way a walk goes. Scattering functions are always evaluated in light flow, `eval(wi, wo)`: light arrives along
-//! `wi` and leaves along `wo` (both point away from the surface), whichever end the walk came from.
+//! The transported quantity of a random walk. Scattering functions are always evaluated in the direction of light flow,
+//! `eval(wi, wo)`: light arrives along `wi` and leaves along `wo`. Both point away from the surface. This holds for
+//! camera and light subpaths.
 
-/// The end of the path that a walk goes toward.
+/// Transported quantity, as in pbrt and Mitsuba.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Transport {
-    /// A camera walk, toward the light: `wo` is known and `wi` is sampled.
-    Light,
-    /// A light walk, toward the camera: `wi` is known and `wo` is sampled.
-    Camera,
+pub enum TransportMode {
+    /// Radiance, in camera subpaths: `wo` is known and `wi` is sampled.
+    Radiance,
+    /// Importance, in light subpaths: `wi` is known and `wo` is sampled.
+    Importance,
 }
 
-impl Transport {
-    /// The way of a walk from the other end.
+impl TransportMode {
+    /// Returns the mode of a subpath from the other end of the path.
     #[inline]
     pub fn reversed(self) -> Self {
         match self {
-            Transport::Light => Transport::Camera,
-            Transport::Camera => Transport::Light,
+            TransportMode::Radiance => TransportMode::Importance,
+            TransportMode::Importance => TransportMode::Radiance,
         }
     }
 
-    /// Orders (known, sampled) as the light flows: `(wi, wo)`.
+    /// Orders (known, sampled) in the direction of light flow: `(wi, wo)`.
     #[inline]
     pub fn flow<D>(self, known: D, sampled: D) -> (D, D) {
         match self {
-            Transport::Light => (sampled, known),
-            Transport::Camera => (known, sampled),
+            TransportMode::Radiance => (sampled, known),
+            TransportMode::Importance => (known, sampled),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Finds Embree 4, checks its version and generates the bindings from its headers.
 //!
-//! `EMBREE_DIR` names an installation (its `include/` and `lib/` or `lib64/`); without it the compiler's default folders are
-//! searched. Embree ships no pkg-config file, so none is asked for.
+//! `EMBREE_DIR` names an installation (its `include/` and `lib/` or `lib64/`); without it the compiler's default
+//! folders are searched. Embree ships no pkg-config file, so none is asked for.
 
 use std::env;
 use std::fs;
@@ -55,7 +55,11 @@ fn find() -> Result<Embree, String> {
     }
     let lib = libs.iter().find(|lib| has_library(lib)).cloned().ok_or_else(|| {
         let searched: Vec<_> = libs.iter().map(|lib| lib.display().to_string()).collect();
-        format!("Embree's headers are in {}, but libembree4 is not in {}: run ./setup.sh", include.display(), searched.join(", "))
+        format!(
+            "Embree's headers are in {}, but libembree4 is not in {}: run ./setup.sh",
+            include.display(),
+            searched.join(", ")
+        )
     })?;
     Ok(Embree { include, lib, version })
 }
@@ -77,8 +81,8 @@ fn chosen(dir: &Path) -> Result<(PathBuf, Vec<PathBuf>), String> {
     Ok((include, vec![dir.join("lib"), dir.join("lib64")]))
 }
 
-/// The headers and possible library folders of an installation in the system's folders; one made by hand comes first, as it
-/// does for the compiler.
+/// The headers and possible library folders of an installation in the system's folders; one made by hand comes first,
+/// as it does for the compiler.
 fn installed() -> Result<(PathBuf, Vec<PathBuf>), String> {
     let prefix =
         ["/usr/local", "/usr"].map(Path::new).into_iter().find(|prefix| config_header(&prefix.join("include")).is_file()).ok_or(

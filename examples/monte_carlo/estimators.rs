@@ -1,6 +1,6 @@
 //! The integrals of the tutorial, their exact values, and estimators made of the renderer's own pieces.
 
-use etendue::sampling::{Address, Heuristic, Independent, Sampler, Slot, Sobol};
+use etendue::sampling::{Address, Heuristic, IndependentSampler, Sampler, Slot, Sobol};
 use etendue::stats::{Estimate, Moments};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
@@ -24,12 +24,12 @@ impl Example {
     /// Mean and standard error of `n` draws with independent numbers.
     pub(crate) fn independent(&self, seed: u64, n: u32) -> Estimate {
         let address = Address::new(seed);
-        let draw = |i: u32| (self.draw)(&mut Independent::new(address.with(u64::from(i))));
+        let draw = |i: u32| (self.draw)(&mut IndependentSampler::new(address.with(u64::from(i))));
         (0..n).map(draw).collect::<Moments>().estimate().expect("at least two draws")
     }
 
-    /// Mean of `replicates` Owen-scrambled Sobol' sequences of `n` / `replicates` draws each. Points of one sequence are not
-    /// independent: the standard error comes from the scatter between the scramblings.
+    /// Mean of `replicates` Owen-scrambled Sobol' sequences of `n` / `replicates` draws each. Points of one sequence
+    /// are not independent: the standard error comes from the scatter between the scramblings.
     pub(crate) fn sobol(&self, seed: u64, n: u32, replicates: u32) -> Estimate {
         let length = n / replicates;
         let sequence = |r: u32| {
@@ -54,8 +54,8 @@ pub(crate) fn power_of_four() -> Example {
     Example { integral: "5x^4 on [0, 1]".into(), estimator: "uniform", exact: 1.0, samples: 1, draw: Box::new(draw) }
 }
 
-/// The integral of the product of a Gaussian density f of deviation `sigma` and a uniform density g on [a, b). (The tutorial's
-/// slide has √(2πσ) where a density needs √(2π) σ.)
+/// The integral of the product of a Gaussian density f of deviation `sigma` and a uniform density g on [a, b). (The
+/// tutorial's slide has √(2πσ) where a density needs √(2π) σ.)
 #[derive(Clone, Copy)]
 pub(crate) struct Product {
     gaussian: Normal,
@@ -100,7 +100,8 @@ impl Product {
         }
     }
 
-    /// f g over the density of the sample, times the share that `weight` gives it of that density against the other one.
+    /// f g over the density of the sample, times the share that `weight` gives it of that density against the other
+    /// one.
     fn contribution(&self, by: By, sampler: &mut dyn Sampler, weight: impl Fn(f32, f32) -> f32) -> f64 {
         let [f, g] = self.densities(self.sample(by, sampler));
         let [p, other] = if let By::Gaussian = by { [f, g] } else { [g, f] };
@@ -111,8 +112,13 @@ impl Product {
     pub(crate) fn estimators(self) -> [Example; 4] {
         let [a, b] = self.interval;
         let integral = format!("Gaussian of deviation {} times uniform on [{a:.1}, {b:.1})", self.sigma);
-        let example =
-            |estimator, samples, draw| Example { integral: integral.clone(), estimator, exact: self.exact(), samples, draw };
+        let example = |estimator, samples, draw| Example {
+            integral: integral.clone(),
+            estimator,
+            exact: self.exact(),
+            samples,
+            draw,
+        };
         let single = move |by| -> Draw { Box::new(move |sampler| self.contribution(by, sampler, |_, _| 1.0)) };
         let both = move |heuristic: Heuristic| -> Draw {
             let weight = move |p, other| heuristic.weight(p, other);

@@ -22,7 +22,8 @@ pub(crate) struct Series {
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (1100, 860);
 /// Told apart by all kinds of colour vision (M. Okabe and K. Ito).
-const COLORS: [RGBColor; 4] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
+const COLORS: [RGBColor; 4] =
+    [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
 
 /// Writes `panels`, two in a row, to the SVG file `path`.
 pub(crate) fn draw(path: &str, panels: &[Panel; 4]) -> Result<(), Box<dyn Error>> {

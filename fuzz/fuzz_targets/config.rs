@@ -2,12 +2,12 @@
 
 #![no_main]
 
-use etendue::render::Choices;
+use etendue::render::SettingsPatch;
 use etendue_fuzz::check;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
-    if let Err(error) = Choices::parse(text) {
+    if let Err(error) = SettingsPatch::parse(text) {
         check(&error);
     }
 });

@@ -1,5 +1,5 @@
-//! Film files whose checksum is right: a header in JSON, a NUL, and the blocks before compression, each with its length before it;
-//! or any bytes at all.
+//! Film files whose checksum is right: a header in JSON, a NUL, and the blocks before compression, each with its length
+//! before it; or any bytes at all.
 
 #![no_main]
 

@@ -1,4 +1,5 @@
-//! Any bytes as a glTF file: loading, at a time of its animations and without them, and building the scene ends, within time and memory, in a scene or one sentence.
+//! Any bytes as a glTF file: loading, at a time of its animations and without them, and building the scene ends, within
+//! time and memory, in a scene or one sentence.
 
 #![no_main]
 

@@ -1,26 +1,27 @@
-//! The pure-Rust backend: trees built by obvhs (PLOC with parallel reinsertion), queried by our own four-wide traversal and
-//! watertight triangle test. It needs no C library, runs wherever Rust does and answers like [`super::embree`] but for ties.
+//! The pure-Rust backend: trees built by obvhs (PLOC with parallel reinsertion), with a four-wide traversal and a
+//! watertight triangle test of our own. It needs no C library and is as portable as Rust. Its results equal those of
+//! [`super::embree`] except for ties.
 //!
-//! Objects without a placement share one tree of world-space triangles; placed ones are leaves of a second tree, and the ray
-//! is taken into the space of their mesh's own tree, its parameter unchanged.
+//! Objects without a placement share one tree of world-space triangles. Placed objects are leaves of a second tree; the
+//! ray is transformed to the space of their mesh's own tree, with unchanged parameter.
 //!
-//! Watertight in every [`super::Build`]: the signs of edge functions are exact for the sheared vertices [Woop13], and boxes
-//! are widened by the error of that shear (see `ray.rs`). The nearest hit does not depend on the tree: equal distances are
-//! decided by the smaller object and triangle.
+//! Watertight in every [`super::Build`]: the signs of edge functions are exact for the sheared vertices [Woop13], and
+//! boxes are widened by the error of that shear (see `ray.rs`). The nearest hit does not depend on the tree: at equal
+//! distances the smaller object and triangle index is chosen.
 //!
-//! Limits: triangles are still, coordinates are at most 1.8e18, and of directions shorter than 1e-36 hits are lost. Seen from more
-//! than 1e7 times their size away, triangles are as small as the rounding of their coordinates, and are met from beside them.
+//! Limits: no motion blur. Coordinates are at most 1.8e18. Directions shorter than 1e-36 lose hits. Triangles seen from
+//! more than 1e7 times their size away are as small as the rounding of their coordinates, and rays beside them may hit.
 
 mod block;
+mod build;
 pub mod cwbvh;
-mod plant;
 mod ray;
 mod tree;
 
 use crate::accel::{Build, Intersector, placed};
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray, placement_error};
-use crate::pages::Pages;
+use crate::pages::HugeVec;
 use block::{Block, Corners};
 use glam::{Affine3A, Vec3};
 use ray::{Query, Slabs};
@@ -31,43 +32,43 @@ use tree::Tree;
 /// Triangles and the tree over them; a leaf of the tree is a block.
 struct Mesh {
     tree: Tree,
-    blocks: Pages<Block>,
+    blocks: HugeVec<Block>,
 }
 
-/// A mesh at a place.
+/// A placed mesh.
 struct Instance {
     mesh: Arc<Mesh>,
     to_object: Affine3A,
     object: u32,
 }
 
-/// Built geometry. It never changes, so any number of threads may query it.
-pub struct Scene {
-    /// What has no placement.
+/// Committed geometry. It is immutable, so that any number of threads may query it.
+pub struct BvhScene {
+    /// Objects without a placement.
     world: Option<Mesh>,
     instances: Box<[Instance]>,
-    /// Over the instances; a leaf is one of them.
+    /// Tree over the instances; each leaf is one instance.
     top: Option<Tree>,
-    /// Whether the filter is asked about an object.
+    /// By object: whether the filter applies.
     filtered: Box<[bool]>,
     any_filtered: bool,
     bounds: Bounds,
 }
 
-/// The nearest hit so far, or where the ray ends.
+/// The nearest hit so far, or the end of the ray.
 #[derive(Clone, Copy)]
 struct Nearest {
     t: f32,
     hit: Option<Hit>,
 }
 
-impl Scene {
+impl BvhScene {
     /// Builds the trees over `geometry` in the current rayon pool.
     ///
     /// # Errors
-    /// A scene error if an object has a placement that cannot be inverted or reaches beyond ±1.8e18; an internal error if an
-    /// object names a mesh that is not there.
-    pub fn build(geometry: &Geometry, build: Build) -> Result<Scene> {
+    /// A scene error if an object has a singular placement or exceeds ±1.8e18; an internal error if an object refers to
+    /// a missing mesh.
+    pub fn build(geometry: &Geometry, build: Build) -> Result<BvhScene> {
         let bounds = placed::bounds(geometry)?;
         let mut prototypes: Vec<Option<Arc<Mesh>>> = vec![None; geometry.meshes.len()];
         let (mut world, mut instances, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
@@ -86,9 +87,9 @@ impl Scene {
             instances.push(Instance { mesh: Arc::clone(mesh), to_object: placement.inverse(), object });
         }
         let filtered: Box<[bool]> = geometry.objects.iter().map(|object| object.filtered).collect();
-        Ok(Scene {
+        Ok(BvhScene {
             world: (!world.is_empty()).then(|| Mesh::new(&world, build)),
-            top: (!boxes.is_empty()).then(|| plant::over_boxes(&boxes, build)),
+            top: (!boxes.is_empty()).then(|| build::over_boxes(&boxes, build)),
             instances: instances.into(),
             any_filtered: filtered.contains(&true),
             filtered,
@@ -96,16 +97,18 @@ impl Scene {
         })
     }
 
-    /// Bytes of all trees.
+    /// Returns the memory of all trees in bytes.
     pub fn bytes(&self) -> usize {
         let mut meshes: Vec<&Arc<Mesh>> = self.instances.iter().map(|i| &i.mesh).collect();
         meshes.sort_by_key(|mesh| Arc::as_ptr(mesh));
         meshes.dedup_by_key(|mesh| Arc::as_ptr(mesh));
-        let meshes = meshes.into_iter().map(|mesh| mesh.bytes()).sum::<usize>() + self.world.as_ref().map_or(0, Mesh::bytes);
+        let meshes =
+            meshes.into_iter().map(|mesh| mesh.bytes()).sum::<usize>() + self.world.as_ref().map_or(0, Mesh::bytes);
         meshes + self.top.as_ref().map_or(0, Tree::bytes) + size_of_val(&*self.instances)
     }
 
-    /// Calls `block(block, ray in its space, object of an instance, reach)` for the blocks that the ray reaches, until it breaks.
+    /// Calls `block(block, ray in its space, object of an instance, reach)` for all blocks along the ray, until it
+    /// breaks.
     #[inline]
     fn visit(
         &self,
@@ -128,14 +131,14 @@ impl Scene {
         })
     }
 
-    /// Whether a candidate counts, by the filter if it has a say.
+    /// Returns whether a candidate is a hit, by the filter where it applies.
     #[inline]
     fn accepts<A: AnyHit>(&self, ray: &Ray, hit: Hit, any: &A) -> bool {
         !(A::FILTERS && self.any_filtered && self.filtered[hit.object as usize]) || any.accepts(ray, hit)
     }
 }
 
-impl Intersector for Scene {
+impl Intersector for BvhScene {
     #[inline]
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
         let mut nearest = Nearest { t: ray.t_max, hit: None };
@@ -154,12 +157,11 @@ impl Intersector for Scene {
     #[inline]
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
         let mut reach = Nearest { t: ray.t_max, hit: None };
-        let walked =
-            self.visit(ray, &mut reach, |block, query, instance, reach| {
-                block.meet(query, reach.t, |_, lane| {
-                    if self.accepts(ray, block.hit(lane, instance), any) { Break(()) } else { Continue(()) }
-                })
-            });
+        let walked = self.visit(ray, &mut reach, |block, query, instance, reach| {
+            block.meet(query, reach.t, |_, lane| {
+                if self.accepts(ray, block.hit(lane, instance), any) { Break(()) } else { Continue(()) }
+            })
+        });
         walked.is_break()
     }
 
@@ -169,7 +171,8 @@ impl Intersector for Scene {
 }
 
 impl Nearest {
-    /// Whether a hit at `t` is nearer; equal distances are decided by the ids, so that the tree does not matter.
+    /// Returns whether a hit at `t` is nearer; at equal distances the ids decide, so that the result does not depend on
+    /// the tree.
     #[inline]
     fn is_beyond(&self, t: f32, hit: Hit) -> bool {
         let precedes = |held: Hit| (hit.object, hit.primitive) < (held.object, held.primitive);
@@ -179,7 +182,7 @@ impl Nearest {
 
 impl Mesh {
     fn new(triangles: &[Corners], build: Build) -> Mesh {
-        let (tree, blocks) = plant::over_triangles(triangles, build);
+        let (tree, blocks) = build::over_triangles(triangles, build);
         Mesh { tree, blocks }
     }
 
@@ -200,11 +203,12 @@ impl Mesh {
     }
 }
 
-/// The triangles of an object, in its mesh's space.
+/// Returns the triangles of an object in the space of its mesh.
 fn corners(geometry: &Geometry, object: u32) -> impl Iterator<Item = Corners> + '_ {
     let mesh = geometry.mesh_of(object);
     let positions = mesh.positions();
-    (0..)
-        .zip(mesh.triangles())
-        .map(move |(primitive, t)| Corners { vertices: t.map(|i| positions[i as usize]), hit: Hit { object, primitive } })
+    (0..).zip(mesh.triangles()).map(move |(primitive, t)| Corners {
+        vertices: t.map(|i| positions[i as usize]),
+        hit: Hit { object, primitive },
+    })
 }

@@ -1,37 +1,38 @@
-//! Whether two answers to one ray are the same for a renderer: exactly, by rounding, or not at all.
+//! Equivalence of two answers to one ray: equal, equal within rounding, or different.
 //!
-//! Backends work in f32 and in different orders. With u = 2⁻²⁴ and L the distance from the ray's origin to a triangle's farthest
-//! vertex, a backend that moves vertices to the ray's origin and shears them is off by at most 8 u L across the ray, and by 16 u L /
-//! |cos θ| + 4 u t along it. So two hits at distances within that are a *tie*, and a triangle that one of them hits and the other
-//! passes is a *graze* where the ray comes within 8 u L of one of its edges. Everything else is a *true difference*.
+//! Backends use f32 and different orders of operations. With u = 2⁻²⁴ and L the distance from the ray's origin to a
+//! triangle's farthest vertex, a backend that moves vertices to the ray's origin and shears them has an error of at
+//! most 8 u L across the ray, and of 16 u L / |cos θ| + 4 u t along it. Two hits within these distances are a *tie*. A
+//! triangle hit by one backend and missed by the other is a *graze* if the ray comes within 8 u L of one of its edges.
+//! Everything else is a *true difference*.
 //!
-//! Products that underflow add half of the least number to each coordinate; triangles of instances are further off by the bound of
-//! [`placement_error`]. Distances are formed in f64, whose own rounding is 2⁻²⁹ of these bounds. A ray without a finite origin and
-//! direction has only one right answer, and any other is a difference.
+//! Products that underflow add half of the least f32 to each coordinate. Triangles of instances have the additional
+//! error [`placement_error`]. Distances are computed in f64, whose own rounding is 2⁻²⁹ of these bounds. A ray without
+//! a finite origin and direction has a unique correct answer; any other is a difference.
 
 mod tally;
 
-pub use tally::{Category, Tally};
+pub use tally::{Category, DifferenceCounts};
 
 use crate::geometry::{Geometry, Hit, Ray, placement_error};
 use glam::DVec3;
 
-/// One rounding in f32: u.
+/// Unit roundoff u of f32.
 const U: f64 = f32::EPSILON as f64 * 0.5;
 
-/// What products that underflow in f32 displace a vertex by across the ray: half of the least number, 2⁻¹⁵⁰, in each of two
-/// coordinates, so √2 as much.
+/// Displacement of a vertex across the ray by products that underflow in f32: half of the least f32, 2⁻¹⁵⁰, in each of
+/// two coordinates, hence the factor √2.
 const UNDERFLOW: f64 = std::f64::consts::SQRT_2 * 0.5 * f32::from_bits(1) as f64;
 
-/// How two answers to a ray relate.
+/// Relation of two answers to a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Agreement {
-    /// The same triangle, or none.
+    /// The same triangle, or both none.
     Same,
-    /// Two triangles, or a triangle and an end of the ray, at distances that rounding cannot tell apart.
+    /// Two triangles, or a triangle and an end of the ray, at distances equal within rounding.
     Tie,
-    /// One answer passes a triangle that the ray touches within rounding of an edge.
+    /// One answer misses a triangle that the ray hits within rounding of an edge.
     Graze,
     /// One of them is wrong.
     Different,
@@ -40,7 +41,7 @@ pub enum Agreement {
 /// Compares two answers to `ray`.
 ///
 /// # Panics
-/// If a hit is not of this geometry.
+/// If a hit does not belong to `geometry`.
 pub fn agreement(geometry: &Geometry, ray: &Ray, a: Option<Hit>, b: Option<Hit>) -> Agreement {
     if a == b {
         return Agreement::Same;
@@ -51,22 +52,22 @@ pub fn agreement(geometry: &Geometry, ray: &Ray, a: Option<Hit>, b: Option<Hit>)
     let [a, b] = [a, b].map(|hit| hit.map(|hit| Met::new(geometry, ray, hit)));
     match (a, b) {
         (Some(a), Some(b)) if (a.distance - b.distance).abs() <= a.along.max(b.along) => Agreement::Tie,
-        // The other answer has passed the nearer one.
+        // The other answer has missed the nearer one.
         (Some(a), Some(b)) => if a.distance < b.distance { a } else { b }.passed(ray),
         (Some(met), None) | (None, Some(met)) => met.passed(ray),
         (None, None) => Agreement::Same,
     }
 }
 
-/// A triangle that is said to be met.
+/// A reported hit.
 struct Met {
-    /// From the ray's origin, in the unit of the coordinates.
+    /// Distance from the ray's origin, in the unit of the coordinates.
     distance: f64,
-    /// What rounding may change of it.
+    /// Rounding error of the distance.
     along: f64,
-    /// How close the ray's line comes to an edge.
+    /// Distance of the ray's line from the nearest edge.
     to_edge: f64,
-    /// What rounding may change of that.
+    /// Rounding error of the distance to the edge.
     across: f64,
 }
 
@@ -86,7 +87,7 @@ impl Met {
         Met { distance, along, to_edge, across: 8.0 * U * farthest + UNDERFLOW + placing }
     }
 
-    /// What it is if the other answer does not have it.
+    /// Returns the relation to an answer without this hit.
     fn passed(&self, ray: &Ray) -> Agreement {
         let length = ray.direction.as_dvec3().length();
         let is_end = |t: f32| (self.distance - f64::from(t) * length).abs() <= self.along;
@@ -100,7 +101,7 @@ impl Met {
     }
 }
 
-/// The world-space vertices of a triangle, and what placing them adds to the error of a coordinate.
+/// Returns the world-space vertices of a triangle, and the placement error of a coordinate.
 fn vertices(geometry: &Geometry, hit: Hit) -> ([DVec3; 3], f64) {
     let mesh = geometry.mesh_of(hit.object);
     let corners = mesh.triangles()[hit.primitive as usize].map(|i| mesh.positions()[i as usize]);
@@ -114,7 +115,7 @@ fn vertices(geometry: &Geometry, hit: Hit) -> ([DVec3; 3], f64) {
     }
 }
 
-/// The distance of the origin from the segment between `p` and `q`.
+/// Returns the distance of the origin from the segment between `p` and `q`.
 fn from_segment(p: DVec3, q: DVec3) -> f64 {
     let along = q - p;
     let share = (-p.dot(along) / along.length_squared()).clamp(0.0, 1.0);
@@ -165,7 +166,11 @@ mod tests {
             }
         }
         let beyond = down(1.25, 0.0);
-        assert_eq!(agreement(&geometry, &beyond, hit(0), None), Agreement::Different, "beside the edge's line, past its end");
+        assert_eq!(
+            agreement(&geometry, &beyond, hit(0), None),
+            Agreement::Different,
+            "beside the edge's line, past its end"
+        );
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Which primitive does a ray hit: one trait, one enum of backends. To add a backend, write one file that implements
-//! [`Intersector`] and give it a variant in [`Backend`] and in [`Accel`].
+//! Ray intersection: one trait, one enum of backends. To add a backend, implement [`Intersector`] in a new file, and
+//! add a variant to [`Backend`] and to [`Accel`].
 
 pub mod bvh;
 #[cfg(feature = "embree")]
@@ -11,22 +11,22 @@ mod ray_class;
 mod recorder;
 
 pub use ray_class::RayClass;
-pub use recorder::{Query, Question, Recorder};
+pub use recorder::{Query, RayQuery, Recorder};
 
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
 
 /// Ray queries against committed geometry.
 pub trait Intersector: Send + Sync {
-    /// The first hit along the ray that `any` accepts.
+    /// Returns the first hit along the ray that `any` accepts.
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit>;
-    /// Whether anything that `any` accepts is hit at all.
+    /// Returns whether the ray has any hit that `any` accepts.
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool;
-    /// The box around everything.
+    /// Returns the bounding box of all geometry.
     fn bounds(&self) -> Bounds;
 }
 
-/// How much effort goes into the acceleration structure, and what it is tuned for.
+/// Build quality of the acceleration structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Build {
@@ -41,7 +41,7 @@ pub enum Build {
     High,
 }
 
-/// Whose ray queries are used.
+/// Intersection backend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Backend {
@@ -52,11 +52,12 @@ pub enum Backend {
 }
 
 impl Backend {
-    /// Those that this program was built with, the default first.
+    /// Backends compiled into this program, the default first.
     pub const AVAILABLE: &[Backend] =
         if cfg!(feature = "embree") { &[Backend::Embree, Backend::Obvhs] } else { &[Backend::Obvhs] };
 
-    /// Bytes that a triangle takes while the acceleration structure is built, measured with two million of them and rounded up.
+    /// Returns the memory per triangle in bytes during construction, measured with two million triangles and rounded
+    /// up.
     pub fn building_bytes(self) -> u64 {
         match self {
             Backend::Embree => 150,
@@ -64,7 +65,7 @@ impl Backend {
         }
     }
 
-    /// Its name on the command line and in reports.
+    /// Returns the name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Backend::Embree => "embree",
@@ -73,10 +74,10 @@ impl Backend {
     }
 }
 
-/// The version of Embree that the loader found; `None` where the program was built without it.
+/// Returns the version of the Embree library found by the loader; `None` if the program was built without Embree.
 ///
 /// # Errors
-/// (inside) An Embree that this program cannot use, and why.
+/// (inside) The cause, if the Embree library cannot be used.
 pub fn embree_version() -> Option<Result<String>> {
     #[cfg(feature = "embree")]
     let version = Some(embree::version());
@@ -91,37 +92,37 @@ impl Default for Backend {
     }
 }
 
-/// The backend in use. The match costs nothing that could be measured beside a ray query.
+/// The backend in use. The cost of the match is not measurable next to a ray query.
 pub enum Accel {
     /// Intel Embree 4.
     #[cfg(feature = "embree")]
-    Embree(embree::Scene),
+    Embree(embree::EmbreeScene),
     /// Pure Rust.
-    Obvhs(bvh::Scene),
-    /// One of them, with its questions noted.
+    Obvhs(bvh::BvhScene),
+    /// Another variant, with its queries recorded.
     Recorded(Box<Recorder<Accel>>),
 }
 
 impl Accel {
-    /// Builds `backend` over `geometry` with `threads` threads. Call it from outside the rayon pool.
+    /// Builds `backend` over `geometry` with `threads` threads. Must be called from outside the rayon pool.
     ///
     /// # Errors
-    /// A usage error for a backend that this program was built without; what the backend reports: no device, too little
-    /// memory, geometry beyond its reach.
+    /// A usage error for a backend that is not compiled in. Errors of the backend: no device, too little memory,
+    /// geometry beyond its range.
     pub fn build(geometry: &Geometry, backend: Backend, build: Build, threads: usize) -> Result<Accel> {
         match backend {
             #[cfg(feature = "embree")]
-            Backend::Embree => Ok(Accel::Embree(embree::Scene::build(geometry, build, threads)?)),
+            Backend::Embree => Ok(Accel::Embree(embree::EmbreeScene::build(geometry, build, threads)?)),
             #[cfg(not(feature = "embree"))]
             Backend::Embree => {
                 let _ = threads;
                 Err(crate::error::Error::usage("this étendue was built without Embree: use --backend obvhs"))
             }
-            Backend::Obvhs => Ok(Accel::Obvhs(bvh::Scene::build(geometry, build)?)),
+            Backend::Obvhs => Ok(Accel::Obvhs(bvh::BvhScene::build(geometry, build)?)),
         }
     }
 
-    /// Bytes that the acceleration structure takes, as far as the backend tells.
+    /// Returns the memory of the acceleration structure in bytes, as reported by the backend.
     pub fn bytes(&self) -> usize {
         match self {
             #[cfg(feature = "embree")]
@@ -131,7 +132,7 @@ impl Accel {
         }
     }
 
-    /// Which backend it is.
+    /// Returns the type of the backend.
     pub fn backend(&self) -> Backend {
         match self {
             #[cfg(feature = "embree")]
@@ -141,7 +142,7 @@ impl Accel {
         }
     }
 
-    /// Says what the next rays are for, to a backend that notes its questions; any other does not listen.
+    /// Sets the class of the next rays for a recording backend; no effect on others.
     #[inline]
     pub fn announce(&self, class: RayClass) {
         if let Accel::Recorded(recorder) = self {
@@ -149,15 +150,15 @@ impl Accel {
         }
     }
 
-    /// The same backend, noting what it is asked.
+    /// Wraps the backend in a recorder of its queries.
     #[must_use]
     pub fn recorded(self) -> Accel {
         Accel::Recorded(Box::new(Recorder::new(self)))
     }
 
-    /// The backend that [`Accel::recorded`] was called on, and what it was asked.
+    /// Returns the backend that [`Accel::recorded`] was called on, and its queries.
     #[must_use]
-    pub fn questions(self) -> (Accel, Vec<Question>) {
+    pub fn questions(self) -> (Accel, Vec<RayQuery>) {
         match self {
             Accel::Recorded(recorder) => recorder.finish(),
             silent => (silent, Vec::new()),

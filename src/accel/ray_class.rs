@@ -1,19 +1,19 @@
-//! What a ray is traced for. Rays of a class are alike for a backend: those of the camera run side by side, those of bounces in
-//! all directions, and shadow rays ask only whether there is anything.
+//! Purpose of a ray. Rays of a class are similar for a backend: camera rays are coherent, bounce rays are incoherent,
+//! and shadow rays need only occlusion.
 
-/// What a ray is traced for.
+/// Purpose of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RayClass {
-    /// From the camera, until the first surface that counts.
+    /// From the camera to the first surface.
     Camera,
-    /// From the scattering event of that number, counted from 1.
+    /// From a scattering event with its index, counted from 1.
     Bounce(u32),
     /// Toward a light.
     Shadow,
 }
 
 impl std::fmt::Display for RayClass {
-    /// `camera`, `bounce-3`, `shadow`.
+    /// Formats as `camera`, `bounce-3`, `shadow`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             RayClass::Camera => f.write_str("camera"),

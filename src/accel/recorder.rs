@@ -1,33 +1,34 @@
-//! Notes what rays a render asks about, so that the same can be asked again of any backend with nothing in between.
+//! Recording of the ray queries of a render, so that they can be replayed on any backend without the rest of the
+//! renderer.
 //!
-//! Use it on one thread: rays are kept in the order they come in, and each is of the class that was announced last.
+//! For a single thread: queries are stored in order, each with the class announced last.
 
 use super::{Intersector, RayClass};
 use crate::geometry::{AnyHit, Bounds, Hit, Opaque, Ray};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What is asked about a ray.
+/// Type of a ray query.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Query {
-    /// What is first?
+    /// First hit.
     Closest,
-    /// Is there anything?
+    /// Any hit.
     Occluded,
 }
 
-/// A query as it was made. It takes 52 bytes.
+/// A recorded query, 52 bytes.
 #[derive(Debug, Clone, Copy)]
-pub struct Question {
+pub struct RayQuery {
     /// The ray.
     pub ray: Ray,
-    /// What was asked about it.
+    /// Type of the query.
     pub query: Query,
-    /// What for.
+    /// Purpose of the ray.
     pub class: RayClass,
 }
 
-impl Question {
-    /// Asks `accel` without filters: whether anything was hit.
+impl RayQuery {
+    /// Runs the query on `accel` without filters; returns whether anything was hit.
     #[inline]
     pub fn ask(&self, accel: &impl Intersector) -> bool {
         match self.query {
@@ -37,7 +38,7 @@ impl Question {
     }
 }
 
-/// A backend whose questions are noted.
+/// A backend with recorded queries.
 pub struct Recorder<A> {
     inner: A,
     notes: Mutex<Notes>,
@@ -45,26 +46,26 @@ pub struct Recorder<A> {
 
 struct Notes {
     class: RayClass,
-    questions: Vec<Question>,
+    questions: Vec<RayQuery>,
 }
 
 impl<A: Intersector> Recorder<A> {
-    /// Notes what `inner` is asked from now on.
+    /// Records the queries of `inner` from now on.
     pub(super) fn new(inner: A) -> Self {
         Recorder { inner, notes: Mutex::new(Notes { class: RayClass::Camera, questions: Vec::new() }) }
     }
 
-    /// The backend, and what it was asked.
-    pub(super) fn finish(self) -> (A, Vec<Question>) {
+    /// Returns the backend and its queries.
+    pub(super) fn finish(self) -> (A, Vec<RayQuery>) {
         (self.inner, self.notes.into_inner().unwrap_or_else(PoisonError::into_inner).questions)
     }
 
-    /// What answers.
+    /// Returns the wrapped backend.
     pub(super) fn inner(&self) -> &A {
         &self.inner
     }
 
-    /// Says what the next rays are for.
+    /// Sets the class of the next rays.
     #[cold]
     pub(super) fn announce(&self, class: RayClass) {
         self.notes().class = class;
@@ -73,7 +74,7 @@ impl<A: Intersector> Recorder<A> {
     fn note(&self, ray: &Ray, query: Query) {
         let mut notes = self.notes();
         let class = notes.class;
-        notes.questions.push(Question { ray: *ray, query, class });
+        notes.questions.push(RayQuery { ray: *ray, query, class });
     }
 
     fn notes(&self) -> MutexGuard<'_, Notes> {

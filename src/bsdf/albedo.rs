@@ -1,9 +1,10 @@
-//! Directional albedo of a GGX reflection with Schlick's Fresnel, from a small table made once by quadrature.
+//! Directional albedo of GGX reflection with Schlick's Fresnel, from a small table computed once by quadrature.
 //!
-//! With E₁(μ) the albedo under F = 1 and S(μ) the mean Schlick weight of what is reflected, linear in f0 and f90:
-//! E(μ) = E₁ (f0 (1 − S) + f90 S). Two choices make bilinear interpolation accurate on a coarse grid. Both functions
-//! depend on μ / α where α is small, so they lie over the root of p = μ (1 + k α) / (μ + k α). And S = (1 − c)⁵ for an
-//! effective cosine c that goes from about α at grazing angles to μ, so that c / (μ + α) is stored. Rows lie over √α.
+//! Let E₁(μ) be the albedo under F = 1 and S(μ) the mean Schlick weight of the reflected light. The albedo is linear in
+//! f0 and f90: E(μ) = E₁ (f0 (1 − S) + f90 S). Two parametrisations make bilinear interpolation accurate on a coarse
+//! grid. For small α both functions depend on μ / α, so that they are tabulated over the square root of p = μ (1 + k
+//! α) / (μ + k α). S = (1 − c)⁵ for an effective cosine c that ranges from about α at grazing angles to μ, so that
+//! c / (μ + α) is stored. Rows are spaced uniformly in √α.
 
 use super::fresnel::schlick_weight;
 use super::ggx::{DIRAC_ALPHA, Ggx, reflect};
@@ -12,24 +13,24 @@ use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
 use std::sync::LazyLock;
 
-/// Largest error of an interpolated albedo, for f0 and f90 up to 1, α from 1e-4 to 1 and cosines from 1e-4 to 1. Measured
-/// against a 24 × 48 point quadrature on a 40 × 60 grid: 3.2e-3, at α = 1 and cosines of 4e-4; 3e-5 of it is the table's own
-/// quadrature. The table takes 11 ms.
+/// Largest error of an interpolated albedo, for f0 and f90 up to 1, α from 1e-4 to 1 and cosines from 1e-4 to 1.
+/// Measured against a 24 × 48 point quadrature on a 40 × 60 grid: 3.2e-3, at α = 1 and cosines of 4e-4; the table's own
+/// quadrature contributes 3e-5. The table takes 11 ms.
 pub const ERROR: f64 = 3.5e-3;
 
-/// Intervals over √α, and over the coordinate of the cosine.
+/// Intervals in √α, and in the coordinate of the cosine.
 const ROWS: usize = 24;
 const CELLS: usize = 20;
-/// Points over the angle to the plane of incidence, and over that within it.
+/// Quadrature points over the angle to the plane of incidence, and over the angle within it.
 const QUADRATURE: [usize; 2] = [8, 20];
-/// k of the module head: nodes crowd below μ ≈ k α.
+/// k of the module head: nodes are concentrated below μ ≈ k α.
 const KNEE: f64 = 8.0;
-/// The cosine over α that stands for the limit at grazing angles.
+/// Cosine over α that represents the limit at grazing angles.
 const GRAZING: f64 = 1e-4;
-/// c is taken from S at cosines up to here. Above, S is too small for its fifth root to be smooth: at α = 0.004 the few facets of
-/// GGX's long tail make c(1) = 0.94, which interpolation would carry to where it matters.
+/// c is derived from S at cosines up to this bound. Above, S is too small for its fifth root to be smooth: at α = 0.004
+/// the few facets of GGX's long tail make c(1) = 0.94, and interpolation would spread this to relevant cosines.
 const STEEP: f64 = 0.5;
-/// Cosines of the hemispherical means.
+/// Quadrature points of the hemispherical means.
 const MEAN_POINTS: usize = 64;
 
 /// Albedo of one roughness as a function of the cosine.
@@ -43,15 +44,15 @@ pub struct Albedo {
 
 /// E₁ and the mean Schlick weight at one cosine.
 #[derive(Debug, Clone, Copy)]
-pub struct Moments<T> {
+pub struct AlbedoMoments<T> {
     /// Albedo under F = 1.
     pub white: T,
-    /// Mean of (1 − cos)⁵ over what is reflected.
+    /// Mean of (1 − cos)⁵ over the reflected light.
     pub schlick: T,
 }
 
-impl<T: Scalar> Moments<T> {
-    /// The albedo for reflectance `f0` at normal and `f90` at grazing incidence.
+impl<T: Scalar> AlbedoMoments<T> {
+    /// Returns the albedo for reflectance `f0` at normal and `f90` at grazing incidence.
     #[inline]
     pub fn albedo(&self, f0: Spectrum, f90: Spectrum) -> Spectrum<T> {
         f0.cast().lerp(f90.cast(), self.schlick) * self.white
@@ -59,7 +60,7 @@ impl<T: Scalar> Moments<T> {
 }
 
 impl Albedo {
-    /// The albedo of `ggx`.
+    /// Returns the albedo of `ggx`.
     pub fn of(ggx: Ggx) -> Self {
         static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
         let x = ggx.alpha().sqrt() * ROWS as f32;
@@ -67,13 +68,13 @@ impl Albedo {
         Albedo { table: &TABLE, row, weight: x - row as f32, alpha: ggx.alpha() }
     }
 
-    /// At the cosine `cos` > 0.
+    /// Evaluates at the cosine `cos` > 0.
     #[inline]
-    pub fn at<T: Scalar>(&self, cos: T) -> Moments<T> {
+    pub fn at<T: Scalar>(&self, cos: T) -> AlbedoMoments<T> {
         self.table.at(self.row, self.weight, self.alpha, cos)
     }
 
-    /// The albedo for light from everywhere, 2 ∫ E(μ) μ dμ.
+    /// Returns the albedo under uniform illumination, 2 ∫ E(μ) μ dμ.
     pub fn mean(&self, f0: Spectrum, f90: Spectrum) -> Spectrum {
         let mix = |column: &[f32; ROWS + 1]| column[self.row] + (column[self.row + 1] - column[self.row]) * self.weight;
         let (white, grazing) = (mix(&self.table.mean_white), mix(&self.table.mean_schlick));
@@ -95,10 +96,11 @@ struct Table {
 impl Table {
     fn new() -> Self {
         let empty = [[0.0; CELLS + 1]; ROWS + 1];
-        let mut table = Table { white: empty, cosine: empty, mean_white: [0.0; ROWS + 1], mean_schlick: [0.0; ROWS + 1] };
+        let mut table =
+            Table { white: empty, cosine: empty, mean_white: [0.0; ROWS + 1], mean_schlick: [0.0; ROWS + 1] };
         let rule = Rule::new(QUADRATURE);
         for row in 0..=ROWS {
-            // row 0 stands for all that is smoother than the least roughness there is
+            // Row 0 represents everything smoother than the least roughness.
             let alpha = (row as f64 / ROWS as f64).powi(2).max(f64::from(DIRAC_ALPHA));
             let ggx = Ggx::new(alpha as f32);
             for i in 0..=CELLS {
@@ -110,7 +112,7 @@ impl Table {
                 table.cosine[row][i] = ((1.0 - schlick.powf(0.2)) / (steep + alpha)) as f32;
             }
             if row == 0 {
-                // where a mirror is looked up, whatever its angle
+                // Lookup position of a mirror at any angle.
                 (table.white[row][CELLS], table.cosine[row][CELLS]) = (1.0, 1.0);
             }
             (table.mean_white[row], table.mean_schlick[row]) = table.means(row, alpha as f32);
@@ -118,7 +120,7 @@ impl Table {
         table
     }
 
-    /// 2 ∫ E₁ μ dμ and 2 ∫ E₁ S μ dμ of what [`Table::at`] gives at a row.
+    /// Returns 2 ∫ E₁ μ dμ and 2 ∫ E₁ S μ dμ of [`Table::at`] in a row.
     fn means(&self, row: usize, alpha: f32) -> (f32, f32) {
         let (mut white, mut grazing) = (0.0, 0.0);
         for i in 0..MEAN_POINTS {
@@ -131,13 +133,13 @@ impl Table {
     }
 
     #[inline]
-    fn at<T: Scalar>(&self, row: usize, weight: f32, alpha: f32, cos: T) -> Moments<T> {
+    fn at<T: Scalar>(&self, row: usize, weight: f32, alpha: f32, cos: T) -> AlbedoMoments<T> {
         let (alpha, cos) = (T::of(f64::from(alpha)), cos.min(T::ONE));
         let sum = cos + alpha;
         let knee = alpha * T::of(KNEE);
         let p = (cos * (T::ONE + knee) / (cos + knee)).sqrt();
         let white = bilinear(&self.white, row, weight, p);
-        Moments { white, schlick: schlick_weight(sum * bilinear(&self.cosine, row, weight, p)) }
+        AlbedoMoments { white, schlick: schlick_weight(sum * bilinear(&self.cosine, row, weight, p)) }
     }
 }
 
@@ -150,17 +152,19 @@ fn bilinear<T: Scalar>(rows: &Rows, row: usize, weight: f32, x: T) -> T {
     a + (b - a) * (x - T::of(i as f64))
 }
 
-/// The moments at `cos` by quadrature over the normals that `cos` sees and that reflect above the horizon, m × n points.
+/// Computes the moments at `cos` by quadrature over the visible normals that reflect above the horizon, with m × n
+/// points.
 ///
-/// Stretched by 1 / α the facets form a hemisphere. A normal of it has the angle τ to the plane of incidence, and in that plane
-/// the angle ω to the vertical; its share of what is seen is cos² τ cos(ω − ν) dτ dω, with ν the angle of the stretched view. With
-/// T = tan² τ and x = tan ω the reflection is above the horizon where cos α² (1 + T) x² − 2 α sin x + cos (α² T − 1) < 0: between
-/// the roots of that, for T up to where they meet. Everything is smooth there.
-pub fn moments(ggx: Ggx, cos: f64, points: [usize; 2]) -> Moments<f64> {
+/// Stretched by 1 / α the facets form a hemisphere. Let τ be the angle of a stretched normal to the plane of incidence,
+/// and ω its angle to the vertical within that plane. The density of visible normals is cos² τ cos(ω − ν) dτ dω, with ν
+/// the angle of the stretched view direction. With T = tan² τ and x = tan ω, the reflection is above the horizon where
+/// cos α² (1 + T) x² − 2 α sin x + cos (α² T − 1) < 0. The domain lies between the roots, for T up to the value at
+/// which they coincide. The integrand is smooth there.
+pub fn moments(ggx: Ggx, cos: f64, points: [usize; 2]) -> AlbedoMoments<f64> {
     Rule::new(points).moments(ggx, cos)
 }
 
-/// Points and weights over τ and over ω.
+/// Quadrature points and weights over τ and ω.
 struct Rule([Vec<(f64, f64)>; 2]);
 
 impl Rule {
@@ -169,14 +173,14 @@ impl Rule {
     }
 
     /// See [`moments`].
-    fn moments(&self, ggx: Ggx, cos: f64) -> Moments<f64> {
+    fn moments(&self, ggx: Ggx, cos: f64) -> AlbedoMoments<f64> {
         let (alpha, sin) = (f64::from(ggx.alpha()), (1.0 - cos * cos).max(0.0).sqrt());
         let known = Local::new(sin, 0.0, cos);
         let view = (alpha * sin).atan2(cos);
         let a2 = alpha * alpha;
         let most = ((1.0 - a2) + ((1.0 - a2).powi(2) + 4.0 * a2 / (cos * cos)).sqrt()) / (2.0 * a2);
         let reach = most.sqrt().atan();
-        // half of the hemisphere, since the other is alike
+        // Half of the hemisphere; the other half is symmetric.
         let seen = std::f64::consts::FRAC_PI_4 * (1.0 + view.cos());
         let Rule([tilts, turns]) = self;
         let (mut white, mut grazing) = (0.0, 0.0);
@@ -195,12 +199,12 @@ impl Rule {
                 grazing += ratio * share * schlick_weight(known.dot(h));
             }
         }
-        Moments { white, schlick: grazing / white }
+        AlbedoMoments { white, schlick: grazing / white }
     }
 }
 
-/// n points of the unit interval, denser at both ends, and their weights: Gauss and Legendre's, by Newton's iteration from Tricomi's
-/// guess, under 3 t² − 2 t³. Facets turn away within α of the end of ω.
+/// Returns n points of the unit interval, denser at both ends, and their weights: Gauss–Legendre nodes, by Newton
+/// iteration from Tricomi's estimate, mapped by 3 t² − 2 t³. Facets turn away within α of the end of ω.
 fn crowded_points(n: usize) -> Vec<(f64, f64)> {
     const ITERATIONS: usize = 4;
     let point = |i: usize| {
@@ -247,7 +251,7 @@ mod tests {
     #[test]
     fn quadrature_agrees_with_the_closed_form_at_normal_incidence_of_full_roughness() {
         let exact = 1.0 - 2f64.ln();
-        // what is left of a rule of this order is below the roundings of its sums
+        // The remainder of a rule of this order is below the rounding of its sums.
         assert!((moments(Ggx::new(1.0), 1.0, [16, 32]).white - exact).abs() < 1e-10);
     }
 
@@ -255,7 +259,7 @@ mod tests {
     fn a_smooth_surface_reflects_by_schlick_alone() {
         for cos in [1.0, 0.5, 0.1, 1e-3] {
             let table = Albedo::of(Ggx::new(0.0)).at(cos);
-            // roundings of f32 entries, and their five-fold power
+            // Rounding of f32 entries, and of their fifth power.
             let tolerance = 16.0 * f64::from(f32::EPSILON);
             assert!((table.white - 1.0).abs() < tolerance && (table.schlick - schlick_weight(cos)).abs() < tolerance);
         }

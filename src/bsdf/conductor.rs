@@ -1,5 +1,5 @@
-//! Reflection by GGX facets or a mirror, the same on both sides: metals, and any opaque gloss. One bounce between facets
-//! only. References: [Walter07], [Heitz14].
+//! Reflection by GGX facets or a mirror, the same on both sides: metals, and any opaque gloss. Single scattering
+//! between facets only. References: [Walter07], [Heitz14].
 
 use super::ggx::{Ggx, facing, half, reflect, through};
 use super::{Bsdf, BsdfSample, Fresnel, Lobes};
@@ -7,7 +7,7 @@ use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::{Density, Pdf};
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 
 /// A reflecting surface that absorbs what its facets do not reflect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ impl Bsdf for Conductor {
     }
 
     #[inline]
-    fn sample(&self, known: Local, _: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+    fn sample(&self, known: Local, _: TransportMode, u: [f32; 3]) -> Option<BsdfSample> {
         if self.ggx.is_dirac() {
             return Some(self.mirror(known));
         }
@@ -62,16 +62,16 @@ impl Bsdf for Conductor {
     }
 
     #[inline]
-    fn dirac(&self, known: Local, _: Transport, lobe: Lobes) -> Option<BsdfSample> {
+    fn dirac(&self, known: Local, _: TransportMode, lobe: Lobes) -> Option<BsdfSample> {
         (self.ggx.is_dirac() && lobe == Lobes::DIRAC_REFLECT).then(|| self.mirror(known))
     }
 
     #[inline]
-    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: Transport, lobes: Lobes) -> T {
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: TransportMode, lobes: Lobes) -> T {
         if self.scatters(known, other, lobes) { self.ggx.reflection_pdf(known, half(known, other)) } else { T::ZERO }
     }
 
-    fn invert(&self, known: Local, other: Local, _: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+    fn invert(&self, known: Local, other: Local, _: TransportMode, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
         self.scatters(known, other, Lobes::REFLECT).then(|| {
             let [a, b] = invert_reflection(self.ggx, known, other);
             ([aux[1], a, b], 0.0)
@@ -84,7 +84,7 @@ impl Bsdf for Conductor {
     }
 }
 
-/// The numbers of the normal in which `known` is reflected to `other`, on either side.
+/// Returns the random numbers of the normal that reflects `known` to `other`, on either side.
 pub(super) fn invert_reflection(ggx: Ggx, known: Local, other: Local) -> [f32; 2] {
     let above = facing(known, known);
     ggx.invert_normal(above, half(above, if known.z < 0.0 { through(other) } else { other }))

@@ -1,10 +1,10 @@
-//! The boundary of a clear solid: reflection and refraction by GGX facets or a smooth face, exact Fresnel. Inside is
-//! z < 0. Use it for closed glass bodies; for single sheets see [`super::Thin`].
+//! Boundary of a clear solid: reflection and refraction by GGX facets or a smooth face, with exact Fresnel. Inside is
+//! z < 0. For closed glass bodies; for single sheets see [`super::Thin`].
 //!
-//! Values are radiance's: F(wi, wo) / η²_o = F(wo, wi) / η²_i, so a camera walk that enters glass gains 1 / η² and a light
-//! walk does not. Refraction takes Smith's masking of both directions as independent: its exact height correlation is a
-//! Beta function, nearer to their product than to reflection's formula [Heitz14 §5]. One bounce between facets only.
-//! Reference: [Walter07].
+//! Values are for radiance transport: F(wi, wo) / η²_o = F(wo, wi) / η²_i. A camera subpath that enters glass gains
+//! 1 / η², and a light subpath does not. Refraction uses independent Smith masking of both directions. Its exact height
+//! correlation is a Beta function, closer to the product than to the formula for reflection [Heitz14 §5]. Single
+//! scattering between facets only. Reference: [Walter07].
 
 use super::conductor::invert_reflection;
 use super::fresnel::{dielectric, dielectric_between, refracted};
@@ -15,7 +15,7 @@ use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::{Density, Pdf};
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 
 /// The boundary of a clear solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,47 +30,47 @@ pub struct Dielectric {
     pub transmit: Spectrum,
 }
 
-/// A facet that refracts two given directions into one another.
+/// A facet that refracts one direction into another.
 struct RefractingFacet<T> {
-    /// Its unit normal on the side of the known direction.
+    /// Unit normal on the side of the known direction.
     h: Local<T>,
-    /// Index on the other side over the one on the known side.
+    /// Refractive index on the other side over the one on the known side.
     eta: T,
     /// |known + η other|².
     length2: T,
-    /// Its reflectance.
+    /// Reflectance.
     f: T,
 }
 
 impl Dielectric {
-    /// Whether both sides have the same index: nothing bends there and nothing is reflected.
+    /// Whether both sides have the same refractive index: there is neither refraction nor reflection.
     #[inline]
     pub(super) fn is_matched(&self) -> bool {
         (self.eta - 1.0).abs() <= 0.0
     }
 
-    /// Whether the boundary counts as smooth: refraction spreads by α |η − 1|, so that both small roughness and nearly
-    /// matched media (whose half vector vanishes) make it so.
+    /// Whether the boundary counts as smooth. Refraction spreads by α |η − 1|, so that it does for small roughness and
+    /// also for nearly matched media (whose half vector vanishes).
     #[inline]
     pub fn is_dirac(&self) -> bool {
         self.ggx.alpha() * (self.eta - 1.0).abs().min(1.0) < DIRAC_ALPHA
     }
 
-    /// Mean over the lanes of what leaves at all at incidence cosine `cos` on a smooth face, from the side of `known`.
+    /// Returns the scattered share at incidence cosine |cos| of `known` on a smooth face, mean over lanes.
     #[inline]
     pub(super) fn throughput<T: Scalar>(&self, known: Local<T>) -> T {
         let f = dielectric(known.z.abs(), self.beyond(known));
         f * T::of(f64::from(self.reflect.mean())) + (T::ONE - f) * T::of(f64::from(self.transmit.mean()))
     }
 
-    /// Index on the other side over the one on the side of `w`.
+    /// Returns the refractive index on the other side over the one on the side of `w`.
     #[inline]
     fn beyond<T: Scalar>(&self, w: Local<T>) -> T {
         let eta = T::of(f64::from(self.eta));
         if w.z.value() > 0.0 { eta } else { eta.recip() }
     }
 
-    /// Probability of choosing reflection at a facet of reflectance `f`.
+    /// Returns the probability of selecting reflection at a facet of reflectance `f`.
     #[inline]
     fn reflect_probability<T: Scalar>(&self, f: T) -> T {
         let r = f * T::of(f64::from(self.reflect.mean()));
@@ -78,7 +78,7 @@ impl Dielectric {
         if (r + t).value() > 0.0 { r / (r + t) } else { T::ZERO }
     }
 
-    /// The facet between directions on opposite sides [Walter07 (16)]; `None` if one of them sees its wrong side.
+    /// Returns the facet between directions on opposite sides [Walter07 (16)]; `None` if one of them sees its back.
     #[inline]
     fn refracting_facet<T: Scalar>(&self, known: Local<T>, other: Local<T>) -> Option<RefractingFacet<T>> {
         let eta = self.beyond(known);
@@ -91,14 +91,14 @@ impl Dielectric {
         seen.then(|| RefractingFacet { h, eta, length2, f: dielectric_between(cos, eta * beyond, eta) })
     }
 
-    /// f of refraction in `h` but for its measure, η²_o / |η_i wi + η_o wo|² [Walter07 (21)].
+    /// Returns f of refraction at `h` without the measure factor η²_o / |η_i wi + η_o wo|² [Walter07 (21)].
     #[inline]
     fn refraction<T: Scalar>(&self, a: Local<T>, b: Local<T>, h: Local<T>, f: T) -> Spectrum<T> {
         let shape = self.ggx.d(h) * self.ggx.g1_over_cos(a) * self.ggx.g1_over_cos(b);
         self.transmit.cast() * ((T::ONE - f) * a.dot(h).abs() * b.dot(h).abs() * shape)
     }
 
-    /// Reflectance of the smooth face, and the probability of choosing reflection.
+    /// Returns the reflectance of the smooth face, and the probability of selecting reflection.
     #[inline]
     fn smooth_face(&self, known: Local) -> (f32, f32) {
         let beyond = if planted(Defect::FresnelFromOutside) { self.eta } else { self.beyond(known) };
@@ -106,8 +106,8 @@ impl Dielectric {
         (f, self.reflect_probability(f))
     }
 
-    /// Reflection or refraction by the smooth face.
-    fn dirac_sample(&self, known: Local, toward: Transport, (f, p): (f32, f32), lobe: Lobes) -> BsdfSample {
+    /// Samples reflection or refraction by the smooth face.
+    fn dirac_sample(&self, known: Local, mode: TransportMode, (f, p): (f32, f32), lobe: Lobes) -> BsdfSample {
         let eta = self.beyond(known);
         if lobe == Lobes::DIRAC_REFLECT {
             return BsdfSample {
@@ -121,7 +121,7 @@ impl Dielectric {
         let g = refracted(known.z.abs(), eta).max(0.0).sqrt();
         BsdfSample {
             direction: Local::new(-known.x / eta, -known.y / eta, (-g / eta).copysign(-known.z)),
-            value: self.transmit * ((1.0 - f) * radiance_scale(eta, toward)),
+            value: self.transmit * ((1.0 - f) * radiance_scale(eta, mode)),
             density: Density::Delta(1.0 - p),
             lobe: Lobes::DIRAC_TRANSMIT,
             eta,
@@ -139,21 +139,21 @@ impl Dielectric {
         })
     }
 
-    fn sample_refraction(&self, known: Local, toward: Transport, h: Local, f: f32, p: f32) -> Option<BsdfSample> {
+    fn sample_refraction(&self, known: Local, mode: TransportMode, h: Local, f: f32, p: f32) -> Option<BsdfSample> {
         let eta = self.beyond(known);
         let cos = known.dot(h);
         let g2 = refracted(cos, eta);
         if g2 <= 0.0 {
             return None;
         }
-        // cos − g without its cancellation: this is also the length of known + η other
+        // cos − g without cancellation: this is also the length of known + η other.
         let length = (1.0 - eta) * (1.0 + eta) / (cos + g2.sqrt());
         let other = h.scale(length).plus(known.reversed()).scale(eta.recip());
         let measure = eta * eta / (length * length);
         let density = p * self.ggx.visible_normal_pdf(known, h) * other.dot(h).abs() * measure;
         (known.z * other.z < 0.0).then(|| BsdfSample {
             direction: other,
-            value: self.refraction(known, other, h, f) * (measure * radiance_scale(eta, toward)),
+            value: self.refraction(known, other, h, f) * (measure * radiance_scale(eta, mode)),
             density: Density::Smooth(Pdf::new(density)),
             lobe: Lobes::TRANSMIT,
             eta,
@@ -161,14 +161,15 @@ impl Dielectric {
     }
 }
 
-/// What refraction does to the value beside the light walk's: the known side is where the light leaves in a camera walk.
+/// Returns the factor of refraction for radiance relative to importance. Light leaves on the known side in a camera
+/// subpath.
 #[inline]
-fn radiance_scale(eta: f32, toward: Transport) -> f32 {
-    match toward {
-        Transport::Light if planted(Defect::Eta2Forgotten) => 1.0,
-        Transport::Light => (eta * eta).recip(),
-        Transport::Camera if planted(Defect::Eta2BothWays) => (eta * eta).recip(),
-        Transport::Camera => 1.0,
+fn radiance_scale(eta: f32, mode: TransportMode) -> f32 {
+    match mode {
+        TransportMode::Radiance if planted(Defect::Eta2Forgotten) => 1.0,
+        TransportMode::Radiance => (eta * eta).recip(),
+        TransportMode::Importance if planted(Defect::Eta2BothWays) => (eta * eta).recip(),
+        TransportMode::Importance => 1.0,
     }
 }
 
@@ -187,31 +188,36 @@ impl Bsdf for Dielectric {
         if !opposite(wi, wo) || !lobes.intersects(Lobes::TRANSMIT) {
             return Spectrum::ZERO;
         }
-        self.refracting_facet(wi, wo)
-            .map_or(Spectrum::ZERO, |facet| self.refraction(wi, wo, facet.h, facet.f) * (facet.eta.squared() / facet.length2))
+        self.refracting_facet(wi, wo).map_or(Spectrum::ZERO, |facet| {
+            self.refraction(wi, wo, facet.h, facet.f) * (facet.eta.squared() / facet.length2)
+        })
     }
 
     #[inline]
-    fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+    fn sample(&self, known: Local, mode: TransportMode, u: [f32; 3]) -> Option<BsdfSample> {
         if self.is_dirac() {
             let face = self.smooth_face(known);
             let lobe = if u[0] < face.1 { Lobes::DIRAC_REFLECT } else { Lobes::DIRAC_TRANSMIT };
-            return Some(self.dirac_sample(known, toward, face, lobe));
+            return Some(self.dirac_sample(known, mode, face, lobe));
         }
         let h = facing(self.ggx.sample_normal(facing(known, known), [u[1], u[2]]), known);
         let f = dielectric(known.dot(h), self.beyond(known));
         let p = self.reflect_probability(f);
-        if u[0] < p { self.sample_reflection(known, h, f, p) } else { self.sample_refraction(known, toward, h, f, 1.0 - p) }
+        if u[0] < p {
+            self.sample_reflection(known, h, f, p)
+        } else {
+            self.sample_refraction(known, mode, h, f, 1.0 - p)
+        }
     }
 
     #[inline]
-    fn dirac(&self, known: Local, toward: Transport, lobe: Lobes) -> Option<BsdfSample> {
-        let sample = self.is_dirac().then(|| self.dirac_sample(known, toward, self.smooth_face(known), lobe))?;
+    fn dirac(&self, known: Local, mode: TransportMode, lobe: Lobes) -> Option<BsdfSample> {
+        let sample = self.is_dirac().then(|| self.dirac_sample(known, mode, self.smooth_face(known), lobe))?;
         (sample.density.value() > 0.0).then_some(sample)
     }
 
     #[inline]
-    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: Transport, lobes: Lobes) -> T {
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: TransportMode, lobes: Lobes) -> T {
         let lobes = lobes.intersection(self.lobes());
         if known.same_side(other) {
             if !lobes.intersects(Lobes::REFLECT) {
@@ -232,7 +238,7 @@ impl Bsdf for Dielectric {
         })
     }
 
-    fn invert(&self, known: Local, other: Local, _: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+    fn invert(&self, known: Local, other: Local, _: TransportMode, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
         if self.is_dirac() {
             return None;
         }
@@ -253,7 +259,7 @@ impl Bsdf for Dielectric {
     }
 }
 
-/// Whether the directions leave on opposite sides of the surface.
+/// Whether the directions are on opposite sides of the surface.
 #[inline]
 fn opposite<T: Scalar>(a: Local<T>, b: Local<T>) -> bool {
     (a.z * b.z).value() < 0.0

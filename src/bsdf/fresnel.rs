@@ -1,5 +1,6 @@
-//! How much light a facet reflects by its angle. [`Fresnel::Schlick`] is glTF's model of metals and dielectrics,
-//! [`Fresnel::Dielectric`] exact for clear media, [`Fresnel::Constant`] for ideal mirrors. Reference: [Schlick94].
+//! Fresnel reflectance by angle. [`Fresnel::Schlick`] is glTF's model of metals and dielectrics,
+//! [`Fresnel::Dielectric`] is exact for clear media, and [`Fresnel::Constant`] is for ideal mirrors. Reference:
+//! [Schlick94].
 
 use crate::defects::{Defect, planted};
 use crate::numeric::Scalar;
@@ -8,16 +9,16 @@ use crate::spectrum::Spectrum;
 /// Reflectance of a facet as a function of the angle to its normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fresnel {
-    /// f0 at normal incidence, growing as (1 − cos)⁵ to f90 at grazing [Schlick94 (15)].
+    /// f0 at normal incidence, growing as (1 − cos)⁵ to f90 at grazing incidence [Schlick94 (15)].
     Schlick {
         /// At normal incidence, 0 to 1.
         f0: Spectrum,
         /// At grazing incidence, 0 to 1.
         f90: Spectrum,
     },
-    /// The same at every angle.
+    /// Constant reflectance.
     Constant(Spectrum),
-    /// A boundary of two clear media, unpolarised light.
+    /// Boundary of two clear media, unpolarised light.
     Dielectric {
         /// Refractive index beyond the boundary over the one before it.
         eta: f32,
@@ -25,7 +26,7 @@ pub enum Fresnel {
 }
 
 impl Fresnel {
-    /// Reflectance at the angle of cosine `cos`, 0 to 1.
+    /// Returns the reflectance at the angle of cosine `cos`, 0 to 1.
     #[inline]
     pub fn reflectance<T: Scalar>(&self, cos: T) -> Spectrum<T> {
         match *self {
@@ -36,28 +37,29 @@ impl Fresnel {
     }
 }
 
-/// f0 + (f90 − f0)(1 − cos)⁵ [Schlick94 (15)].
+/// Returns f0 + (f90 − f0)(1 − cos)⁵ [Schlick94 (15)].
 #[inline]
 pub fn schlick<T: Scalar>(f0: Spectrum, f90: Spectrum, cos: T) -> Spectrum<T> {
     f0.cast().lerp(f90.cast(), schlick_weight(cos))
 }
 
-/// (1 − cos)⁵, the share of f90.
+/// Returns (1 − cos)⁵, the weight of f90.
 #[inline]
 pub fn schlick_weight<T: Scalar>(cos: T) -> T {
     let m = (T::ONE - cos).max(T::ZERO);
     if planted(Defect::SchlickFourth) { m.squared().squared() } else { m.squared().squared() * m }
 }
 
-/// Exact reflectance of a boundary of index ratio `eta` (beyond over before) at incidence cosine `cos` ≥ 0; one under
-/// total reflection [Walter07 (22)].
+/// Returns the exact reflectance of a boundary of index ratio `eta` (beyond over before) at incidence cosine `cos` ≥ 0;
+/// 1 under total reflection [Walter07 (22)].
 #[inline]
 pub fn dielectric<T: Scalar>(cos: T, eta: T) -> T {
     let g2 = refracted(cos, eta);
     if g2.value() > 0.0 { dielectric_between(cos, g2.sqrt(), eta) } else { T::ONE }
 }
 
-/// The same where g = η cosθₜ is known: nothing cancels, neither for η = 1 at grazing angles nor near total reflection.
+/// Like [`dielectric`] for known g = η cosθₜ. Nothing cancels, neither for η = 1 at grazing angles nor near total
+/// reflection.
 #[inline]
 pub fn dielectric_between<T: Scalar>(cos: T, g: T, eta: T) -> T {
     let e2 = eta.squared();
@@ -66,7 +68,7 @@ pub fn dielectric_between<T: Scalar>(cos: T, g: T, eta: T) -> T {
     T::of(0.5) * (perpendicular.squared() + parallel.squared())
 }
 
-/// η² cos²θₜ: negative under total reflection.
+/// Returns η² cos²θₜ: negative under total reflection.
 #[inline]
 pub fn refracted<T: Scalar>(cos: T, eta: T) -> T {
     (eta - T::ONE) * (eta + T::ONE) + cos.squared()

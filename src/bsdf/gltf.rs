@@ -1,15 +1,16 @@
-//! glTF's metallic-roughness surface with specular, ior and transmission, where the plain models do not suffice: one GGX
-//! reflection, a diffuse base under its dielectric share, and a transmitted share.
+//! glTF's metallic-roughness surface with specular, ior and transmission, for parameters that no plain model covers:
+//! one GGX reflection, a diffuse base under its dielectric share, and a transmitted share.
 //!
-//! Schlick's Fresnel is linear in f0 and f90, so that metal and dielectric mixed by `metallic` are one reflection.
-//! The base is coupled to the layer by base (1 − E(wi)) (1 − E(wo)) / (π (1 − Ē)), E the layer's directional albedo
-//! [Kelemen01], and not by the example in the specification, base (1 − F(V·H)) / π: that one ignores facets, is not what
-//! the layer lets through, and a white base gains energy at grazing angles. The coupled base gets exactly what the layer
-//! does not reflect, so a white base under a white layer loses and gains nothing up to [`super::albedo::ERROR`].
-//! Transmission takes the share `transmission` (1 − `metallic`): a thin wall keeps Schlick's layer and lets 1 − F through;
-//! in a solid the exact Fresnel governs that share, `specular` does not. References: [glTF20], [Kelemen01].
+//! Schlick's Fresnel is linear in f0 and f90, so that metal and dielectric mixed by `metallic` form a single
+//! reflection. The base is coupled to the layer by base (1 − E(wi)) (1 − E(wo)) / (π (1 − Ē)), with E the directional
+//! albedo of the layer [Kelemen01]. The example in the specification, base (1 − F(V·H)) / π, is not used: it ignores
+//! facets, differs from the transmittance of the layer, and lets a white base gain energy at grazing angles. The
+//! coupled base receives exactly what the layer does not reflect, so that a white base under a white layer conserves
+//! energy up to [`super::albedo::ERROR`]. Transmission takes the share `transmission` (1 − `metallic`). A thin wall
+//! keeps Schlick's layer and transmits 1 − F. In a solid the exact Fresnel governs that share, and `specular` does not.
+//! References: [glTF20], [Kelemen01].
 
-use super::albedo::{Albedo, Moments};
+use super::albedo::{Albedo, AlbedoMoments};
 use super::conductor::invert_reflection;
 use super::fresnel::schlick;
 use super::ggx::{Ggx, facing, half, reflect, through};
@@ -21,20 +22,20 @@ use crate::numeric::Scalar;
 use crate::sampling::warp::into_unit;
 use crate::sampling::{Density, Pdf};
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 use std::f32::consts::FRAC_1_PI;
 
-/// A metallic-roughness surface; made by [`super::MetallicRoughness::surface`].
+/// A metallic-roughness surface, created by [`super::MetallicRoughness::surface`].
 #[derive(Debug, Clone, Copy)]
 pub struct Gltf {
     pub(super) ggx: Ggx,
     pub(super) base: Spectrum,
-    /// Of the whole reflection.
+    /// Fresnel parameters of the whole reflection.
     pub(super) specular: Schlick,
-    /// Of the dielectric layer.
+    /// Fresnel parameters of the dielectric layer.
     pub(super) layer: Schlick,
     pub(super) albedo: Albedo,
-    /// Base colour times its share, and 1 / (1 − Ē) of the layer over it.
+    /// Base colour times its share, and 1 / (1 − Ē) of the layer above it.
     pub(super) diffuse: Spectrum,
     pub(super) coupling: Spectrum,
     pub(super) transmission: Transmission,
@@ -47,7 +48,7 @@ pub(super) struct Schlick {
     pub(super) f90: Spectrum,
 }
 
-/// What goes through; weights hold its share.
+/// Transmission model; weights include its share.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Transmission {
     None,
@@ -55,15 +56,15 @@ pub(super) enum Transmission {
     Solid(Dielectric),
 }
 
-/// Probabilities of the three parts.
+/// Selection probabilities of the three parts.
 struct Choice<T> {
     specular: T,
     diffuse: T,
     transmission: T,
 }
 
-/// What one direction decides alone.
-struct End<T> {
+/// Terms that depend on one direction alone.
+struct DirectionTerms<T> {
     choice: Choice<T>,
     /// See [`Gltf::below`].
     below: Spectrum<T>,
@@ -76,7 +77,7 @@ impl Gltf {
         matches!(self.transmission, Transmission::Solid(_))
     }
 
-    /// Whether what it transmits goes straight on.
+    /// Whether its transmission is unscattered.
     pub(super) fn passes_straight(&self) -> bool {
         match &self.transmission {
             Transmission::None => false,
@@ -85,14 +86,14 @@ impl Gltf {
         }
     }
 
-    /// Without what it transmits.
+    /// Returns the surface without transmission.
     pub(super) fn opaque(&self) -> Self {
         Gltf { transmission: Transmission::None, ..*self }
     }
 
-    /// Probabilities by the albedo of each part for light from or to `known`; `None` for a black surface.
+    /// Returns the selection probabilities for `known`, by the albedo of each part; `None` for a black surface.
     #[inline]
-    fn end<T: Scalar>(&self, known: Local<T>) -> Option<End<T>> {
+    fn end<T: Scalar>(&self, known: Local<T>) -> Option<DirectionTerms<T>> {
         let moments = self.albedo.at(known.z.abs());
         let below = self.passed(&moments);
         let specular = moments.albedo(self.specular.f0, self.specular.f90).mean();
@@ -106,18 +107,18 @@ impl Gltf {
         (total.value() > 0.0).then(|| {
             let k = total.recip();
             let choice = Choice { specular: specular * k, diffuse: diffuse * k, transmission: transmission * k };
-            End { choice, below }
+            DirectionTerms { choice, below }
         })
     }
 
-    /// What the layer lets through from or to a direction of cosine `cos`.
+    /// Returns the transmittance of the layer for a direction of cosine `cos`.
     #[inline]
     fn below<T: Scalar>(&self, cos: T) -> Spectrum<T> {
         self.passed(&self.albedo.at(cos.abs()))
     }
 
     #[inline]
-    fn passed<T: Scalar>(&self, moments: &Moments<T>) -> Spectrum<T> {
+    fn passed<T: Scalar>(&self, moments: &AlbedoMoments<T>) -> Spectrum<T> {
         (Spectrum::ONE - moments.albedo(self.layer.f0, self.layer.f90)).map(|x| x.max(T::ZERO))
     }
 
@@ -139,10 +140,17 @@ impl Gltf {
         transmit.cast() * passed * self.ggx.reflection(lit, wo, h)
     }
 
-    /// The Dirac component `lobe`, whatever parts make it up; `end` is of `known`.
-    fn dirac_of(&self, known: Local, end: &End<f32>, toward: Transport, lobe: Lobes) -> Option<BsdfSample> {
+    /// Returns the Dirac component `lobe`, combined over all parts; `end` belongs to `known`.
+    fn dirac_of(
+        &self,
+        known: Local,
+        end: &DirectionTerms<f32>,
+        mode: TransportMode,
+        lobe: Lobes,
+    ) -> Option<BsdfSample> {
         let (mirrored, cos) = (Local::new(-known.x, -known.y, known.z), known.z.abs());
-        let mut sample = BsdfSample { direction: mirrored, value: Spectrum::ZERO, density: Density::Delta(0.0), lobe, eta: 1.0 };
+        let mut sample =
+            BsdfSample { direction: mirrored, value: Spectrum::ZERO, density: Density::Delta(0.0), lobe, eta: 1.0 };
         let mut probability = 0.0;
         if lobe == Lobes::DIRAC_REFLECT && self.ggx.is_dirac() {
             probability = end.choice.specular;
@@ -155,7 +163,7 @@ impl Gltf {
                 sample.value = *transmit * (Spectrum::ONE - schlick(self.layer.f0, self.layer.f90, cos));
             }
             Transmission::Solid(glass) => {
-                if let Some(through) = glass.dirac(known, toward, lobe) {
+                if let Some(through) = glass.dirac(known, mode, lobe) {
                     probability += end.choice.transmission * through.density.value();
                     sample = BsdfSample { value: sample.value + through.value, ..through };
                 }
@@ -165,23 +173,36 @@ impl Gltf {
         (probability > 0.0).then_some(BsdfSample { density: Density::Delta(probability), ..sample })
     }
 
-    /// Value and density of all smooth lobes in a direction that one of them made.
-    fn smooth(&self, known: Local, end: &End<f32>, toward: Transport, direction: Local, eta: f32) -> Option<BsdfSample> {
+    /// Returns value and density of all smooth lobes in a direction sampled from one of them.
+    fn smooth(
+        &self,
+        known: Local,
+        end: &DirectionTerms<f32>,
+        mode: TransportMode,
+        direction: Local,
+        eta: f32,
+    ) -> Option<BsdfSample> {
         let lobe = if known.same_side(direction) { Lobes::REFLECT } else { Lobes::TRANSMIT };
-        let (value, density) = self.value_and_pdf(known, end, direction, toward);
+        let (value, density) = self.value_and_pdf(known, end, direction, mode);
         (density > 0.0).then(|| BsdfSample { direction, value, density: Density::Smooth(Pdf::new(density)), lobe, eta })
     }
 
-    /// Value and density of all smooth lobes; `end` is of `known`.
+    /// Returns value and density of all smooth lobes; `end` belongs to `known`.
     #[inline]
-    fn value_and_pdf<T: Scalar>(&self, known: Local<T>, end: &End<T>, other: Local<T>, toward: Transport) -> (Spectrum<T>, T) {
-        let (wi, wo) = toward.flow(known, other);
+    fn value_and_pdf<T: Scalar>(
+        &self,
+        known: Local<T>,
+        end: &DirectionTerms<T>,
+        other: Local<T>,
+        mode: TransportMode,
+    ) -> (Spectrum<T>, T) {
+        let (wi, wo) = mode.flow(known, other);
         let value = self.value(wi, wo, || end.below * self.below(other.z));
-        let [a, b, c] = self.densities(known, other, toward, &end.choice);
+        let [a, b, c] = self.densities(known, other, mode, &end.choice);
         (value, a + b + c)
     }
 
-    /// f(wi, wo) of all smooth lobes; `below` is what the layer lets through in both directions.
+    /// Returns f(wi, wo) of all smooth lobes; `below` is the transmittance of the layer for both directions.
     #[inline]
     fn value<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, below: impl FnOnce() -> Spectrum<T>) -> Spectrum<T> {
         let same = wi.same_side(wo);
@@ -199,30 +220,42 @@ impl Gltf {
         above.same_side(other).then(|| facing(other, known))
     }
 
-    fn sample_transmission(&self, known: Local, end: &End<f32>, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+    fn sample_transmission(
+        &self,
+        known: Local,
+        end: &DirectionTerms<f32>,
+        mode: TransportMode,
+        u: [f32; 3],
+    ) -> Option<BsdfSample> {
         match &self.transmission {
             Transmission::None => None,
-            Transmission::Thin(_) if self.ggx.is_dirac() => self.dirac_of(known, end, toward, Lobes::DIRAC_TRANSMIT),
-            Transmission::Thin(_) => self.smooth(known, end, toward, through(self.reflect_in_facet(known, u)?), 1.0),
+            Transmission::Thin(_) if self.ggx.is_dirac() => self.dirac_of(known, end, mode, Lobes::DIRAC_TRANSMIT),
+            Transmission::Thin(_) => self.smooth(known, end, mode, through(self.reflect_in_facet(known, u)?), 1.0),
             Transmission::Solid(glass) => {
-                let sample = glass.sample(known, toward, u)?;
+                let sample = glass.sample(known, mode, u)?;
                 match sample.density {
-                    Density::Delta(_) => self.dirac_of(known, end, toward, sample.lobe),
-                    Density::Smooth(_) => self.smooth(known, end, toward, sample.direction, sample.eta),
+                    Density::Delta(_) => self.dirac_of(known, end, mode, sample.lobe),
+                    Density::Smooth(_) => self.smooth(known, end, mode, sample.direction, sample.eta),
                 }
             }
         }
     }
 
-    /// Densities of `other` in the three parts, each times its probability.
+    /// Returns the densities of `other` in the three parts, each times its selection probability.
     #[inline]
-    fn densities<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, choice: &Choice<T>) -> [T; 3] {
+    fn densities<T: Scalar>(
+        &self,
+        known: Local<T>,
+        other: Local<T>,
+        mode: TransportMode,
+        choice: &Choice<T>,
+    ) -> [T; 3] {
         let facets = |other: Local<T>| {
             if self.ggx.is_dirac() { T::ZERO } else { self.ggx.reflection_pdf(known, half(known, other)) }
         };
         let same = known.same_side(other);
         let transmitted = match &self.transmission {
-            Transmission::Solid(glass) => glass.pdf(known, other, toward, Lobes::SMOOTH),
+            Transmission::Solid(glass) => glass.pdf(known, other, mode, Lobes::SMOOTH),
             Transmission::Thin(_) if !same => facets(through(other)),
             _ => T::ZERO,
         };
@@ -242,48 +275,48 @@ impl Bsdf for Gltf {
     }
 
     #[inline]
-    fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+    fn sample(&self, known: Local, mode: TransportMode, u: [f32; 3]) -> Option<BsdfSample> {
         let end = self.end(known)?;
         let choice = &end.choice;
         let smooth_end = choice.specular + choice.diffuse;
         let specular_end = if planted(Defect::LobesChosenEvenly) { 0.5 * smooth_end } else { choice.specular };
         if u[0] < specular_end {
             if self.ggx.is_dirac() {
-                return self.dirac_of(known, &end, toward, Lobes::DIRAC_REFLECT);
+                return self.dirac_of(known, &end, mode, Lobes::DIRAC_REFLECT);
             }
-            return self.smooth(known, &end, toward, self.reflect_in_facet(known, u)?, 1.0);
+            return self.smooth(known, &end, mode, self.reflect_in_facet(known, u)?, 1.0);
         }
         if u[0] < smooth_end || choice.transmission <= 0.0 {
-            return self.smooth(known, &end, toward, cosine_direction(known, [u[1], u[2]]), 1.0);
+            return self.smooth(known, &end, mode, cosine_direction(known, [u[1], u[2]]), 1.0);
         }
         let within_part = into_unit((u[0] - smooth_end) / choice.transmission);
-        self.sample_transmission(known, &end, toward, [within_part, u[1], u[2]])
+        self.sample_transmission(known, &end, mode, [within_part, u[1], u[2]])
     }
 
     #[inline]
-    fn dirac(&self, known: Local, toward: Transport, lobe: Lobes) -> Option<BsdfSample> {
-        self.dirac_of(known, &self.end(known)?, toward, lobe)
+    fn dirac(&self, known: Local, mode: TransportMode, lobe: Lobes) -> Option<BsdfSample> {
+        self.dirac_of(known, &self.end(known)?, mode, lobe)
     }
 
     #[inline]
-    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, lobes: Lobes) -> T {
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, mode: TransportMode, lobes: Lobes) -> T {
         if !lobes.intersects(if known.same_side(other) { Lobes::REFLECT } else { Lobes::TRANSMIT }) {
             return T::ZERO;
         }
         self.end(known).map_or(T::ZERO, |end| {
-            let [a, b, c] = self.densities(known, other, toward, &end.choice);
+            let [a, b, c] = self.densities(known, other, mode, &end.choice);
             a + b + c
         })
     }
 
     #[inline]
-    fn eval_and_pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport) -> (Spectrum<T>, T) {
-        self.end(known).map_or((Spectrum::ZERO, T::ZERO), |end| self.value_and_pdf(known, &end, other, toward))
+    fn eval_and_pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, mode: TransportMode) -> (Spectrum<T>, T) {
+        self.end(known).map_or((Spectrum::ZERO, T::ZERO), |end| self.value_and_pdf(known, &end, other, mode))
     }
 
-    fn invert(&self, known: Local, other: Local, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+    fn invert(&self, known: Local, other: Local, mode: TransportMode, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
         let choice = self.end(known)?.choice;
-        let [specular, diffuse, transmitted] = self.densities(known, other, toward, &choice);
+        let [specular, diffuse, transmitted] = self.densities(known, other, mode, &choice);
         let total = specular + diffuse + transmitted;
         let pick = aux[0] * total;
         let (start, end) = (choice.specular, choice.specular + choice.diffuse);
@@ -298,7 +331,7 @@ impl Bsdf for Gltf {
         }
         let (part, [a, b], log) = match &self.transmission {
             Transmission::Solid(glass) => {
-                let ([u, a, b], log) = glass.invert(known, other, toward, aux)?;
+                let ([u, a, b], log) = glass.invert(known, other, mode, aux)?;
                 (u, [a, b], log)
             }
             _ if transmitted > 0.0 => (aux[1], invert_reflection(self.ggx, known, through(other)), 0.0),

@@ -1,4 +1,4 @@
-//! What a glTF material says at one point, and the cheapest surface that is exactly that.
+//! glTF material parameters at one point, and the cheapest surface model that represents them exactly.
 
 use super::albedo::Albedo;
 use super::gltf::{Gltf, Schlick, Transmission};
@@ -6,17 +6,17 @@ use super::{Conductor, Dielectric, Fresnel, Ggx, Lambert, Surface, Thin};
 use crate::defects::{Defect, planted};
 use crate::spectrum::Spectrum;
 
-/// What is behind a surface that transmits light.
+/// Geometry behind a transmitting surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wall {
-    /// Nothing: a sheet without refraction.
+    /// A sheet without interior or refraction.
     Thin,
-    /// The inside of a body, which refracts. A refractive index below 1 (glTF's 0 means that everything is reflected) is
-    /// treated as a sheet.
+    /// A refracting solid. A refractive index below 1 (glTF's 0 means that everything is reflected) is treated as a
+    /// sheet.
     Solid,
 }
 
-/// Parameters of glTF's metallic-roughness model with specular, ior and transmission, textures applied [glTF20].
+/// Parameters of glTF's metallic-roughness model with specular, ior and transmission, after texturing [glTF20].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MetallicRoughness {
     /// Base colour, 0 to 1.
@@ -31,23 +31,26 @@ pub struct MetallicRoughness {
     pub specular_color: Spectrum,
     /// Refractive index.
     pub ior: f32,
-    /// Refractive index of what is outside a solid: 1 for empty space.
+    /// Refractive index outside a solid: 1 for empty space.
     pub outside: f32,
     /// Share of the base that transmits light, 0 to 1.
     pub transmission: f32,
-    /// Where it transmits to.
+    /// Geometry behind the surface.
     pub wall: Wall,
     /// Reflectance of the metal at grazing angles: white in glTF, the base colour for a constant Fresnel.
     pub metal_f90: Spectrum,
 }
 
 impl MetallicRoughness {
-    /// The surface with these parameters: a plain model where one is the same, [`Surface::Gltf`] for mixtures.
+    /// Returns the surface with these parameters: a plain model if one is equivalent, [`Surface::Gltf`] for mixtures.
     pub fn surface(&self) -> Surface {
         let alpha = if planted(Defect::RoughnessNotSquared) { self.roughness } else { self.roughness * self.roughness };
         let ggx = Ggx::new(alpha);
         if self.metallic >= 1.0 {
-            return Surface::Conductor(Conductor { ggx, fresnel: Fresnel::Schlick { f0: self.base, f90: self.metal_f90 } });
+            return Surface::Conductor(Conductor {
+                ggx,
+                fresnel: Fresnel::Schlick { f0: self.base, f90: self.metal_f90 },
+            });
         }
         let layer = self.layer();
         if self.metallic <= 0.0 && self.transmission >= 1.0 {
@@ -86,13 +89,13 @@ impl MetallicRoughness {
             layer,
             albedo,
             diffuse: self.base * (dielectric - transmitting),
-            // nothing reaches a base under a layer that reflects everything
+            // No light reaches a base under a layer that reflects everything.
             coupling: below.map(|x| if x > 0.0 { x.recip() } else { 0.0 }),
             transmission,
         }
     }
 
-    /// Reflectance of the dielectric layer [glTF20 KHR_materials_specular].
+    /// Returns the reflectance of the dielectric layer [glTF20 KHR_materials_specular].
     fn layer(&self) -> Schlick {
         let root = (self.ior - 1.0) / (self.ior + 1.0);
         let f0 = self.specular_color.map(|color| (root * root * color).min(1.0) * self.specular);
@@ -100,7 +103,7 @@ impl MetallicRoughness {
         Schlick { f0, f90: Spectrum::splat(f90) }
     }
 
-    /// The share `weight` of a solid's boundary.
+    /// Returns the boundary of a solid, scaled by `weight`.
     fn glass(&self, weight: f32) -> Option<Dielectric> {
         (self.wall == Wall::Solid && self.ior >= 1.0).then(|| Dielectric {
             ggx: Ggx::new(self.roughness * self.roughness),

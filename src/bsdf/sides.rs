@@ -1,13 +1,13 @@
-//! Directions on different sides of the two normals, and how a model sees them: what [`super::shading`] says of them, in any
-//! scalar type.
+//! Directions on different sides of the two normals, and their mapping to BSDF directions as defined in
+//! [`super::shading`], in any scalar type.
 //!
-//! Both rules are isometries, so that no density needs a Jacobian, and are the identity where the normals agree.
+//! Both mappings are isometries, so that no density needs a Jacobian, and are the identity where the normals agree.
 
 use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 
-/// A unit direction as the two normals have it.
+/// A unit direction relative to both normals.
 #[derive(Debug, Clone, Copy)]
 pub struct Sided<T = f32> {
     /// In the shading frame.
@@ -16,45 +16,45 @@ pub struct Sided<T = f32> {
     pub cos: T,
 }
 
-/// The directions in the shading frame from which a model may be told that light comes in one direction of the world.
+/// Directions in the shading frame that ψ maps to one world direction.
 #[derive(Debug, Clone, Copy)]
 pub struct Sources<T = f32> {
     /// The direction itself.
     pub direct: Local<T>,
-    /// The one that leads to the wrong side of the surface and is folded up to this one.
+    /// The direction on the wrong side of the surface that is mirrored to this one.
     pub folded: Option<Local<T>>,
 }
 
 impl<T: Scalar> Sided<T> {
-    /// Whether it is on one side of both normals.
+    /// Whether it lies on the same side of both normals.
     #[inline]
     pub fn agrees(self) -> bool {
         (self.local.z * self.cos).value() > 0.0
     }
 
-    /// Its mirror image in the plane of the surface, whose normal in the shading frame is `ng`.
+    /// Returns its mirror image in the plane of the surface, with normal `ng` in the shading frame.
     #[inline]
     fn folded(self, ng: Local<T>) -> Local<T> {
         self.local.plus(ng.scale(T::of(-2.0) * self.cos))
     }
 
-    /// Whether the mirror image in the plane of the surface is one of which the normals disagree, where they agree of this direction.
-    /// `slant` is the cosine between the normals.
+    /// Whether ψ maps two directions to this one: the normals disagree about its mirror image in the plane of the
+    /// surface and agree about itself. `slant` is the cosine between the normals.
     #[inline]
     pub fn is_met_twice(self, slant: T) -> bool {
         let twin = (self.local.z - T::of(2.0) * self.cos * slant) * self.cos;
         twin.value() > 0.0 && !planted(Defect::NormalsDisagreeBlack)
     }
 
-    /// As the direction that light comes from; `None` where nothing scatters such light. `ng` is the geometric normal in the shading
-    /// frame, and `slant` its cosine.
+    /// Returns the preimages under ψ for an incident direction; `None` where nothing scatters. `ng` is the geometric
+    /// normal in the shading frame, and `slant` its cosine.
     #[inline]
     pub fn sources(self, slant: T, ng: impl FnOnce() -> Local<T>) -> Option<Sources<T>> {
         let folded = || self.is_met_twice(slant).then(|| self.folded(ng()));
         self.agrees().then(|| Sources { direct: self.local, folded: folded() })
     }
 
-    /// As the direction that light leaves in: on the side of the surface where it is.
+    /// Returns φ for an outgoing direction, which is on the side of ng.
     #[inline]
     pub fn seen(self) -> Option<Local<T>> {
         let side = (self.local.z * self.cos).value();
@@ -65,15 +65,15 @@ impl<T: Scalar> Sided<T> {
             .then(|| Local::new(self.local.x, self.local.y, T::ZERO - self.local.z))
     }
 
-    /// Whether another direction of the world is [`Sided::seen`] as this one is; `slant` is the cosine between the normals. It is
-    /// the mirror image in the plane of the shading normal.
+    /// Whether another world direction has the same φ ([`Sided::seen`]); `slant` is the cosine between the normals. The
+    /// other direction is the mirror image in the plane of the shading normal.
     #[inline]
     pub fn has_twin(self, slant: T) -> bool {
         let twin = (self.cos - T::of(2.0) * self.local.z * slant) * self.cos;
         !planted(Defect::NormalsDisagreeBlack) && (!self.agrees() || twin.value() > 0.0)
     }
 
-    /// Probability with which a walk from the light takes it, and not its twin.
+    /// Returns the probability that a light subpath selects this direction instead of its twin.
     #[inline]
     pub fn share(self, slant: T) -> T {
         if self.has_twin(slant) { T::of(0.5) } else { T::ONE }
@@ -81,8 +81,8 @@ impl<T: Scalar> Sided<T> {
 }
 
 impl<T: Scalar> Sources<T> {
-    /// The direction itself or the other, with the probability of a walk from the light: by their cosines, so that the other one's
-    /// cancels in its weight.
+    /// Returns the direct or the folded direction with its selection probability in a light subpath. Probabilities are
+    /// proportional to the cosines, so that the cosine of the folded one cancels in its weight.
     #[inline]
     pub fn choice(&self, is_folded: bool) -> Option<(Local<T>, T)> {
         let Some(folded) = self.folded else { return (!is_folded).then_some((self.direct, T::ONE)) };
@@ -90,7 +90,7 @@ impl<T: Scalar> Sources<T> {
         Some((chosen, chosen.z.abs() / (self.direct.z.abs() + folded.z.abs())))
     }
 
-    /// Both, with their probabilities.
+    /// Enumerates both with their probabilities.
     #[inline]
     pub fn choices(&self) -> impl Iterator<Item = (Local<T>, T)> + '_ {
         [false, true].into_iter().filter_map(|is_folded| self.choice(is_folded))

@@ -1,21 +1,21 @@
-//! What goes straight through a surface: the unscattered transmission of thin clear walls and of boundaries between equal refractive
-//! indices. It is content of the edge that passes, as blended surfaces are, so that lights are seen through it by every technique;
-//! what is left of the surface scatters as any other.
+//! Straight transmission: the unscattered transmission of thin clear walls and of boundaries between equal refractive
+//! indices. It belongs to the edge that passes, like alpha blending, so that every technique sees lights through it.
+//! The rest of the surface scatters like any other.
 
 use super::{Bsdf, Conductor, Lobes, Surface};
 use crate::geometry::Local;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 use crate::{sampling::Density, spectrum::Spectrum};
 
 impl Surface {
-    /// Share of light that goes straight on at incidence cosine `cos` ≥ 0, and the probability with which a walk does that: the same
-    /// from both sides. `None` where nothing does.
+    /// Returns the share of light transmitted straight at incidence cosine `cos` ≥ 0, and the probability that a walk
+    /// passes. Both are the same from both sides. `None` without straight transmission.
     pub fn straight(&self, cos: f32) -> Option<(Spectrum, f32)> {
         if !self.passes_straight() {
             return None;
         }
         let known = Local::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-        let through = self.dirac(known, Transport::Light, Lobes::DIRAC_TRANSMIT)?;
+        let through = self.dirac(known, TransportMode::Radiance, Lobes::DIRAC_TRANSMIT)?;
         let Density::Delta(probability) = through.density else { return None };
         Some((through.value, probability))
     }
@@ -29,11 +29,13 @@ impl Surface {
         }
     }
 
-    /// What scatters: all but [`Surface::straight`].
+    /// Returns the scattering part: everything except [`Surface::straight`].
     #[must_use]
     pub fn rest(self) -> Surface {
         match self {
-            Surface::Thin(wall) if wall.ggx.is_dirac() => Surface::Conductor(Conductor { ggx: wall.ggx, fresnel: wall.fresnel }),
+            Surface::Thin(wall) if wall.ggx.is_dirac() => {
+                Surface::Conductor(Conductor { ggx: wall.ggx, fresnel: wall.fresnel })
+            }
             Surface::Dielectric(glass) if glass.is_matched() => Surface::Black,
             Surface::Gltf(mixture) if mixture.passes_straight() => Surface::Gltf(mixture.opaque()),
             other => other,
@@ -62,7 +64,8 @@ mod tests {
         .surface()
     }
 
-    /// What goes on and what is left are the whole: a walk that meets the rest with the other probability has all lobes.
+    /// The passing and the remaining part form the whole: a walk that scatters at the rest with the complementary
+    /// probability has all lobes.
     #[test]
     fn a_surface_is_its_rest_and_what_goes_straight_on() {
         for whole in [glassy(Wall::Thin, 1.0, 1.5), glassy(Wall::Thin, 0.6, 1.5), glassy(Wall::Solid, 0.6, 1.0)] {
@@ -70,8 +73,8 @@ mod tests {
                 let (_, probability) = whole.straight(cos).expect("it is clear");
                 let known = Local::new((1.0 - cos * cos).sqrt(), 0.0, cos);
                 assert!(!whole.rest().lobes().intersects(Lobes::DIRAC_TRANSMIT));
-                let mirrored = |s: Surface| s.dirac(known, Transport::Light, Lobes::DIRAC_REFLECT);
-                // Nothing is reflected head on where indices are equal.
+                let mirrored = |s: Surface| s.dirac(known, TransportMode::Radiance, Lobes::DIRAC_REFLECT);
+                // Nothing is reflected at normal incidence where indices are equal.
                 let (Some(all), Some(rest)) = (mirrored(whole), mirrored(whole.rest())) else { continue };
                 assert_eq!(all.value, rest.value);
                 // Probabilities are sums and quotients of albedos: sixteen roundings.

@@ -4,12 +4,12 @@ use super::{Bsdf, BsdfSample, Conductor, Dielectric, Gltf, Lambert, Lobes, Thin}
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 
 /// Any scattering model with its parameters at one point.
 #[derive(Debug, Clone, Copy)]
 pub enum Surface {
-    /// Scatters nothing: emitters and unlit materials.
+    /// No scattering: emitters and unlit materials.
     Black,
     /// Ideal diffuse reflection.
     Lambert(Lambert),
@@ -24,13 +24,13 @@ pub enum Surface {
 }
 
 impl Surface {
-    /// Whether [`Bsdf::sample`] has no lobe to choose, so that it does not look at its first number.
+    /// Whether [`Bsdf::sample`] has a single lobe and ignores its first random number.
     #[inline]
     pub fn is_single_lobe(&self) -> bool {
         matches!(self, Surface::Black | Surface::Lambert(_) | Surface::Conductor(_))
     }
 
-    /// Whether it is the boundary of a solid that light goes through.
+    /// Whether it is the boundary of a transmitting solid.
     #[inline]
     pub fn refracts(&self) -> bool {
         match self {
@@ -40,7 +40,7 @@ impl Surface {
         }
     }
 
-    /// The colour of the surface for denoisers and people, 0 to 1: the base colour where the model has one.
+    /// Returns the colour of the surface for denoisers and previews, 0 to 1: the base colour where the model has one.
     pub fn reflectance(&self) -> Spectrum {
         match self {
             Surface::Black => Spectrum::ZERO,
@@ -73,27 +73,27 @@ impl Bsdf for Surface {
     }
 
     #[inline]
-    fn sample(&self, known: Local, toward: Transport, u: [f32; 3]) -> Option<BsdfSample> {
-        dispatch!(self, b => b.sample(known, toward, u), None)
+    fn sample(&self, known: Local, mode: TransportMode, u: [f32; 3]) -> Option<BsdfSample> {
+        dispatch!(self, b => b.sample(known, mode, u), None)
     }
 
     #[inline]
-    fn dirac(&self, known: Local, toward: Transport, lobe: Lobes) -> Option<BsdfSample> {
-        dispatch!(self, b => b.dirac(known, toward, lobe), None)
+    fn dirac(&self, known: Local, mode: TransportMode, lobe: Lobes) -> Option<BsdfSample> {
+        dispatch!(self, b => b.dirac(known, mode, lobe), None)
     }
 
     #[inline]
-    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport, lobes: Lobes) -> T {
-        dispatch!(self, b => b.pdf(known, other, toward, lobes), T::ZERO)
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, mode: TransportMode, lobes: Lobes) -> T {
+        dispatch!(self, b => b.pdf(known, other, mode, lobes), T::ZERO)
     }
 
     #[inline]
-    fn eval_and_pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, toward: Transport) -> (Spectrum<T>, T) {
-        dispatch!(self, b => b.eval_and_pdf(known, other, toward), (Spectrum::ZERO, T::ZERO))
+    fn eval_and_pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, mode: TransportMode) -> (Spectrum<T>, T) {
+        dispatch!(self, b => b.eval_and_pdf(known, other, mode), (Spectrum::ZERO, T::ZERO))
     }
 
-    fn invert(&self, known: Local, other: Local, toward: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
-        dispatch!(self, b => b.invert(known, other, toward, aux), None)
+    fn invert(&self, known: Local, other: Local, mode: TransportMode, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+        dispatch!(self, b => b.invert(known, other, mode, aux), None)
     }
 
     #[inline]

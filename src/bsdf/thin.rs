@@ -1,6 +1,6 @@
 //! A thin transparent wall: GGX reflection, and transmission as that reflection mirrored through the surface, without
-//! refraction. This is KHR_materials_transmission without a volume [glTF20]; both sides are alike. Use it for windows
-//! and leaves modelled as one sheet; light bouncing inside the sheet is left out, as glTF does.
+//! refraction. This is KHR_materials_transmission without a volume [glTF20]; both sides are the same. For windows and
+//! leaves modelled as one sheet. Interreflection inside the sheet is left out, as in glTF.
 
 use super::conductor::invert_reflection;
 use super::ggx::{Ggx, facing, half, reflect, through};
@@ -10,21 +10,22 @@ use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::{Density, Pdf};
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 
 /// A thin transparent wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thin {
     /// Roughness.
     pub ggx: Ggx,
-    /// Reflectance of the facets; the rest goes through.
+    /// Reflectance of the facets; the rest is transmitted.
     pub fresnel: Fresnel,
-    /// Factor of the light that goes through, 0 to 1.
+    /// Factor of the transmitted light, 0 to 1.
     pub transmit: Spectrum,
 }
 
 impl Thin {
-    /// Share of light that a facet sends each way at the incidence cosine `cos`, and the probability of reflection.
+    /// Returns the reflected and transmitted shares of a facet at the incidence cosine `cos`, and the probability of
+    /// reflection.
     #[inline]
     fn split<T: Scalar>(&self, cos: T) -> (Spectrum<T>, Spectrum<T>, T) {
         let r = self.fresnel.reflectance(cos);
@@ -40,7 +41,7 @@ impl Thin {
         lobes.intersection(self.lobes()).intersects(side) && (a.z * b.z).value().abs() > 0.0
     }
 
-    /// Reflection or passage without scattering, as the shares of [`Thin::split`] say.
+    /// Samples reflection or unscattered transmission by the shares of [`Thin::split`].
     fn dirac_sample(known: Local, (r, t, p): (Spectrum, Spectrum, f32), lobe: Lobes) -> BsdfSample {
         let mirrored = Local::new(-known.x, -known.y, known.z);
         let (direction, value, probability) =
@@ -49,7 +50,7 @@ impl Thin {
     }
 }
 
-/// `w` on the side of `reference`.
+/// Returns `w` mirrored to the side of `reference`.
 #[inline]
 fn folded<T: Scalar>(w: Local<T>, reference: Local<T>) -> Local<T> {
     if w.same_side(reference) { w } else { through(w) }
@@ -68,7 +69,7 @@ impl Bsdf for Thin {
     }
 
     #[inline]
-    fn sample(&self, known: Local, _: Transport, u: [f32; 3]) -> Option<BsdfSample> {
+    fn sample(&self, known: Local, _: TransportMode, u: [f32; 3]) -> Option<BsdfSample> {
         if self.ggx.is_dirac() {
             let split = self.split(known.z.abs());
             let lobe = if u[0] < split.2 { Lobes::DIRAC_REFLECT } else { Lobes::DIRAC_TRANSMIT };
@@ -89,13 +90,13 @@ impl Bsdf for Thin {
     }
 
     #[inline]
-    fn dirac(&self, known: Local, _: Transport, lobe: Lobes) -> Option<BsdfSample> {
+    fn dirac(&self, known: Local, _: TransportMode, lobe: Lobes) -> Option<BsdfSample> {
         let sample = self.ggx.is_dirac().then(|| Self::dirac_sample(known, self.split(known.z.abs()), lobe))?;
         (sample.density.value() > 0.0).then_some(sample)
     }
 
     #[inline]
-    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: Transport, lobes: Lobes) -> T {
+    fn pdf<T: Scalar>(&self, known: Local<T>, other: Local<T>, _: TransportMode, lobes: Lobes) -> T {
         if !self.takes(known, other, lobes) {
             return T::ZERO;
         }
@@ -105,7 +106,7 @@ impl Bsdf for Thin {
         probability * self.ggx.reflection_pdf(known, h)
     }
 
-    fn invert(&self, known: Local, other: Local, _: Transport, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
+    fn invert(&self, known: Local, other: Local, _: TransportMode, aux: [f32; 2]) -> Option<([f32; 3], f64)> {
         if !self.takes(known, other, Lobes::SMOOTH) {
             return None;
         }

@@ -18,43 +18,43 @@ pub enum Camera {
     Orthographic(Orthographic),
 }
 
-/// Position and axes of a camera in scene space: it looks along `−backward`.
+/// Position and axes of a camera in scene space. The view direction is `−backward`.
 #[derive(Debug, Clone, Copy)]
 pub struct Pose {
-    /// The eye.
+    /// Eye point.
     pub position: Vec3,
     /// Unit vector to the right of the image.
     pub right: Vec3,
     /// Unit vector to the top of the image.
     pub up: Vec3,
-    /// Unit vector against the view.
+    /// Unit vector opposite to the view direction.
     pub backward: Vec3,
 }
 
-/// How a camera sees a point.
+/// Connection of a point to the camera.
 #[derive(Debug, Clone, Copy)]
-pub struct Seen {
-    /// Where on the film, in pixels from the top left corner; not necessarily within the image.
+pub struct WiSample {
+    /// Raster position, in pixels from the top left corner; not necessarily within the image.
     pub film: [f32; 2],
     /// Unit direction from the point to the camera.
-    pub toward: Vec3,
-    /// Where the segment ends that must be free.
+    pub wi: Vec3,
+    /// Endpoint of the segment to the camera.
     pub eye: Vec3,
-    /// Pixels of film per unit of area at the point, perpendicular to `toward`.
-    pub magnification: f32,
+    /// Pixels of film per unit of area at the point, perpendicular to `wi`.
+    pub importance: f32,
 }
 
 impl Camera {
-    /// Where and how large the point `p` is seen; `None` behind the camera.
+    /// Connects the point `p` to the camera; `None` behind the camera.
     #[inline]
-    pub fn seen(&self, p: Vec3) -> Option<Seen> {
+    pub fn sample_wi(&self, p: Vec3) -> Option<WiSample> {
         match self {
-            Camera::Pinhole(camera) => camera.seen(p),
-            Camera::Orthographic(camera) => camera.seen(p),
+            Camera::Pinhole(camera) => camera.sample_wi(p),
+            Camera::Orthographic(camera) => camera.sample_wi(p),
         }
     }
 
-    /// The ray through the film position (x, y) in pixels from the top left corner, with a unit direction.
+    /// Returns the ray through the raster position (x, y) in pixels from the top left corner, with a unit direction.
     #[inline]
     pub fn ray(&self, film: [f32; 2]) -> Ray {
         match self {
@@ -63,7 +63,7 @@ impl Camera {
         }
     }
 
-    /// The same view on an image of `to` pixels in place of `from`.
+    /// Returns the same view for an image of `to` pixels in place of `from`.
     pub fn resized(&self, from: [u32; 2], to: [u32; 2]) -> Camera {
         let ratio = glam::Vec2::new(from[0] as f32 / to[0] as f32, from[1] as f32 / to[1] as f32);
         match self {

@@ -1,6 +1,6 @@
 //! The orthographic camera.
 
-use super::{Pose, Seen};
+use super::{Pose, WiSample};
 use crate::geometry::Ray;
 use glam::{Vec2, Vec3};
 
@@ -13,7 +13,8 @@ pub struct Orthographic {
 }
 
 impl Orthographic {
-    /// A camera that sees `ymag` scene units above and below its axis, for square pixels on a `width` × `height` image.
+    /// Creates a camera that covers `ymag` scene units above and below its axis, for square pixels on a
+    /// `width` × `height` image.
     pub fn new(pose: Pose, ymag: f64, width: u32, height: u32) -> Self {
         let pixel = 2.0 * ymag / f64::from(height);
         let scale = Vec2::new(pixel as f32, -pixel as f32);
@@ -21,21 +22,21 @@ impl Orthographic {
         Orthographic { pose, scale, corner }
     }
 
-    /// The same view with pixels `ratio` times as large.
+    /// Returns the same view with pixels `ratio` times as large.
     pub(super) fn with_pixels(&self, ratio: Vec2) -> Self {
         Orthographic { scale: self.scale * ratio, ..self.clone() }
     }
 
-    /// See [`super::Camera::seen`].
+    /// See [`super::Camera::sample_wi`].
     #[inline]
-    pub fn seen(&self, p: Vec3) -> Option<Seen> {
+    pub fn sample_wi(&self, p: Vec3) -> Option<WiSample> {
         let Pose { position, right, up, backward } = self.pose;
         let to = position - p;
         let depth = to.dot(backward);
         let film = (Vec2::new(-to.dot(right), -to.dot(up)) - self.corner) / self.scale;
-        let magnification = (self.scale.x * self.scale.y).abs().recip();
-        let seen = Seen { film: film.to_array(), toward: backward, eye: p + backward * depth, magnification };
-        (depth > 0.0 && magnification.is_finite()).then_some(seen)
+        let importance = (self.scale.x * self.scale.y).abs().recip();
+        let seen = WiSample { film: film.to_array(), wi: backward, eye: p + backward * depth, importance };
+        (depth > 0.0 && importance.is_finite()).then_some(seen)
     }
 
     /// See [`super::Camera::ray`].

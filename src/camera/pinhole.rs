@@ -1,6 +1,6 @@
 //! The pinhole camera.
 
-use super::{Pose, Seen};
+use super::{Pose, WiSample};
 use crate::geometry::Ray;
 use glam::{Vec2, Vec3};
 
@@ -8,13 +8,13 @@ use glam::{Vec2, Vec3};
 #[derive(Debug, Clone)]
 pub struct Pinhole {
     pose: Pose,
-    /// Film position to view plane at distance 1: x → scale.x x + corner.x to the right, y likewise upward.
+    /// Maps raster position to view plane at distance 1: x → scale.x x + corner.x to the right, y likewise upward.
     scale: Vec2,
     corner: Vec2,
 }
 
 impl Pinhole {
-    /// A camera with vertical field of view `yfov` (radians) for square pixels on a `width` × `height` image.
+    /// Creates a camera with vertical field of view `yfov` (radians) for square pixels on a `width` × `height` image.
     pub fn new(pose: Pose, yfov: f64, width: u32, height: u32) -> Self {
         let top = (yfov * 0.5).tan();
         let pixel = 2.0 * top / f64::from(height);
@@ -23,22 +23,22 @@ impl Pinhole {
         Pinhole { pose, scale, corner }
     }
 
-    /// The same view with pixels `ratio` times as large.
+    /// Returns the same view with pixels `ratio` times as large.
     pub(super) fn with_pixels(&self, ratio: Vec2) -> Self {
         Pinhole { scale: self.scale * ratio, ..self.clone() }
     }
 
-    /// See [`super::Camera::seen`].
+    /// See [`super::Camera::sample_wi`].
     #[inline]
-    pub fn seen(&self, p: Vec3) -> Option<Seen> {
+    pub fn sample_wi(&self, p: Vec3) -> Option<WiSample> {
         let Pose { position, right, up, backward } = self.pose;
         let to = position - p;
         let (depth, distance) = (to.dot(backward), to.length());
-        // A direction of cosine c covers 1 / (pixel area c³) pixels a steradian [Veach97 §8.3.2].
-        let magnification = distance / ((self.scale.x * self.scale.y).abs() * depth.powi(3));
+        // A direction of cosine c covers 1 / (pixel area c³) pixels per steradian [Veach97 §8.3.2].
+        let importance = distance / ((self.scale.x * self.scale.y).abs() * depth.powi(3));
         let film = (Vec2::new(-to.dot(right), -to.dot(up)) / depth - self.corner) / self.scale;
-        let seen = Seen { film: film.to_array(), toward: to / distance, eye: position, magnification };
-        (depth > 0.0 && magnification.is_finite()).then_some(seen)
+        let seen = WiSample { film: film.to_array(), wi: to / distance, eye: position, importance };
+        (depth > 0.0 && importance.is_finite()).then_some(seen)
     }
 
     /// See [`super::Camera::ray`].

@@ -7,16 +7,16 @@ use crate::error::Result;
 use crate::render::picture_name;
 use std::path::PathBuf;
 
-/// What is measured.
+/// Available measurements.
 #[derive(Debug, clap::Subcommand)]
 pub(super) enum Command {
     /// Measure error against time, methods and backends side by side, and write a page about it
     Methods(Box<methods::Args>),
-    /// Measure rays per second of backends and builds, raw and inside a render, and compare what they hit
+    /// Measure ray throughput of backends and builds, raw and inside a render, and compare their hits
     Rays(Box<rays::Args>),
 }
 
-/// Measures.
+/// Runs a measurement.
 pub(super) fn run(command: Command) -> Result<()> {
     match command {
         Command::Methods(args) => methods::run(&args),
@@ -24,7 +24,7 @@ pub(super) fn run(command: Command) -> Result<()> {
     }
 }
 
-/// What scene `at` is called in reports: its picture's name, with a number if others before it have the same.
+/// Returns the name of scene `at` in reports: its picture's name, with a number if earlier scenes have the same.
 fn scene_name(scenes: &[PathBuf], at: usize) -> String {
     let own = picture_name(&scenes[at]);
     let twins = scenes[..at].iter().filter(|other| picture_name(other) == own).count();
@@ -32,7 +32,7 @@ fn scene_name(scenes: &[PathBuf], at: usize) -> String {
     if twins > 0 { format!("{name}-{}", twins + 1) } else { name }
 }
 
-/// Each of `items` once, in order.
+/// Returns the distinct `items` in order.
 fn unique<T: Copy + PartialEq>(items: &[T]) -> Vec<T> {
     let mut unique: Vec<T> = Vec::new();
     items.iter().for_each(|&item| {
@@ -43,14 +43,16 @@ fn unique<T: Copy + PartialEq>(items: &[T]) -> Vec<T> {
     unique
 }
 
-/// This process's command line as it is typed into a shell.
+/// Returns this process's command line, quoted for a shell.
 fn command() -> String {
     typed(std::env::args().skip(1))
 }
 
 fn typed(arguments: impl Iterator<Item = String>) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "_-+=./:,@%".contains(c);
-    let quoted = |a: String| if !a.is_empty() && a.chars().all(is_plain) { a } else { format!("'{}'", a.replace('\'', r"'\''")) };
+    let quoted = |a: String| {
+        if !a.is_empty() && a.chars().all(is_plain) { a } else { format!("'{}'", a.replace('\'', r"'\''")) }
+    };
     std::iter::once("etendue".to_owned()).chain(arguments.map(quoted)).collect::<Vec<_>>().join(" ")
 }
 

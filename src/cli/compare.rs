@@ -1,14 +1,14 @@
-//! `etendue compare`: how far two images are apart, and whether they could have the same mean.
+//! `etendue compare`: the error of an image against a reference, and a test for equal means.
 
 use super::args::ThreadArgs;
 use super::{Console, startup};
 use crate::error::Result;
 use crate::render::compare::maps::{self, Map};
-use crate::render::compare::{Comparison, MeanDifference, Metrics, Origin, Outcome, Pair, Rejection};
+use crate::render::compare::{CompareOutcome, Comparison, ImagePair, MeanDifference, Metrics, Origin, Rejection};
 use crate::render::writable;
 use std::path::PathBuf;
 
-/// The probability, unless another is given, that images of the same mean are said to differ.
+/// Default family-wise level: the probability that images of the same mean are reported as different.
 const LEVEL: f64 = 1e-3;
 
 /// Arguments of `compare`.
@@ -20,9 +20,9 @@ the method share; both images need three replicates or more and seeds of their o
 pub(super) struct Args {
     /// The image, an .exr file
     image: PathBuf,
-    /// What it is compared with, an .exr file
+    /// The reference, an .exr file
     reference: PathBuf,
-    /// Probability that images of the same mean are said to differ
+    /// Probability that images of the same mean are reported as different
     #[arg(long, default_value_t = LEVEL, value_parser = level)]
     level: f64,
     /// The ε of relMSE, in squared units of the image [default: (0.1 × mean of the reference)²]
@@ -36,17 +36,17 @@ pub(super) struct Args {
     console: Console,
 }
 
-/// Maps to write, each an .exr with the numbers or a .png in colours.
+/// Maps to write, each an .exr with the values or a .png in colours.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Maps (.exr or .png)")]
 struct MapArgs {
-    /// Write image less reference
+    /// Write the difference, image less reference
     #[arg(long, value_name = "PATH")]
     difference: Option<PathBuf>,
-    /// Write that over its standard error
+    /// Write the difference over its standard error
     #[arg(long, value_name = "PATH")]
     z: Option<PathBuf>,
-    /// Write HDR FLIP, how visible the difference is, from 0 to 1
+    /// Write HDR FLIP, the visibility of the difference, from 0 to 1
     #[arg(long, value_name = "PATH")]
     flip: Option<PathBuf>,
 }
@@ -61,7 +61,7 @@ fn epsilon(text: &str) -> std::result::Result<f64, String> {
     epsilon.ok_or_else(|| "ε is a number and not negative".into())
 }
 
-/// Compares.
+/// Compares two images.
 pub(super) fn run(args: Args) -> Result<()> {
     let console = args.console;
     for path in [&args.maps.difference, &args.maps.z, &args.maps.flip].into_iter().flatten() {
@@ -69,12 +69,12 @@ pub(super) fn run(args: Args) -> Result<()> {
         writable(path)?;
     }
     startup::start_threads(args.threads)?;
-    let pair = Pair::read(&args.image, &args.reference)?;
+    let pair = ImagePair::read(&args.image, &args.reference)?;
     let comparison = pair.compare(args.level, args.epsilon);
     console.document(&comparison)?;
     lines(&comparison).iter().try_for_each(|line| console.line(line))?;
     write(&pair, "difference", args.maps.difference, console, || Ok(pair.difference()))?;
-    if args.maps.z.is_some() && comparison.verdict.outcome == Outcome::Untested {
+    if args.maps.z.is_some() && comparison.verdict.outcome == CompareOutcome::Untested {
         console.warn(&format!("the z-scores mean little: {}", comparison.verdict.sentence()));
     }
     write(&pair, "z-scores", args.maps.z, console, || pair.z_scores())?;
@@ -82,7 +82,13 @@ pub(super) fn run(args: Args) -> Result<()> {
     comparison.require_agreement()
 }
 
-fn write(pair: &Pair, what: &str, path: Option<PathBuf>, console: Console, map: impl FnOnce() -> Result<Map>) -> Result<()> {
+fn write(
+    pair: &ImagePair,
+    what: &str,
+    path: Option<PathBuf>,
+    console: Console,
+    map: impl FnOnce() -> Result<Map>,
+) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     let scale = pair.write(&map()?, &path)?.map(|scale| format!(" ({scale})")).unwrap_or_default();
     console.line(&format!("{what}: {}{scale}", path.display()))
@@ -91,7 +97,11 @@ fn write(pair: &Pair, what: &str, path: Option<PathBuf>, console: Console, map: 
 fn lines(comparison: &Comparison) -> Vec<String> {
     let Comparison { image, reference, size: [width, height], metrics, verdict } = comparison;
     let mut lines = vec![format!("image      {}", origin(image)), format!("reference  {}", origin(reference))];
-    lines.push(format!("size       {width}x{height}, {} of {} values not finite", metrics.non_finite, 3 * width * height));
+    lines.push(format!(
+        "size       {width}x{height}, {} of {} values not finite",
+        metrics.non_finite,
+        3 * width * height
+    ));
     lines.extend(figures(metrics));
     lines.extend(verdict.means.iter().map(mean));
     lines.extend(verdict.rejections.iter().map(rejection));

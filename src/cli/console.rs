@@ -1,50 +1,50 @@
-//! What people read: results on stdout, the rest on stderr.
+//! Terminal output: results on stdout, everything else on stderr.
 
 use crate::error::{Error, Kind, Result};
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::sync::{Mutex, PoisonError};
 
-/// How talkative the program is.
+/// Console output options.
 #[derive(Debug, Clone, Copy, clap::Args)]
 #[command(next_help_heading = "Messages")]
 pub(super) struct Console {
     /// Print one JSON document on stdout instead of text
     #[arg(long)]
     pub(super) json: bool,
-    /// No progress and no notes, only errors
+    /// Print errors only, without progress and notes
     #[arg(long, short)]
     pub(super) quiet: bool,
-    /// Results are told by whoever asked for them.
+    /// Results are printed by the caller.
     #[arg(skip)]
     pub(super) silent: bool,
 }
 
 impl Console {
-    /// Tells something in passing.
+    /// Prints a note.
     pub(super) fn note(self, text: &str) {
         if !self.quiet {
             stderr(&format!("etendue: {text}"));
         }
     }
 
-    /// Warns.
+    /// Prints a warning.
     pub(super) fn warn(self, text: &str) {
         self.note(&format!("warning: {text}"));
     }
 
-    /// Prints a line of the result, unless a JSON document takes its place.
+    /// Prints a line of the result, unless a JSON document replaces it.
     pub(super) fn line(self, text: &str) -> Result<()> {
         if self.json || self.silent { Ok(()) } else { print(text) }
     }
 
-    /// Prints the JSON document of the result, if that was asked for.
+    /// Prints the JSON document of the result, if requested.
     pub(super) fn document(self, document: &impl serde::Serialize) -> Result<()> {
         if self.json && !self.silent { print(&pretty(document)?) } else { Ok(()) }
     }
 }
 
-/// A JSON document as text.
+/// Formats a JSON document.
 pub(super) fn pretty(document: &impl serde::Serialize) -> Result<String> {
     serde_json::to_string_pretty(document).map_err(|e| Error::new(Kind::Internal, "cannot write JSON").because(e))
 }
@@ -54,10 +54,10 @@ pub(super) fn error(text: &str) {
     stderr(&format!("etendue: error: {text}"));
 }
 
-/// The bar on the terminal, if there is one: lines of other threads are written above it.
+/// The progress bar on the terminal, if there is one. Other threads write their lines above it.
 static BAR: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// From now on lines are written above this bar, or there is none.
+/// Registers the progress bar above which lines are written, or removes it.
 pub(super) fn share_terminal(bar: Option<ProgressBar>) {
     *BAR.lock().unwrap_or_else(PoisonError::into_inner) = bar;
 }
@@ -78,7 +78,7 @@ pub(super) fn print(text: &str) -> Result<()> {
     above_bar(write).map_err(|cause| Error::new(Kind::Output, "cannot write to stdout").because(cause))
 }
 
-/// If stderr is gone there is nobody left to tell.
+/// Prints a line on stderr. Failure is ignored, since nobody reads it then.
 pub(super) fn stderr(text: &str) {
     let _ = above_bar(|| writeln!(std::io::stderr().lock(), "{text}"));
 }

@@ -1,4 +1,4 @@
-//! `etendue doctor`: what this machine and this build offer, and what is missing.
+//! `etendue doctor`: the capabilities of this machine and this build, and any problems.
 
 use super::args::ThreadArgs;
 use super::{Console, startup};
@@ -16,7 +16,7 @@ pub(super) struct Args {
     console: Console,
 }
 
-/// What was found.
+/// Findings.
 #[derive(Serialize)]
 struct Document {
     program: Program,
@@ -28,11 +28,11 @@ struct Document {
     huge_pages: Option<String>,
     backends: Vec<&'static str>,
     embree: Option<String>,
-    /// What does not work, a sentence each.
+    /// Problems, one sentence each.
     problems: Vec<String>,
 }
 
-/// Examines.
+/// Examines the machine and the build.
 pub(super) fn run(args: Args) -> Result<()> {
     let processor = machine::Processor::detect();
     let mut problems = Vec::new();

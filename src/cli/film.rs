@@ -1,4 +1,4 @@
-//! `etendue status` and `etendue watch`: what is in a film, once, and again and again as a picture.
+//! `etendue status` and `etendue watch`: describe a film once, or write its picture repeatedly.
 
 use super::args::ThreadArgs;
 use super::{Console, startup};
@@ -23,12 +23,12 @@ pub(super) struct StatusArgs {
 /// Arguments of `watch`.
 #[derive(Debug, clap::Args)]
 pub(super) struct WatchArgs {
-    /// The film, which may not be there yet
+    /// The film, which may not exist yet
     film_file: PathBuf,
     /// The picture, .png [default: beside the film]
     #[arg(long, short, value_name = "PATH")]
     output: Option<PathBuf>,
-    /// How often to look
+    /// Interval between looks at the film
     #[arg(long, value_name = "TIME", default_value = "2s")]
     every: Budget,
     #[command(flatten)]
@@ -37,7 +37,7 @@ pub(super) struct WatchArgs {
     console: Console,
 }
 
-/// What is in a film.
+/// Description of a film.
 #[derive(Serialize)]
 struct Document {
     film: String,
@@ -47,19 +47,19 @@ struct Document {
     frame: Option<String>,
     passes: String,
     held: u64,
-    /// `None` where time or an error decides.
+    /// `None` if a time budget or an error target decides.
     wanted: Option<u64>,
     complete: bool,
     relmse: Option<f64>,
     relmse_interval: Option<[f64; 2]>,
-    /// Whether that is to be trusted.
+    /// Whether the interval is trusted.
     trusted: Option<bool>,
     wall_seconds: f64,
     sessions: u64,
     finished: String,
 }
 
-/// Says what is in a film.
+/// Describes a film.
 pub(super) fn status(args: &StatusArgs) -> Result<()> {
     startup::start_threads(args.threads)?;
     let (provenance, film) = checkpoint::restore(&args.film_file)?;
@@ -68,7 +68,7 @@ pub(super) fn status(args: &StatusArgs) -> Result<()> {
     document.lines().iter().try_for_each(|line| args.console.line(line))
 }
 
-/// Writes the film's picture whenever the film has changed, until it is complete.
+/// Writes the film's picture whenever the film changes, until it is complete.
 pub(super) fn watch(args: &WatchArgs) -> Result<()> {
     startup::start_threads(args.threads)?;
     let path = args.output.clone().unwrap_or_else(|| args.film_file.with_extension("png"));
@@ -121,9 +121,9 @@ impl Document {
 
     fn lines(&self) -> Vec<String> {
         let [width, height] = self.size;
-        let wanted = self
-            .wanted
-            .map_or_else(String::new, |wanted| format!(" of {wanted}, {} %", 100 * self.held.min(wanted) / wanted.max(1)));
+        let wanted = self.wanted.map_or_else(String::new, |wanted| {
+            format!(" of {wanted}, {} %", 100 * self.held.min(wanted) / wanted.max(1))
+        });
         let mut lines = vec![
             format!("film      {}", self.film),
             format!("scene     {}", self.scene),

@@ -1,15 +1,15 @@
-//! The end of a render: files, report, last lines, exit class.
+//! The end of a render: files, report, final output and exit code.
 
 use super::args::StrictArgs;
 use super::{Console, console};
 use crate::error::{Error, Kind, Result};
 use crate::film::ImageError;
 use crate::io::atomic::write_atomically;
-use crate::render::{Ended, Outputs, Rendered, Report, checkpoint, picture_name};
+use crate::render::{Ended, Outputs, RenderReport, Rendered, checkpoint, picture_name};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Where results go.
+/// Paths of the results.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Files<'a> {
     /// Images and film.
@@ -18,14 +18,14 @@ pub(super) struct Files<'a> {
     pub(super) report: Option<&'a Path>,
 }
 
-/// Ends a session: a whole one with its images, a stopped one with a film to resume.
+/// Ends a session. A complete one writes its images, a stopped one a film to resume.
 pub(super) fn session(
     rendered: &Rendered,
     ended: Ended,
     files: Files<'_>,
     strict: StrictArgs,
     console: Console,
-) -> Result<Report> {
+) -> Result<RenderReport> {
     if ended == Ended::Interrupted {
         return Err(stopped(rendered, files.outputs));
     }
@@ -37,14 +37,15 @@ pub(super) fn session(
     }
     if strict.fail_on_nonfinite && report.guards().nonfinite > 0 {
         let replay = report.first_replay().unwrap_or_default();
-        let what = format!("{} samples were not finite; trace the first again with {replay}", report.guards().nonfinite);
+        let what =
+            format!("{} samples were not finite; trace the first again with {replay}", report.guards().nonfinite);
         return Err(Error::new(Kind::NonFinite, what));
     }
     Ok(report)
 }
 
-/// Writes the report and prints the result; the image is the last line.
-pub(super) fn tell(report: &Report, files: Files<'_>, console: Console) -> Result<()> {
+/// Writes the report and prints the result. The image's path is the last line.
+pub(super) fn tell(report: &RenderReport, files: Files<'_>, console: Console) -> Result<()> {
     if let Some(path) = files.report {
         let text = console::pretty(report)? + "\n";
         write_atomically(path, |file| file.write_all(text.as_bytes()))?;
@@ -60,7 +61,7 @@ pub(super) fn tell(report: &Report, files: Files<'_>, console: Console) -> Resul
     }
 }
 
-/// Saves what there is and says how to go on.
+/// Saves the film of a stopped render. The error tells how to continue.
 fn stopped(rendered: &Rendered, outputs: &Outputs) -> Error {
     let done = rendered.film.passes().len();
     let Some(path) = outputs.checkpoint() else {
@@ -74,14 +75,16 @@ fn stopped(rendered: &Rendered, outputs: &Outputs) -> Error {
     Error::new(Kind::Interrupted, what)
 }
 
-/// The film goes elsewhere if its place has gone or is full, and the error says where.
+/// Saves the film elsewhere if its folder is gone or full. The error tells where.
 fn rescued(rendered: &Rendered, outputs: &Outputs, error: Error) -> Error {
     let (Kind::Output, Some(beside)) = (error.kind, outputs.checkpoint()) else { return error };
     let is_there = |path: &PathBuf| checkpoint::open(path).is_ok_and(|(_, film)| film.head() == rendered.film.head());
     let mut name = picture_name(&beside);
     name.push(format!(".{}.film", &rendered.provenance.identity()[..8]));
-    let elsewhere =
-        [std::env::current_dir().ok(), Some(std::env::temp_dir())].into_iter().flatten().map(|folder| folder.join(&name));
+    let elsewhere = [std::env::current_dir().ok(), Some(std::env::temp_dir())]
+        .into_iter()
+        .flatten()
+        .map(|folder| folder.join(&name));
     let kept = Some(beside).filter(is_there).or_else(|| elsewhere.into_iter().find(|path| rendered.save(path).is_ok()));
     match kept {
         Some(path) => {
@@ -93,9 +96,10 @@ fn rescued(rendered: &Rendered, outputs: &Outputs, error: Error) -> Error {
     }
 }
 
-/// Warns about everything in the picture that a user would not expect, and says in which: others may be rendered by now.
-fn complain(report: &Report, outputs: &Outputs, console: Console) {
-    let which = outputs.image().or(outputs.film.as_deref()).map(|path| format!("{}: ", path.display())).unwrap_or_default();
+/// Warns about everything unexpected in the picture. Warnings name the picture, since others may be rendered by now.
+fn complain(report: &RenderReport, outputs: &Outputs, console: Console) {
+    let which =
+        outputs.image().or(outputs.film.as_deref()).map(|path| format!("{}: ", path.display())).unwrap_or_default();
     let warn = |text: &str| console.warn(&format!("{which}{text}"));
     let guards = report.guards();
     if guards.nonfinite > 0 {

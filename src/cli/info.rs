@@ -1,11 +1,11 @@
-//! `etendue info`: what is in a scene, and what rendering it takes.
+//! `etendue info`: the content of a scene, and the resources that rendering it takes.
 
 use super::args::{SceneArgs, ThreadArgs};
 use super::{Console, startup};
 use crate::error::Result;
 use crate::film::Film;
 use crate::integrator;
-use crate::render::{Settings, megabytes};
+use crate::render::{RenderSettings, megabytes};
 use crate::scene::SceneInfo;
 use serde::Serialize;
 
@@ -28,13 +28,13 @@ struct Document {
     info: SceneInfo,
     cameras: Vec<String>,
     blind_spots: Vec<String>,
-    settings: Settings,
+    settings: RenderSettings,
     memory: Memory,
     load_seconds: f64,
     build_seconds: f64,
 }
 
-/// Bytes that a render takes, by what they are for.
+/// Memory of a render in bytes, by purpose.
 #[derive(Serialize)]
 struct Memory {
     film_bytes: u64,
@@ -44,7 +44,7 @@ struct Memory {
     total_bytes: u64,
 }
 
-/// Describes.
+/// Describes a scene.
 pub(super) fn run(args: Args) -> Result<()> {
     let choices = args.scene.choices()?;
     let threads = startup::start_threads(args.threads)?;
@@ -65,7 +65,7 @@ pub(super) fn run(args: Args) -> Result<()> {
 }
 
 impl Memory {
-    fn estimate(settings: &Settings, info: &SceneInfo) -> Self {
+    fn estimate(settings: &RenderSettings, info: &SceneInfo) -> Self {
         let layout = settings.layout();
         let film_bytes = Film::bytes_per_pixel(&layout, settings.replicates) as u64 * layout.pixels() as u64;
         Memory {

@@ -1,9 +1,9 @@
-//! `etendue init`: a `render.toml` with every setting, each explained and none set.
+//! `etendue init`: writes a `render.toml` that explains every setting and sets none.
 
 use super::Console;
 use crate::error::{Error, Result};
 use crate::io::atomic::write_atomically;
-use crate::render::Choices;
+use crate::render::SettingsPatch;
 use clap::{Args as _, Command};
 use std::io::Write;
 use std::path::PathBuf;
@@ -11,19 +11,20 @@ use std::path::PathBuf;
 /// Arguments of `init`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A scene, beside which the file goes, or a folder
+    /// A folder for the file, or a scene beside which it goes
     #[arg(default_value = ".")]
     place: PathBuf,
-    /// Replace a render.toml that is there
+    /// Replace an existing render.toml
     #[arg(long)]
     force: bool,
     #[command(flatten)]
     console: Console,
 }
 
-/// Writes it.
+/// Writes the file.
 pub(super) fn run(args: Args) -> Result<()> {
-    let path = if args.place.is_dir() { args.place.join("render.toml") } else { args.place.with_file_name("render.toml") };
+    let path =
+        if args.place.is_dir() { args.place.join("render.toml") } else { args.place.with_file_name("render.toml") };
     if path.exists() && !args.force {
         return Err(Error::usage(format!("{} is there already: --force replaces it", path.display())));
     }
@@ -31,16 +32,17 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.console.line(&format!("settings: {}", path.display()))
 }
 
-/// Every setting as the command line explains it, as a comment with an example. Names and explanations are the command line's own, so
-/// that none can be forgotten.
+/// Returns every setting as a comment with an example. Names and help texts are those of the command line, so that none
+/// can be missing.
 fn template() -> String {
     let mut text = String::from(
-        "# Settings of the scenes in this folder. The command line wins over them; remove the # of what you want to set.\n",
+        "# RenderSettings of the scenes in this folder. The command line wins over them; remove the # of what you want to set.\n",
     );
-    for argument in Choices::augment_args(Command::new("")).get_arguments() {
+    for argument in SettingsPatch::augment_args(Command::new("")).get_arguments() {
         let Some(name) = argument.get_long() else { continue };
         let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-        let values: Vec<String> = argument.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect();
+        let values: Vec<String> =
+            argument.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect();
         text.push_str(&format!("\n# {}\n", help.replace('\n', " ")));
         if values.len() > 2 {
             text.push_str(&format!("# One of {}\n", values.join(", ")));
@@ -50,7 +52,7 @@ fn template() -> String {
     text
 }
 
-/// A value that is right for a setting, most often its default.
+/// Returns a valid value of a setting, mostly its default.
 fn example(name: &str) -> &'static str {
     EXAMPLES.iter().find(|(of, _)| *of == name).map_or("\"\"", |(_, value)| value)
 }
@@ -92,7 +94,7 @@ const EXAMPLES: &[(&str, &str)] = &[
     ("curve", "\"filmic\""),
 ];
 
-/// The settings of a template, set.
+/// Uncomments the settings of a template.
 #[cfg(test)]
 fn uncommented(text: &str) -> String {
     let settings = text.lines().filter_map(|line| line.strip_prefix("# ")).filter(|line| {
@@ -106,16 +108,16 @@ fn uncommented(text: &str) -> String {
 mod tests {
     use super::*;
 
-    /// A setting without an example, or an example that is no longer understood, fails here.
+    /// Fails if a setting has no example, or an example is no longer valid.
     #[test]
     fn the_template_is_complete_and_valid() {
         let text = template();
         assert!(!text.contains("= \"\""), "a setting has no example: {text}");
-        Choices::parse(&text).expect("nothing but comments");
+        SettingsPatch::parse(&text).expect("nothing but comments");
         let set = uncommented(&text);
-        let choices = Choices::parse(&set).unwrap_or_else(|e| panic!("{}: {set}", e.chain()));
-        let settings = Choices { crop: None, ..choices }.settings(None);
+        let choices = SettingsPatch::parse(&set).unwrap_or_else(|e| panic!("{}: {set}", e.chain()));
+        let settings = SettingsPatch { crop: None, ..choices }.settings(None);
         assert!(settings.is_ok(), "{:?}", settings.err());
-        assert_eq!(set.lines().count(), Choices::augment_args(Command::new("")).get_arguments().count());
+        assert_eq!(set.lines().count(), SettingsPatch::augment_args(Command::new("")).get_arguments().count());
     }
 }

@@ -1,10 +1,10 @@
-//! `etendue merge`: films of one picture become one image or film.
+//! `etendue merge`: merges films of one picture into one image or film.
 
 use super::args::{OutputArgs, ThreadArgs};
 use super::{Console, finish, startup};
 use crate::error::{Error, Result};
 use crate::render::merge::{Gaps, merge};
-use crate::render::{Provenance, Rendered, Selection, Stage, images, picture_name};
+use crate::render::{LoadedScene, PassSelection, Provenance, Rendered, images, picture_name};
 use std::path::PathBuf;
 
 /// Arguments of `merge`.
@@ -13,7 +13,7 @@ pub(super) struct Args {
     /// The films, in any order
     #[arg(required = true)]
     films: Vec<PathBuf>,
-    /// Accept that passes are missing: the picture is noisier than it was meant to be
+    /// Accept missing passes: the picture is noisier than planned
     #[arg(long)]
     allow_gaps: bool,
     #[command(flatten)]
@@ -24,26 +24,27 @@ pub(super) struct Args {
     console: Console,
 }
 
-/// Merges.
+/// Merges films.
 pub(super) fn run(args: Args) -> Result<()> {
     startup::start_threads(args.threads)?;
     let gaps = if args.allow_gaps { Gaps::Allow } else { Gaps::Refuse };
     let (provenance, film) = merge(&args.films, gaps)?;
-    let outputs = args.output.outputs(&picture_name(&provenance.scene.path), Selection::All)?;
+    let outputs = args.output.outputs(&picture_name(&provenance.scene.path), PassSelection::All)?;
     args.output.check(&outputs)?;
     let ids = if outputs.exr.is_some() { ids(&provenance)? } else { None };
     let report = Rendered { provenance, film, ids, preparation: None, check: None }.write(&outputs)?;
     finish::tell(&report, finish::Files { outputs: &outputs, report: args.output.report.as_deref() }, args.console)
 }
 
-/// Instance and material numbers are not in films: they come from the scene, which must be the same.
+/// Computes the instance and material indices. They are not in films and come from the scene, which must be the same.
 fn ids(provenance: &Provenance) -> Result<Option<images::Ids>> {
-    let (path, surroundings, settings) = (&provenance.scene.path, provenance.scene.surroundings.clone(), &provenance.settings);
+    let (path, surroundings, settings) =
+        (&provenance.scene.path, provenance.scene.surroundings.clone(), &provenance.settings);
     if !images::needs_ids(&settings.aovs) {
         return Ok(None);
     }
     let options = settings.build_options(rayon::current_num_threads());
-    let stage = Stage::open(path, surroundings, &settings.moment(), &options)?;
+    let stage = LoadedScene::open(path, surroundings, &settings.moment(), &options)?;
     if stage.scene.hash() != provenance.scene.hash {
         return Err(Error::usage(format!("{} is not the scene of these films any more", path.display())));
     }

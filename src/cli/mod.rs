@@ -1,5 +1,5 @@
-//! The command line: one file a subcommand. Each loads, calls `render/` and tells people what happened; results go to
-//! stdout, everything else to stderr.
+//! The command line: one file per subcommand. Each loads its inputs, calls `render/` and reports the outcome. Results
+//! go to stdout, everything else to stderr.
 
 mod args;
 mod batch;
@@ -11,8 +11,8 @@ mod film;
 mod finish;
 mod info;
 mod init;
+mod man;
 mod merge;
-mod pages;
 mod progress;
 mod render;
 mod resume;
@@ -52,27 +52,27 @@ enum Command {
     Batch(Box<batch::Args>),
     /// Write a render.toml in which every setting is explained
     Init(init::Args),
-    /// Say what is in a scene, what of it is ignored and what rendering it takes
+    /// Describe a scene, its ignored features and the resources that rendering it takes
     Info(Box<info::Args>),
-    /// Make one image or film of several films of the same picture
+    /// Merge several films of the same picture into one image or film
     Merge(merge::Args),
-    /// Say how far two images are apart, and whether they could have the same mean
+    /// Compare an image with a reference, and test whether they could have the same mean
     Compare(compare::Args),
-    /// Measure how fast rays are traced
+    /// Measure ray throughput, or error against time
     #[command(subcommand)]
     Bench(bench::Command),
-    /// Go on with a film that was stopped, or add samples to it
+    /// Continue a film that was stopped, or add samples to it
     Resume(resume::Args),
-    /// Say what is in a film, how far it is and how noisy
+    /// Describe a film, its progress and its error
     Status(film::StatusArgs),
     /// Write a film's picture whenever the film has changed, until it is complete
     Watch(film::WatchArgs),
-    /// Say what this machine and this build offer, and what is missing
+    /// Describe the capabilities of this machine and this build, and any problems
     Doctor(doctor::Args),
     /// Print completions for a shell
-    Completions(pages::CompletionArgs),
+    Completions(man::CompletionArgs),
     /// Write manual pages
-    Man(pages::ManArgs),
+    Man(man::ManArgs),
     /// Compare all methods and backends on a scene
     #[command(long_about = verify::LONG, after_help = verify::AFTER)]
     Verify(Box<verify::Args>),
@@ -108,12 +108,12 @@ pub fn run() -> ExitCode {
             console::error(&error.chain());
             ExitCode::from(error.kind.exit_code())
         }
-        // The panic hook has told what happened.
+        // The panic hook has printed the message.
         Err(_) => ExitCode::from(crate::error::Kind::Internal.exit_code()),
     }
 }
 
-/// The command line, each subcommand with its own view of the flags they share.
+/// Returns the command line. Each subcommand has its own view of the shared flags.
 fn command() -> clap::Command {
     Cli::command().mut_subcommand("verify", verify::command)
 }
@@ -131,8 +131,8 @@ fn execute(command: Command) -> Result<()> {
         Command::Status(args) => film::status(&args),
         Command::Watch(args) => film::watch(&args),
         Command::Doctor(args) => doctor::run(args),
-        Command::Completions(args) => pages::completions(&args),
-        Command::Man(args) => pages::man(&args),
+        Command::Completions(args) => man::completions(&args),
+        Command::Man(args) => man::man(&args),
         Command::Verify(args) => verify::run(*args),
     }
 }

@@ -1,4 +1,4 @@
-//! Running a session with signals heard and progress shown: a bar on a terminal, a line now and then elsewhere.
+//! Runs a session with signal handling and progress display: a bar on a terminal, periodic lines elsewhere.
 
 use super::status::{Event, Status, StatusFormat};
 use super::view::{self, View};
@@ -12,37 +12,37 @@ use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
-/// How progress is told.
+/// Progress display and status output.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 #[command(next_help_heading = "Messages")]
 pub(super) struct ProgressArgs {
-    /// How progress is shown [default: bar on a terminal, else plain]
+    /// Style of the progress display [default: bar on a terminal, else plain]
     #[arg(long, value_enum, value_name = "STYLE")]
     progress: Option<Style>,
-    /// Tell the state of the render on stdout, an object a line
+    /// Print the state of the render on stdout, one object per line
     #[arg(long, value_enum, value_name = "FORMAT")]
     status: Option<StatusFormat>,
-    /// Show the picture as it becomes in tev, which listens there, e.g. localhost:14158
+    /// Show the picture in progress in tev, which listens there, e.g. localhost:14158
     #[arg(long, value_name = "HOST:PORT", value_parser = view::address)]
     view: Option<SocketAddr>,
 }
 
-/// Ways to show progress.
+/// Styles of the progress display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Style {
     /// A bar on stderr
     Bar,
-    /// A line on stderr now and then
+    /// Periodic lines on stderr
     Plain,
-    /// Lines on stdout that Open Job Description's sessions read
+    /// Lines on stdout for Open Job Description sessions
     Openjd,
-    /// Lines on stdout that Tractor's blades read
+    /// Lines on stdout for Tractor blades
     Alf,
     /// Nothing
     None,
 }
 
-/// Runs the session, saving its film as `checkpoint` says.
+/// Runs the session and saves its film as `checkpoint` says.
 pub(super) fn run(
     session: &mut Session<'_>,
     console: Console,
@@ -63,7 +63,7 @@ pub(super) fn run(
     Ok(ended)
 }
 
-/// Shows a session.
+/// Observer that displays a session.
 struct Watcher {
     meter: Meter,
     error: ErrorSoFar,
@@ -73,7 +73,7 @@ struct Watcher {
 }
 
 impl Watcher {
-    /// Tells programs of an end of the session.
+    /// Prints an event of the session to the status output.
     fn tell(&self, event: Event, session: &Session<'_>) {
         let Some(status) = &self.status else { return };
         let error = session.provenance().error_of(session.film());
@@ -99,7 +99,7 @@ impl Observer for Watcher {
 
     fn pass(&mut self, progress: &Progress<'_>) {
         let Watcher { meter, error, status, view, .. } = self;
-        // A viewer that has gone is not missed.
+        // A viewer that has closed is dropped.
         *view = view.take().and_then(|mut view| (!view.is_due() || view.show(progress.film)).then_some(view));
         if let Some(status) = status.as_mut().filter(|status| status.is_due()) {
             status.tell(progress, error.update(progress));
@@ -112,7 +112,8 @@ impl Observer for Watcher {
     }
 }
 
-/// The error of the film, looked at only whenever the number of samples has doubled: a look costs a walk over all pixels.
+/// The error of the film. It is updated only when the number of samples has doubled, since each update visits all
+/// pixels.
 #[derive(Default)]
 struct ErrorSoFar {
     looked_at: u64,
@@ -130,39 +131,39 @@ impl ErrorSoFar {
     }
 }
 
-/// How often a line of progress is written where there is no terminal.
+/// Interval between lines of progress without a terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
 
 /// Steps of the bar: fine enough for the widest terminal.
 const STEPS: u64 = 10_000;
 
-/// Shows how far something is.
+/// Display of the progress of an operation.
 pub(super) enum Meter {
-    /// Not at all.
+    /// No display.
     Silence,
-    /// By a line now and then.
+    /// Periodic lines.
     Lines {
-        /// When the next is due.
+        /// Time of the next line.
         next: Instant,
     },
-    /// By a bar on a terminal, gone when it is over.
+    /// A bar on a terminal, removed at the end.
     Bar(ProgressBar),
-    /// By lines on stdout that a program reads, one for each per cent.
+    /// Lines on stdout for another program, one per per cent.
     Percents {
-        /// Words around the number.
+        /// Text before and after the number.
         around: [&'static str; 2],
-        /// What was told last.
+        /// The last number printed.
         told: Option<u64>,
     },
 }
 
 impl Meter {
-    /// What suits the console.
+    /// Returns the default display of the console.
     pub(super) fn new(console: Console) -> Self {
         Self::styled(None, console)
     }
 
-    /// As asked for, or what suits the console.
+    /// Returns the requested display, or the console's default.
     fn styled(style: Option<Style>, console: Console) -> Self {
         let usual = || match (console.quiet, std::io::stderr().is_terminal()) {
             (true, _) => Style::None,
@@ -187,9 +188,9 @@ impl Meter {
         Meter::Bar(bar)
     }
 
-    /// Shows the share that is done, what else there is to say, and the time that is left.
+    /// Shows the completed fraction, further text, and the remaining time.
     pub(super) fn show(&mut self, done: f64, left: Duration, mut what: impl FnMut() -> String) {
-        // Floored, so that 100 means done.
+        // Rounded down, so that 100 means complete.
         let percent = (done * 100.0).floor();
         match self {
             Meter::Silence => {}
@@ -201,7 +202,7 @@ impl Meter {
             Meter::Percents { told, .. } if *told == Some(percent as u64) => {}
             Meter::Percents { around: [before, after], told } => {
                 *told = Some(percent as u64);
-                // Whoever reads it may be gone; the render goes on.
+                // If stdout is closed, the render continues.
                 let _ = console::print(&format!("{before}{percent}{after}"));
             }
             Meter::Bar(bar) => {

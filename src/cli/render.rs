@@ -1,14 +1,14 @@
 //! `etendue render`: scene in, image out.
 
 use super::args::{KeepArgs, OutputArgs, SceneArgs, StrictArgs, ThreadArgs};
-use super::batch::{self, Means};
+use super::batch::{self, BatchOptions};
 use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::techniques::TechniqueArgs;
 use super::{Console, startup, task};
 use crate::error::Result;
-use crate::render::job::{Job, Request};
-use crate::render::{Choices, Ended, Frames, Plan, Provenance, Selection, picture_name};
+use crate::render::job::{Job, JobRequest};
+use crate::render::{Ended, Frames, PassPlan, PassSelection, Provenance, SettingsPatch, picture_name};
 use std::path::Path;
 
 /// Arguments of `render`.
@@ -18,8 +18,8 @@ pub(super) struct Args {
     scene: SceneArgs,
     #[command(flatten)]
     share: Share,
-    /// Render these frames of the scene's animations, e.g. 1-240, 1-240x2 or 1,3,7-9, each into a file of its own: {frame:04} in the
-    /// output's name is its number. What is complete is not rendered again
+    /// Render these frames of the scene's animations, e.g. 1-240, 1-240x2 or 1,3,7-9, each into its own file:
+    /// {frame:04} in the output's name is the frame number. Complete frames are not rendered again
     #[arg(long, value_name = "LIST", conflicts_with_all = ["frame", "shard", "passes", "techniques", "film", "png", "checkpoint"])]
     frames: Option<Frames>,
     #[command(flatten)]
@@ -38,29 +38,33 @@ pub(super) struct Args {
     console: Console,
 }
 
-/// Which share of the passes is rendered.
+/// Share of the passes to render.
 #[derive(Debug, Clone, Copy, clap::Args)]
 #[command(next_help_heading = "Share of the work")]
 struct Share {
     /// Render shard I of N, from 0: merge the films of all shards afterwards
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "passes")]
-    shard: Option<Selection>,
-    /// Render the passes A to B-1, one sample per pixel each, whatever --spp says
+    shard: Option<PassSelection>,
+    /// Render the passes A to B-1, one sample per pixel each, regardless of --spp
     #[arg(long, value_name = "A..B", value_parser = range)]
-    passes: Option<Selection>,
+    passes: Option<PassSelection>,
 }
 
-fn shard(text: &str) -> std::result::Result<Selection, String> {
+fn shard(text: &str) -> std::result::Result<PassSelection, String> {
     let selection = text.parse()?;
-    if matches!(selection, Selection::Shard { .. }) { Ok(selection) } else { Err("write a shard as I/N".into()) }
+    if matches!(selection, PassSelection::Shard { .. }) { Ok(selection) } else { Err("write a shard as I/N".into()) }
 }
 
-fn range(text: &str) -> std::result::Result<Selection, String> {
+fn range(text: &str) -> std::result::Result<PassSelection, String> {
     let selection = text.parse()?;
-    if matches!(selection, Selection::Range { .. }) { Ok(selection) } else { Err("write a range of passes as A..B".into()) }
+    if matches!(selection, PassSelection::Range { .. }) {
+        Ok(selection)
+    } else {
+        Err("write a range of passes as A..B".into())
+    }
 }
 
-/// Renders.
+/// Renders the scene.
 pub(super) fn run(args: Args) -> Result<()> {
     if let Some(frames) = args.frames.clone() {
         return run_frames(frames, args);
@@ -70,7 +74,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let selection = args.share.shard.or(args.share.passes).unwrap_or_default();
     let plan = choices.plan(selection)?;
     args.strict.check(&plan)?;
-    // Mistakes that do not need the scene are told before it is loaded.
+    // Errors that do not depend on the scene are reported before it is loaded.
     let (look, early) = (choices.look()?, choices.settings(None)?);
     choices.surroundings()?;
     let outputs = args.output.outputs(&picture_name(&args.scene.scene), selection)?;
@@ -97,7 +101,7 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// Renders frames as a batch.
 fn run_frames(frames: Frames, args: Args) -> Result<()> {
     let Args { scene: SceneArgs { scene, no_config, choices }, output, strict, threads, progress, console, .. } = args;
-    let request = Request { scenes: vec![scene], frames: Some(frames), settings: choices, ..Request::default() };
+    let request = JobRequest { scenes: vec![scene], frames: Some(frames), settings: choices, ..JobRequest::default() };
     let job = Job {
         output: Some(output.output.unwrap_or_else(|| "{scene}.{frame:04}.exr".into())),
         report: output.report,
@@ -105,15 +109,19 @@ fn run_frames(frames: Frames, args: Args) -> Result<()> {
         no_config,
         ..Job::default()
     };
-    let pictures = job.pictures(Path::new(""), &Choices::default())?;
-    batch::render_all(&pictures, Means { again: false, strict, threads, progress, console })
+    let pictures = job.pictures(Path::new(""), &SettingsPatch::default())?;
+    batch::render_all(&pictures, BatchOptions { again: false, strict, threads, progress, console })
 }
 
-/// Says that another number of samples is rendered than was asked for.
-fn say_rounding(console: Console, choices: &Choices, plan: Plan, replicates: u32) {
-    if let (Some(asked), Some(spp), false) = (choices.spp, plan.stop.spp, matches!(plan.selection, Selection::Range { .. })) {
+/// Notes that the number of samples was rounded up.
+fn say_rounding(console: Console, choices: &SettingsPatch, plan: PassPlan, replicates: u32) {
+    if let (Some(asked), Some(spp), false) =
+        (choices.spp, plan.stop.spp, matches!(plan.selection, PassSelection::Range { .. }))
+    {
         if u64::from(asked) != spp {
-            console.note(&format!("{asked} samples per pixel rounded up to {spp}: {replicates} replicates × a power of two"));
+            console.note(&format!(
+                "{asked} samples per pixel rounded up to {spp}: {replicates} replicates × a power of two"
+            ));
         }
     }
 }

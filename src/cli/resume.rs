@@ -1,17 +1,20 @@
-//! `etendue resume`: a film goes on as if it had never stopped.
+//! `etendue resume`: continues a film as if it had never stopped.
 
 use super::args::{KeepArgs, OutputArgs, StrictArgs, ThreadArgs};
 use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::{Console, startup};
 use crate::error::{Error, Result};
-use crate::render::{Budget, Choices, Environment, Outputs, Plan, Selection, Session, Stage, Surroundings, checkpoint};
+use crate::render::{
+    Budget, EnvironmentChoice, LoadedScene, Outputs, PassPlan, PassSelection, Session, SettingsPatch, Surroundings,
+    checkpoint,
+};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `resume`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The film to go on with; it is updated
+    /// The film to continue; it is updated
     film_file: PathBuf,
     /// Samples per pixel wanted in all [default: the film's own run says when it is done]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30))]
@@ -22,10 +25,10 @@ pub(super) struct Args {
     /// Stop once the relative mean squared error is below this with 95 % confidence, e.g. 1e-3
     #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
     target_error: Option<f64>,
-    /// The scene, if it is not where it was
+    /// The scene, if its file has moved
     #[arg(long, value_name = "PATH")]
     scene: Option<PathBuf>,
-    /// The environment's file, if it is not where it was
+    /// The environment's file, if it has moved
     #[arg(long, value_name = "FILE")]
     env: Option<PathBuf>,
     #[command(flatten)]
@@ -40,7 +43,7 @@ pub(super) struct Args {
     console: Console,
 }
 
-/// Resumes.
+/// Resumes a film.
 pub(super) fn run(args: Args) -> Result<()> {
     let console = args.console;
     let threads = startup::start_threads(args.threads)?;
@@ -52,7 +55,12 @@ pub(super) fn run(args: Args) -> Result<()> {
     let signals = Signals::heed()?;
     let path = args.scene.clone().unwrap_or_else(|| provenance.scene.path.clone());
     let surroundings = surroundings(provenance.scene.surroundings.take(), args.env.clone())?;
-    let stage = Stage::open(&path, surroundings, &provenance.settings.moment(), &provenance.settings.build_options(threads))?;
+    let stage = LoadedScene::open(
+        &path,
+        surroundings,
+        &provenance.settings.moment(),
+        &provenance.settings.build_options(threads),
+    )?;
     if args.strict.strict {
         stage.refuse_ignored()?;
     }
@@ -65,32 +73,35 @@ pub(super) fn run(args: Args) -> Result<()> {
     task.finish(&session.end()?, ended).map(drop)
 }
 
-/// What was around the scene, its file where it is now.
+/// Returns the recorded surroundings, with the new path of a moved file.
 fn surroundings(recorded: Option<Surroundings>, moved: Option<PathBuf>) -> Result<Option<Surroundings>> {
     match (recorded, moved) {
-        (Some(Surroundings { environment: Environment::File(_), rotation, scale, layer }), Some(path)) => {
-            Ok(Some(Surroundings { environment: Environment::File(path), rotation, scale, layer }))
+        (Some(Surroundings { environment: EnvironmentChoice::File(_), rotation, scale, layer }), Some(path)) => {
+            Ok(Some(Surroundings { environment: EnvironmentChoice::File(path), rotation, scale, layer }))
         }
-        (_, Some(_)) => Err(Error::usage("the film's scene has no environment from a file: --env has nothing to replace")),
+        (_, Some(_)) => {
+            Err(Error::usage("the film's scene has no environment from a file: --env has nothing to replace"))
+        }
         (recorded, None) => Ok(recorded),
     }
 }
 
-/// What is wanted now.
-fn plan(args: &Args, plan: Plan, replicates: u32) -> Result<Plan> {
+/// Returns the plan of this run.
+fn plan(args: &Args, plan: PassPlan, replicates: u32) -> Result<PassPlan> {
     let Args { spp, time, target_error, .. } = *args;
-    let choices = Choices { spp, time, target_error, replicates: Some(replicates), ..Choices::default() };
+    let choices = SettingsPatch { spp, time, target_error, replicates: Some(replicates), ..SettingsPatch::default() };
     if !choices.stops() {
         return Ok(plan);
     }
-    if spp.is_some() && matches!(plan.selection, Selection::Range { .. }) {
-        let what = format!("{} holds an explicit range of passes: render others with --passes", args.film_file.display());
+    if spp.is_some() && matches!(plan.selection, PassSelection::Range { .. }) {
+        let what =
+            format!("{} holds an explicit range of passes: render others with --passes", args.film_file.display());
         return Err(Error::usage(what));
     }
     choices.plan(plan.selection)
 }
 
-/// The film itself, and the image beside it unless another was asked for.
+/// Returns the outputs: the film itself, and the image beside it unless another one was given.
 fn outputs(args: &Args) -> Result<Outputs> {
     let beside = || args.film_file.with_extension("exr");
     let image = Outputs::of(args.output.output.as_deref().unwrap_or(&beside()))?;

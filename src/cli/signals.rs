@@ -1,4 +1,4 @@
-//! Signals: a render that is asked to stop keeps what it has.
+//! Signal handling: a render that is asked to stop keeps the samples so far.
 
 use crate::error::{Error, Kind, Result};
 use crate::parallel::Cancel;
@@ -8,23 +8,26 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Hears SIGINT, SIGTERM and SIGUSR1, which Slurm sends some time before the end. While there is nothing to lose the program ends at
-/// once, for a render to be begun again; from [`Signals::hold`] on the first asks for a stop and the second kills.
+/// Handlers of SIGINT, SIGTERM and SIGUSR1; the last is what Slurm sends some time before the end of a job. Until
+/// [`Signals::hold`] a signal ends the program at once, since there is nothing to lose. From then on the first signal
+/// requests a stop, and the second kills.
 pub(super) struct Signals {
-    /// The stop.
+    /// Stop request, set by the first signal.
     pub(super) cancel: Cancel,
     idle: Arc<AtomicBool>,
 }
 
 impl Signals {
-    /// Listens.
+    /// Installs the handlers.
     ///
     /// # Errors
     /// The system refuses.
     pub(super) fn heed() -> Result<Self> {
         let signals = Signals { cancel: Cancel::new(), idle: Arc::new(AtomicBool::new(true)) };
         for signal in [SIGINT, SIGTERM, SIGUSR1] {
-            signals.on(signal).map_err(|cause| Error::new(Kind::Internal, "cannot listen for signals").because(cause))?;
+            signals
+                .on(signal)
+                .map_err(|cause| Error::new(Kind::Internal, "cannot listen for signals").because(cause))?;
         }
         Ok(signals)
     }
@@ -32,12 +35,12 @@ impl Signals {
     fn on(&self, signal: i32) -> io::Result<()> {
         let again = i32::from(Kind::Interrupted.exit_code());
         register_conditional_shutdown(signal, again, Arc::clone(&self.idle))?;
-        // The order matters: the flag is still clear when the first signal passes this handler.
+        // The order matters: the flag is still clear when this handler sees the first signal.
         register_conditional_default(signal, self.cancel.flag())?;
         register(signal, self.cancel.flag()).map(drop)
     }
 
-    /// From now on there is something to lose.
+    /// Marks the start of work that a stop must not lose.
     pub(super) fn hold(&self) {
         self.idle.store(false, Ordering::Relaxed);
     }

@@ -1,37 +1,37 @@
-//! `--status json`: the state of a render as objects, a line each, for programs that watch it.
+//! `--status json`: the state of a render as JSON objects, one per line, for monitoring programs.
 
 use super::console;
 use crate::film::{Film, ImageError};
 use crate::integrator::Guards;
-use crate::render::{Progress, Provenance, Selection, machine};
+use crate::render::{PassSelection, Progress, Provenance, machine};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
-/// Least time between lines.
+/// Minimum interval between lines.
 const INTERVAL: Duration = Duration::from_secs(1);
 
-/// Ways to tell it.
+/// Formats of the status output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum StatusFormat {
-    /// JSON objects, a line each
+    /// JSON objects, one per line
     Json,
 }
 
-/// What is told of.
+/// Events of a render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Event {
     /// The first pass is about to begin.
     Begin,
-    /// Some passes are done.
+    /// Some passes are complete.
     Progress,
-    /// All are.
+    /// All passes are complete.
     Complete,
-    /// A signal came; the film is saved next.
+    /// A signal was received; the film is saved next.
     Stopped,
 }
 
-/// One line.
+/// One line of status output.
 #[derive(Serialize)]
 struct Line<'a> {
     event: Event,
@@ -39,11 +39,11 @@ struct Line<'a> {
     camera: &'a str,
     method: &'a serde_json::Value,
     shard: Option<String>,
-    /// Passes in the film.
+    /// Number of passes in the film.
     passes: u64,
-    /// Of those wanted, floored.
+    /// Completed share of the wanted passes, rounded down.
     percent: Option<u64>,
-    /// Of this session.
+    /// Time of this session.
     seconds: f64,
     eta_seconds: Option<f64>,
     error: Option<Interval>,
@@ -61,7 +61,7 @@ struct Interval {
     trusted: bool,
 }
 
-/// Tells the state of one render.
+/// Status output of one render.
 pub(super) struct Status {
     scene: String,
     camera: String,
@@ -69,7 +69,7 @@ pub(super) struct Status {
     shard: Option<String>,
     begun: Instant,
     next: Instant,
-    /// Rays of earlier sessions.
+    /// Number of rays of earlier sessions.
     earlier: u64,
 }
 
@@ -78,9 +78,9 @@ impl Status {
         let StatusFormat::Json = format;
         let settings = &provenance.settings;
         let shard = match provenance.plan.selection {
-            Selection::All => None,
-            Selection::Shard { index, count } => Some(format!("{index}/{count}")),
-            Selection::Range { start, end } => Some(format!("{start}..{end}")),
+            PassSelection::All => None,
+            PassSelection::Shard { index, count } => Some(format!("{index}/{count}")),
+            PassSelection::Range { start, end } => Some(format!("{start}..{end}")),
         };
         Status {
             scene: crate::render::picture_name(&provenance.scene.path).to_string_lossy().into_owned(),
@@ -93,12 +93,12 @@ impl Status {
         }
     }
 
-    /// Whether it is time for another line.
+    /// Whether a line is due.
     pub(super) fn is_due(&self) -> bool {
         Instant::now() >= self.next
     }
 
-    /// Tells how far a render is.
+    /// Prints the progress of a render.
     pub(super) fn tell(&mut self, progress: &Progress<'_>, error: Option<&ImageError>) {
         self.next = Instant::now() + INTERVAL;
         let pace = progress.pace;
@@ -106,7 +106,7 @@ impl Status {
         print(&Line { percent: Some(pace.percent()), eta_seconds: Some(pace.remaining().as_secs_f64()), ..line });
     }
 
-    /// Tells how a render begins and ends.
+    /// Prints the start or the end of a render.
     pub(super) fn tell_of(&self, event: Event, film: &Film, provenance: &Provenance, error: Option<&ImageError>) {
         let line = self.line(event, film, provenance, error);
         print(&Line { percent: (event == Event::Complete).then_some(100), ..line });
@@ -139,7 +139,7 @@ impl Status {
     }
 }
 
-/// Whoever reads it may be gone, which must not cost the render.
+/// Prints a line. If stdout is closed, the render continues.
 fn print(line: &Line<'_>) {
     let _ = serde_json::to_string(line).map(|text| console::print(&text));
 }

@@ -1,4 +1,4 @@
-//! One picture from a loaded scene to its files: what `render` does once and `batch` many times.
+//! Renders one picture, from a loaded scene to its files. `render` does this once, `batch` many times.
 
 use super::args::StrictArgs;
 use super::progress::ProgressArgs;
@@ -6,40 +6,44 @@ use super::signals::Signals;
 use super::{Console, finish, progress};
 use crate::error::Result;
 use crate::render::checkpoint::{self, INTERVAL};
-use crate::render::{Checkpoint, Ended, Found, Outputs, Provenance, Rendered, Report, Session, Stage};
+use crate::render::{
+    Checkpoint, Ended, ExistingOutput, LoadedScene, Outputs, Provenance, RenderReport, Rendered, Session,
+};
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Where the results of a picture go, and how it is made.
+/// Outputs of a picture and options for rendering it.
 pub(super) struct Task {
     /// Images and film.
     pub(super) outputs: Outputs,
     /// The report.
     pub(super) report: Option<PathBuf>,
-    /// How often the film is saved on the way, whether or not it is an output.
+    /// Interval between saves of the film, whether or not it is an output.
     pub(super) checkpoint: Option<Duration>,
-    /// Whether what an earlier run left is taken.
+    /// Whether to reuse the output of an earlier run.
     pub(super) skip_complete: bool,
-    /// What is an error.
+    /// Warnings treated as errors.
     pub(super) strict: StrictArgs,
-    /// How progress is told.
+    /// Progress display.
     pub(super) progress: ProgressArgs,
-    /// How talkative it is.
+    /// Console output.
     pub(super) console: Console,
 }
 
 impl Task {
-    /// The session of `provenance`, with what an earlier run left of it; `None` if that is all.
-    pub(super) fn begin<'a>(&self, stage: &'a Stage, provenance: Provenance) -> Result<Option<Session<'a>>> {
-        let found = if self.skip_complete { Found::at(&self.outputs, &provenance) } else { Found::Nothing };
+    /// Begins the session of `provenance`, continuing the film of an earlier run; `None` if the output is complete.
+    pub(super) fn begin<'a>(&self, stage: &'a LoadedScene, provenance: Provenance) -> Result<Option<Session<'a>>> {
+        let found =
+            if self.skip_complete { ExistingOutput::at(&self.outputs, &provenance) } else { ExistingOutput::Nothing };
         match found {
-            Found::Nothing => Session::begin(stage, provenance).map(Some),
-            Found::Part(earlier, film) => {
-                self.console.note(&format!("going on after {} samples per pixel of an earlier run", film.passes().len()));
+            ExistingOutput::Nothing => Session::begin(stage, provenance).map(Some),
+            ExistingOutput::Part(earlier, film) => {
+                self.console
+                    .note(&format!("going on after {} samples per pixel of an earlier run", film.passes().len()));
                 let provenance = Provenance { plan: provenance.plan, look: provenance.look, ..*earlier };
                 Session::resume(stage, provenance, film).map(Some)
             }
-            Found::All => {
+            ExistingOutput::All => {
                 let path = self.outputs.image().or(self.outputs.film.as_deref());
                 let path = path.map(|path| path.display().to_string()).unwrap_or_default();
                 self.console.line(&format!("complete already: {path}"))?;
@@ -48,7 +52,7 @@ impl Task {
         }
     }
 
-    /// Renders the passes that are wanted yet.
+    /// Renders the missing passes.
     pub(super) fn render(&self, session: &mut Session<'_>, signals: &Signals) -> Result<Ended> {
         signals.hold();
         let path = if self.checkpoint.is_some() { self.outputs.checkpoint() } else { self.outputs.film.clone() };
@@ -56,8 +60,8 @@ impl Task {
         progress::run(session, self.console, self.progress, &signals.cancel, checkpoint)
     }
 
-    /// Writes the files, and removes a film that was only for a kill.
-    pub(super) fn finish(&self, rendered: &Rendered, ended: Ended) -> Result<Report> {
+    /// Writes the outputs. Removes a film that served only as a checkpoint.
+    pub(super) fn finish(&self, rendered: &Rendered, ended: Ended) -> Result<RenderReport> {
         let files = finish::Files { outputs: &self.outputs, report: self.report.as_deref() };
         let report = finish::session(rendered, ended, files, self.strict, self.console)?;
         if self.outputs.film.is_none() && (self.checkpoint.is_some() || self.skip_complete) {
@@ -66,7 +70,7 @@ impl Task {
         Ok(report)
     }
 
-    /// Removes the film beside the image if it is one of this picture.
+    /// Removes the film beside the image if it belongs to this picture.
     fn forget(&self, provenance: &Provenance) {
         let Some(path) = self.outputs.checkpoint() else { return };
         let is_ours = checkpoint::open(&path).is_ok_and(|(other, _)| provenance.same_picture(&other).is_ok());
@@ -76,7 +80,7 @@ impl Task {
     }
 }
 
-/// Says what the user would not expect in the picture.
+/// Warns about everything unexpected in the picture.
 pub(super) fn warn(console: Console, provenance: &Provenance) {
     let scene = &provenance.scene;
     scene.warnings.iter().for_each(|text| console.warn(text));

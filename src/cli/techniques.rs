@@ -1,5 +1,5 @@
-//! `--techniques` of `etendue render`: what each technique of bidirectional path tracing finds on its own, from the passes that the
-//! image has been made of.
+//! `--techniques` of `etendue render`: writes the contribution of each technique of bidirectional path tracing, from
+//! the passes of the image.
 
 use super::Console;
 use super::progress::Meter;
@@ -11,24 +11,24 @@ use crate::render::{Ended, Outputs, Session};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Scattering events of the longest paths where nothing is said: 13 images, of which all are worth looking at.
+/// Default of the longest paths, in scattering events. It gives 13 images, all of them informative.
 const DEFAULT_DEPTH: u32 = 3;
 
-/// Which images of techniques are written.
+/// Output of technique images.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Files")]
 pub(super) struct TechniqueArgs {
-    /// Write what each technique of bdpt finds on its own, weighted and not, as layers of this .exr, and a sheet of them as .png
-    /// beside it; takes about as long as the image
+    /// Write the contribution of each technique of bdpt, weighted and unweighted, as layers of this .exr, and a sheet
+    /// of them as .png beside it; takes about as long as the image
     #[arg(long, value_name = "PATH", conflicts_with_all = ["shard", "passes"])]
     techniques: Option<PathBuf>,
-    /// Longest paths in there, in scattering events [default: 3]
+    /// Longest paths of these techniques, in scattering events [default: 3]
     #[arg(long, value_name = "EVENTS", requires = "techniques", value_parser = clap::value_parser!(u32).range(0..=16))]
     techniques_depth: Option<u32>,
 }
 
 impl TechniqueArgs {
-    /// The files to write beside `outputs` for a render by `method`, if any.
+    /// Returns the files to write beside `outputs` for a render by `method`, if any.
     pub(super) fn files(&self, method: Method, outputs: &Outputs) -> Result<Option<TechniqueFiles>> {
         let Some(path) = &self.techniques else { return Ok(None) };
         if method != Method::Bdpt {
@@ -42,7 +42,7 @@ impl TechniqueArgs {
         Ok(Some(files))
     }
 
-    /// Renders and writes them.
+    /// Renders and writes the technique images.
     pub(super) fn write(
         &self,
         files: &TechniqueFiles,
@@ -54,7 +54,8 @@ impl TechniqueArgs {
         console.note(&format!("rendering the techniques of paths of up to {deepest} scattering events"));
         let (mut meter, begun) = (Meter::new(console), Instant::now());
         let watch = |done: f64| {
-            let left = Duration::try_from_secs_f64(begun.elapsed().as_secs_f64() * (1.0 - done) / done).unwrap_or_default();
+            let left =
+                Duration::try_from_secs_f64(begun.elapsed().as_secs_f64() * (1.0 - done) / done).unwrap_or_default();
             meter.show(done, left, || "techniques, ".into());
         };
         let Some(images) = session.techniques(deepest, cancel, watch)? else { return Ok(Ended::Interrupted) };

@@ -1,4 +1,4 @@
-//! `etendue verify`: do all methods and backends agree on a scene?
+//! `etendue verify`: tests whether all methods and backends agree on a scene.
 
 use super::args::{SceneArgs, ThreadArgs};
 use super::progress::Meter;
@@ -7,9 +7,11 @@ use super::{Console, startup};
 use crate::accel::Backend;
 use crate::error::{Error, Kind, Result};
 use crate::integrator::Method;
-use crate::render::same_mean::{Outcome, Picture, Pyramid, judge};
-use crate::render::verify::{Candidate, Effort, Ran, Report, Request, affordable, run as render, write_pictures};
-use crate::render::{Budget, Choices, Stage, round_spp, writable};
+use crate::render::same_mean::{Outcome, Pyramid, TestedPicture, judge};
+use crate::render::verify::{
+    Candidate, Effort, Ran, VerifyReport, VerifyRequest, affordable, run as render, write_pictures,
+};
+use crate::render::{Budget, LoadedScene, SettingsPatch, round_spp, writable};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -58,10 +60,10 @@ struct Who {
     /// Time for rendering, split evenly [default: 120s, unless --spp says how many samples each takes]
     #[arg(long, value_name = "TIME", conflicts_with = "spp")]
     budget: Option<Budget>,
-    /// Probability at most of finding any difference where there is none
+    /// Maximum probability of finding any difference where there is none
     #[arg(long, default_value_t = LEVEL, value_parser = level)]
     level: f64,
-    /// Write every picture, and where the worst pair differs, into this folder
+    /// Write every picture, and the differences of the worst pair, into this folder
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
 }
@@ -71,16 +73,16 @@ fn level(text: &str) -> std::result::Result<f64, String> {
     level.ok_or_else(|| format!("'{text}' is not a level: write a probability from {MIN_LEVEL} to 0.5"))
 }
 
-/// Below this the tails of t are of no meaning for 32 replicates.
+/// Minimum level. The tails of t are unreliable below it for 32 replicates.
 const MIN_LEVEL: f64 = 1e-9;
 
-/// Without --level: of a thousand runs on right renderers at most one is to cry wolf.
+/// Default of --level: at most one false alarm in a thousand runs on unbiased renderers.
 const LEVEL: f64 = 1e-3;
 
-/// Without --budget.
+/// Default of --budget.
 const BUDGET: Duration = Duration::from_secs(120);
 
-/// Verifies.
+/// Verifies a scene.
 pub(super) fn run(args: Args) -> Result<()> {
     let console = args.console;
     refuse_senseless(&args.scene.choices)?;
@@ -89,26 +91,28 @@ pub(super) fn run(args: Args) -> Result<()> {
     if let Some(folder) = &args.who.output {
         writable(&folder.with_extension("exr"))?;
     }
-    let request = Request { methods: args.who.methods.clone(), backends: args.who.backends.clone() };
+    let request = VerifyRequest { methods: args.who.methods.clone(), backends: args.who.backends.clone() };
     let threads = startup::start_threads(args.threads)?;
-    let stages = request.backends().into_iter().map(|b| stage(&args.scene, &choices, b, threads)).collect::<Result<Vec<_>>>()?;
+    let stages =
+        request.backends().into_iter().map(|b| stage(&args.scene, &choices, b, threads)).collect::<Result<Vec<_>>>()?;
     let lineup = request.lineup(&stages[0].scene)?;
     let mut candidates = candidates(&stages, &lineup.methods, &choices)?;
     render_all(&mut candidates, effort(&args.who, &args.scene.choices), console)?;
     let pyramids = candidates.iter().map(Candidate::pyramid).collect::<Result<Vec<Pyramid>>>()?;
-    let pictures: Vec<Picture<'_, Method>> = candidates
+    let pictures: Vec<TestedPicture<'_, Method>> = candidates
         .iter()
         .zip(&pyramids)
-        .map(|(c, pyramid)| Picture { pyramid, method: c.method(), doubt: c.doubt(args.who.level) })
+        .map(|(c, pyramid)| TestedPicture { pyramid, method: c.method(), doubt: c.doubt(args.who.level) })
         .collect();
     let judgement = judge(&pictures, args.who.level);
     if let Some(folder) = &args.who.output {
         write_pictures(folder, &candidates, &judgement)?;
     }
-    tell(&Report::new(&candidates, &pictures, lineup, judgement), console)
+    tell(&VerifyReport::new(&candidates, &pictures, lineup, judgement), console)
 }
 
-/// The command as clap shows it: what of `render`'s flags means nothing here is hidden, what means something else says so.
+/// Adapts the command for clap: flags of `render` without a meaning here are hidden, and those with another meaning get
+/// their own help.
 pub(super) fn command(mut command: clap::Command) -> clap::Command {
     for flag in ["method", "backend", "time", "target_error", "replicates", "clamp", "aovs"] {
         command = command.mut_arg(flag, |arg| arg.hide(true));
@@ -118,8 +122,8 @@ pub(super) fn command(mut command: clap::Command) -> clap::Command {
     command.mut_arg("spp", |arg| arg.help(spp)).mut_arg("size", |arg| arg.help(size))
 }
 
-/// Refuses flags of `render` that mean nothing here.
-fn refuse_senseless(line: &Choices) -> Result<()> {
+/// Rejects flags of `render` without a meaning here.
+fn refuse_senseless(line: &SettingsPatch) -> Result<()> {
     let given = [
         ("--method", line.method.is_some(), "choose with --methods"),
         ("--backend", line.backend.is_some(), "choose with --backends"),
@@ -135,24 +139,28 @@ fn refuse_senseless(line: &Choices) -> Result<()> {
     }
 }
 
-/// The picture's choices: render.toml's, but for its size and what stops it.
-fn choices(scene: &SceneArgs) -> Result<Choices> {
+/// Returns the picture's choices: those of `render.toml`, except for its size and its stopping criteria.
+fn choices(scene: &SceneArgs) -> Result<SettingsPatch> {
     let (size, crop) = (scene.choices.size, scene.choices.crop);
-    Ok(Choices { size, crop, spp: None, time: None, target_error: None, ..scene.choices()? })
+    Ok(SettingsPatch { size, crop, spp: None, time: None, target_error: None, ..scene.choices()? })
 }
 
-fn effort(who: &Who, line: &Choices) -> Effort {
+fn effort(who: &Who, line: &SettingsPatch) -> Effort {
     match line.spp {
         Some(spp) => Effort::Spp(round_spp(u64::from(spp), crate::render::verify::REPLICATES)),
         None => Effort::Time(who.budget.map_or(BUDGET, |Budget(time)| time)),
     }
 }
 
-fn stage(scene: &SceneArgs, choices: &Choices, backend: Backend, threads: usize) -> Result<Stage> {
-    Ok(scene.stage(&Choices { backend: Some(backend), ..choices.clone() }, threads)?.0)
+fn stage(scene: &SceneArgs, choices: &SettingsPatch, backend: Backend, threads: usize) -> Result<LoadedScene> {
+    Ok(scene.stage(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads)?.0)
 }
 
-fn candidates<'a>(stages: &'a [Stage], methods: &[Method], choices: &Choices) -> Result<Vec<Candidate<'a>>> {
+fn candidates<'a>(
+    stages: &'a [LoadedScene],
+    methods: &[Method],
+    choices: &SettingsPatch,
+) -> Result<Vec<Candidate<'a>>> {
     let count = stages.len() * methods.len();
     let all = methods.iter().flat_map(|&method| stages.iter().map(move |stage| (stage, method)));
     let mut candidates: Vec<Candidate<'a>> = Vec::new();
@@ -181,8 +189,8 @@ fn render_all(candidates: &mut [Candidate<'_>], effort: Effort, console: Console
     }
 }
 
-/// Prints the result; a difference is an error, so that scripts see it.
-fn tell(report: &Report, console: Console) -> Result<()> {
+/// Prints the result. A difference is an error, so that scripts notice it.
+fn tell(report: &VerifyReport, console: Console) -> Result<()> {
     console.document(report)?;
     report.lines().iter().try_for_each(|line| console.line(line))?;
     if report.outcome != Outcome::Differ {

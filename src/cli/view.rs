@@ -1,4 +1,4 @@
-//! `--view`: the picture as it becomes, in tev or another viewer that speaks its protocol.
+//! `--view`: shows the picture in progress in tev or another viewer with the same protocol.
 
 use super::Console;
 use crate::film::{Film, Plane};
@@ -7,22 +7,23 @@ use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
-/// How long a viewer may take to answer or to read; the render waits for it.
+/// Timeout for the viewer to answer or to read; the render waits for it.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Least time between pictures.
+/// Minimum interval between updates.
 const INTERVAL: Duration = Duration::from_secs(1);
 
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
-/// Reads `host:port`.
+/// Parses `host:port`.
 pub(super) fn address(text: &str) -> Result<SocketAddr, String> {
-    let wrong =
-        |cause: &dyn std::fmt::Display| format!("'{text}' is not a place to show pictures at, such as localhost:14158: {cause}");
+    let wrong = |cause: &dyn std::fmt::Display| {
+        format!("'{text}' is not a place to show pictures at, such as localhost:14158: {cause}")
+    };
     let mut found = text.to_socket_addrs().map_err(|cause| wrong(&cause))?;
     found.next().ok_or_else(|| wrong(&"no such host"))
 }
 
-/// A viewer that listens.
+/// A connected viewer.
 pub(super) struct View {
     client: TevClient,
     name: String,
@@ -30,7 +31,7 @@ pub(super) struct View {
 }
 
 impl View {
-    /// The viewer at `address`, told of the picture; `None` if nobody listens.
+    /// Connects to the viewer at `address` and opens the picture there; `None` if nothing listens.
     pub(super) fn open(address: SocketAddr, provenance: &Provenance, film: &Film, console: Console) -> Option<View> {
         let connected = TcpStream::connect_timeout(&address, PATIENCE).and_then(|stream| {
             stream.set_write_timeout(Some(PATIENCE))?;
@@ -58,12 +59,12 @@ impl View {
         }
     }
 
-    /// Whether it is time for another picture.
+    /// Whether an update is due.
     pub(super) fn is_due(&self) -> bool {
         Instant::now() >= self.next
     }
 
-    /// Shows the film; whether the viewer is still there.
+    /// Shows the film. Returns whether the viewer is still connected.
     pub(super) fn show(&mut self, film: &Film) -> bool {
         self.next = Instant::now() + INTERVAL;
         let crop = film.layout().crop;

@@ -1,52 +1,54 @@
-//! The film: exact integer sums of every plane, one set per replicate. Adding passes and merging films in any order
-//! gives the same sums bit for bit, so threads, shards and resumption leave no trace in the picture.
+//! The film: exact integer sums of every plane, one set per replicate. Integer addition is associative, so that the
+//! order of passes and merges does not change any bit. The image is therefore independent of threads, shards and
+//! resumption.
 //!
-//! Limits: values are quantised to [`Units`] with unbiased rounding, decided by a hash of (seed, pass, pixel, channel).
-//! Values that are not finite or reach 2¹⁸⁰ units (the integrator filters them) count as zero and in [`Film::dropped`].
+//! Values are quantised to [`Units`] by unbiased stochastic rounding, with a hash of (seed, pass, pixel, channel) as
+//! its random number. Values that are not finite or reach 2¹⁸⁰ units count as zero and in [`Film::dropped`];
+//! integrators filter them beforehand.
 
-use super::peaks::Peaks;
+use super::max_samples::Peaks;
 use super::sums::{Spill, Sums, add_rounded};
-use super::{Head, Layout, PassFilm, PassSet, Plane, Units};
+use super::{FilmHeader, Layout, PassFilm, PassSet, Plane, Units};
 use crate::defects::{Defect, planted};
 use crate::error::Result;
 use crate::sampling::mix64;
 use rayon::prelude::*;
 
-/// Exact sums over passes of every plane, for each replicate.
+/// Exact sums of every plane over passes, by replicate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
-    head: Head,
+    head: FilmHeader,
     /// By replicate; values are pixel-interleaved like those of a pass.
     sums: Vec<Sums>,
     peaks: Peaks,
 }
 
-/// How one channel is quantised.
+/// Quantisation of one channel.
 struct Channel {
     /// 2³² / unit.
     scale: f64,
-    /// Odd, so that a uniform hash of the pixel times this is uniform; the same whatever planes are asked for.
+    /// Odd, so that its product with a uniform hash of the pixel is uniform. Independent of the planes in the layout.
     hash_factor: u64,
 }
 
 impl Film {
-    /// An empty film. The seed is the render's; it addresses the rounding.
+    /// Returns an empty film. `seed` is the seed of the render; it also seeds the rounding.
     ///
     /// # Panics
-    /// If there is no replicate, or a unit is not a power of two within 2^±[`Units::MAX_EXPONENT`].
+    /// If `replicates` is 0, or a unit is not a power of two within 2^±[`Units::MAX_EXPONENT`].
     pub fn new(layout: Layout, replicates: u32, seed: u64, units: Units) -> Self {
         assert!(replicates > 0 && units.exponents().is_some(), "{replicates} replicates, {units:?}");
-        Film::empty(Head { layout, replicates, seed, units, passes: PassSet::new(), dropped: 0 })
+        Film::empty(FilmHeader { layout, replicates, seed, units, passes: PassSet::new(), dropped: 0 })
     }
 
-    /// A film whose sums are zero, whatever passes `head` says that it holds.
-    pub(crate) fn empty(head: Head) -> Self {
+    /// Returns a film with all sums zero, whatever passes `head` lists.
+    pub(crate) fn empty(head: FilmHeader) -> Self {
         let sums = (0..head.replicates).map(|_| Sums::new(head.values())).collect();
         Film { peaks: Peaks::new(head.layout.pixels()), sums, head }
     }
 
-    /// Adds a pass to its replicate, pass mod R. Committing a pass that the film holds is a defect of the caller; a
-    /// release build leaves the film as it is, since the same pass has the same values.
+    /// Adds a pass to replicate pass mod R. Committing a pass twice is a caller's bug. A release build then leaves the
+    /// film unchanged, since the same pass has the same values.
     ///
     /// # Panics
     /// If the pass has another layout or the index `u64::MAX`.
@@ -75,7 +77,7 @@ impl Film {
     /// Adds all passes of another film of the same render.
     ///
     /// # Errors
-    /// See [`Head::admits`]; this film is then unchanged.
+    /// See [`FilmHeader::admits`]; this film is then unchanged.
     pub fn merge(&mut self, other: &Film) -> Result<()> {
         self.head.absorb(&other.head)?;
         self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| a.merge(b));
@@ -83,13 +85,15 @@ impl Film {
         Ok(())
     }
 
-    /// The mean over all samples of a plane, all replicates together: the exact sum times unit over the number of passes. Pixels
-    /// row by row within the crop, channels interleaved. [`Plane::Invalid`] is the sum; depth and position are divided by the
-    /// coverage, 0 where there is none. Zeros while there are no passes; empty if the plane is not in the layout.
+    /// Returns the mean of a plane over all samples of all replicates: the exact sum times the unit over the number of
+    /// passes. Pixels are row by row within the crop, channels interleaved. [`Plane::Invalid`] is the sum. Depth and
+    /// position are divided by the coverage; they are 0 where the coverage is 0. The mean is zero without passes, and
+    /// empty if the layout lacks the plane.
     pub fn mean(&self, plane: Plane) -> Vec<f32> {
         let Some(offset) = self.head.layout.offset(plane) else { return Vec::new() };
         let (stride, unit) = (self.head.layout.channels(), self.head.units.of(plane));
-        let coverage = self.head.layout.offset(Plane::Alpha).filter(|_| matches!(plane, Plane::Depth | Plane::Position));
+        let coverage =
+            self.head.layout.offset(Plane::Alpha).filter(|_| matches!(plane, Plane::Depth | Plane::Position));
         let divisor = |pixel: usize| match (plane, coverage) {
             (Plane::Invalid, _) => 1.0,
             (_, Some(alpha)) => self.total(pixel * stride + alpha) * self.head.units.of(Plane::Alpha),
@@ -108,66 +112,67 @@ impl Film {
         mean
     }
 
-    /// The mean colour of a replicate's own passes: independent of those of the others. Pixels row by row within the crop, lanes
-    /// interleaved; zeros while it has no passes.
+    /// Returns the mean colour of one replicate, which is independent of the other replicates. Pixels are row by row
+    /// within the crop, channels interleaved. The mean is zero without passes.
     ///
     /// # Panics
     /// If there is no such replicate.
     pub fn mean_of(&self, replicate: u32) -> Vec<f64> {
         let (sums, stride) = (&self.sums[replicate as usize], self.head.layout.channels());
-        // Colour is the first plane of every layout. A sum of no passes is zero whatever it is divided by.
+        // Colour is the first plane of every layout. max(1) avoids 0/0 without passes.
         let scale = self.head.units.of(Plane::Color) / self.passes_of(replicate).max(1) as f64;
         let pixels = 0..self.head.layout.pixels();
         pixels.flat_map(|p| (0..Plane::Color.channels()).map(move |c| sums.value(p * stride + c) * scale)).collect()
     }
 
-    /// Which passes it holds.
+    /// Returns the set of passes in the film.
     pub fn passes(&self) -> &PassSet {
         &self.head.passes
     }
 
-    /// How many replicates passes are dealt to.
+    /// Returns the number of replicates.
     pub fn replicates(&self) -> u32 {
         self.head.replicates
     }
 
-    /// How many passes a replicate has.
+    /// Returns the number of passes of a replicate.
     pub fn passes_of(&self, replicate: u32) -> u64 {
         self.head.passes.count_congruent(u64::from(replicate), u64::from(self.head.replicates))
     }
 
-    /// Which pixels and planes it holds.
+    /// Returns the pixels and planes of the film.
     pub fn layout(&self) -> &Layout {
         &self.head.layout
     }
 
-    /// The units of its sums.
+    /// Returns the quantisation units of the sums.
     pub fn units(&self) -> Units {
         self.head.units
     }
 
-    /// The render's seed.
+    /// Returns the seed of the render.
     pub fn seed(&self) -> u64 {
         self.head.seed
     }
 
-    /// How many values were not finite or too large, and count as zero. 0 unless an integrator has a defect.
+    /// Returns the number of values that were not finite or too large. They count as zero. Nonzero only if an
+    /// integrator has a defect.
     pub fn dropped(&self) -> u64 {
         self.head.dropped
     }
 
-    /// Memory of sums and largest samples, in bytes per pixel.
+    /// Returns the memory of sums and largest samples, in bytes per pixel.
     pub fn bytes_per_pixel(layout: &Layout, replicates: u32) -> usize {
         layout.channels() * replicates as usize * size_of::<i64>() + size_of::<u64>()
     }
 
-    /// All but the sums.
-    pub fn head(&self) -> &Head {
+    /// Returns everything but the sums.
+    pub fn head(&self) -> &FilmHeader {
         &self.head
     }
 
-    /// All but the sums, for who adds those of other passes.
-    pub(crate) fn head_mut(&mut self) -> &mut Head {
+    /// Returns everything but the sums, for adding the sums of other passes.
+    pub(crate) fn head_mut(&mut self) -> &mut FilmHeader {
         &mut self.head
     }
 
@@ -201,11 +206,17 @@ impl Film {
             scale: 4_294_967_296.0 / self.head.units.of(plane),
             hash_factor: mix64(plane as u64 * 4 + c as u64 + 1) | 1,
         };
-        self.head.layout.planes().iter().flat_map(|&plane| (0..plane.channels()).map(move |c| channel(plane, c))).collect()
+        self.head
+            .layout
+            .planes()
+            .iter()
+            .flat_map(|&plane| (0..plane.channels()).map(move |c| channel(plane, c)))
+            .collect()
     }
 }
 
-/// Adds row `y` of the crop. Rounding is addressed by the pixel in the full image, so that a crop rounds as the whole does.
+/// Adds row `y` of the crop. The rounding hash uses the pixel's index in the full image, so that a crop rounds like the
+/// full image.
 fn add_row(sums: &mut [i64], values: &[f32], y: usize, layout: &Layout, channels: &[Channel], key: u64) -> Spill {
     let mut spill = Spill::default();
     let first = (u64::from(layout.crop.y0) + y as u64) * u64::from(layout.width) + u64::from(layout.crop.x0);
@@ -236,7 +247,8 @@ mod tests {
         let mut random = Random::new(pass + 1);
         let mut film = PassFilm::new(layout);
         let count = layout.pixels() * layout.channels();
-        let values: Vec<f32> = (0..count).map(|_| (random.exponential() * 2_f64.powf(8.0 * random.normal())) as f32).collect();
+        let values: Vec<f32> =
+            (0..count).map(|_| (random.exponential() * 2_f64.powf(8.0 * random.normal())) as f32).collect();
         film.par_chunks(1).for_each(|(p, out)| out.copy_from_slice(&values[p * out.len()..][..out.len()]));
         film
     }
@@ -261,7 +273,7 @@ mod tests {
         assert_eq!(one_thread.install(|| commit_all(&layout, 0..16)), whole);
     }
 
-    /// A crop holds the very sums of the full film.
+    /// A crop has exactly the sums of the full film.
     #[test]
     fn a_crop_rounds_as_the_whole() {
         let full = Layout::new(6, 5, None, &[]);
@@ -279,8 +291,8 @@ mod tests {
         }
     }
 
-    /// The mean of 64 passes is the exact mean of their values within rounding: 5 σ of 64 × unit²/4 (level 6e-7 a value,
-    /// 6e-4 for all), plus half an ulp of f32.
+    /// The mean of 64 passes equals the exact mean of their values within rounding: 5 σ of 64 × unit²/4 (level 6e-7 per
+    /// value, 6e-4 for all), plus half an ulp of f32.
     #[test]
     fn means_are_those_of_the_values() {
         let layout = Layout::new(16, 8, None, &[Plane::Albedo]);
@@ -296,7 +308,8 @@ mod tests {
         }
     }
 
-    /// Replicates of equal size have means whose mean is the image's: their sums are exact, so that only the image is rounded, to f32.
+    /// The means of replicates of equal size average to the image mean: their sums are exact, so that only the image is
+    /// rounded, to f32.
     #[test]
     fn replicates_have_their_share_of_the_mean() {
         let layout = Layout::new(5, 3, None, &[Plane::Normal]);
@@ -317,7 +330,9 @@ mod tests {
         for pass in 0..4 {
             let mut values = PassFilm::new(&layout);
             let covered = f32::from(pass % 2 == 0);
-            values.par_chunks(2).for_each(|(_, v)| v[..6].copy_from_slice(&[1.0, 1.0, 1.0, covered, 6.0 * covered, 1.0]));
+            values
+                .par_chunks(2)
+                .for_each(|(_, v)| v[..6].copy_from_slice(&[1.0, 1.0, 1.0, covered, 6.0 * covered, 1.0]));
             film.commit(pass, &values);
         }
         assert_eq!(film.mean(Plane::Depth), [6.0, 0.0]);

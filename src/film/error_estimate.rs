@@ -1,44 +1,49 @@
-//! The error that an image carries, from its replicates.
+//! Error estimates of an image, from its replicates.
 //!
-//! Replicates are independent whatever happens inside one (random, QMC, chains), so the error of the mean follows from how
-//! they differ. The relative error pools over the image; its interval comes from what the method says is [`Independent`]: pixels,
-//! blocks of them, or replicates alone. Errors are positive and their estimates skewed, the more the fewer pixels make up the
-//! error: the interval is Hall's.
+//! Replicates are independent, whatever the correlation within one (random samples, QMC, Markov chains). The variance
+//! of the mean follows from their differences. The relative error is averaged over the image. Its interval relies on
+//! the units that the method declares [`Independent`]: pixels, blocks of pixels, or replicates. Squared errors are
+//! positive, and their estimate is the more skewed the fewer pixels dominate it. We therefore use Hall's interval.
 //!
-//! Bias: E V / (m² + ε) is not Var(m) / (μ² + ε). Two things make it wrong: 1 / (m² + ε) is curved (at relative variance v of m the
-//! result is too high by 3 v to first order), and a bright sample raises V and m together, so that its own light hides its noise
-//! (one that is e times the rest of its pixel shows at most 1 of its e²). Against the second, the variance (m_a − m_b)² of a pair of replicates is divided
-//! by the mean of the *others*, of which it is independent whatever the samples are like: E T = Σ Var(m) E g(m_o), g(m) = 1 / (m² + ε). Against
-//! the first, T is taken again by the means of half of the others, T_½, whose variance is twice as large. Then T = G (1 + δ + …) and T_½ =
-//! G (1 + 2 δ + …) of the same G = Σ Var(m) g(μ), and T² / T_½ = G to first order: linear extrapolation of ln T in the variance of what
-//! is divided by. Over 2 T − T_½ it leaves a seventh (δ ≈ .1) to half of the second order.
+//! Bias: E V / (m² + ε) is not Var(m) / (μ² + ε), for two reasons. First, 1 / (m² + ε) is nonlinear: at relative
+//! variance v of m, the result is too high by 3 v to first order. Second, V and m are correlated: a bright sample
+//! raises both. A sample of e times the rest of its pixel shows as a relative variance of at most 1 instead of e².
+//! We remove the correlation by cross-validation. The variance (m_a − m_b)² of a pair of replicates is divided by the
+//! mean m_o of the *other* replicates, which is independent of it: E T = Σ Var(m) E g(m_o), g(m) = 1 / (m² + ε). We
+//! remove the nonlinearity by extrapolation. T_½ is T with the means of half of the others, which have twice the
+//! variance. Then T = G (1 + δ + …) and T_½ = G (1 + 2 δ + …) with the same G = Σ Var(m) g(μ), so that T² / T_½ = G to
+//! first order. This is linear extrapolation of ln T in the variance of the denominator. Its second-order residual is a
+//! seventh (δ ≈ .1) to half of that of 2 T − T_½.
 //!
-//! With two or three replicates there are no others: both effects are estimated to first order from the whole mean, together δ, block by
-//! block, and taken out as 1 / (1 + δ + δ²/2). What may be left widens the interval ([`RESIDUAL`]).
+//! Two or three replicates leave no others to divide by. Both effects are then estimated to first order from the whole
+//! mean as one δ per block, and removed by the factor 1 / (1 + δ + δ²/2). The interval is widened by a bound on the
+//! residual bias ([`RESIDUAL`]).
 //!
-//! Measured (path, R = 4, 300 to 400 renders each): of a two-lamp room's relMSE at 8, 16 and 32 samples first order gave .974, .994,
-//! .998, this 1.005, 1.004, 1.001; where the second lamp is seldom chosen, .42, .51, .68 at 16, 32, 64 samples, and this 1.09, 1.07, 1.06.
+//! Measured (path, R = 4, 300 to 400 renders each), as a ratio to the true relMSE. Two-lamp room at 8, 16 and 32
+//! samples: .974, .994, .998 with the first-order correction; 1.005, 1.004, 1.001 with this one. Where the second
+//! lamp is rarely selected, at 16, 32, 64 samples: .42, .51, .68 and 1.09, 1.07, 1.06.
 
+use super::estimator_variance::{Pairs, Patch, Spread};
+use super::max_samples::Peak;
 use super::noise::{Independent, Noise};
-use super::peaks::Peak;
 use super::replicates::{COLOR, PixelError, Replicates};
-use super::spread::{Pairs, Patch, Spread};
 use super::{Evidence, Film, Known, Layout, Trust};
 use crate::defects::{Defect, planted};
 use crate::stats::pareto::Tail;
 use crate::stats::{skewed_quantile, student_quantile};
 use rayon::prelude::*;
 
-/// ε is the square of this share of the image mean, so that black pixels do not dominate.
+/// ε is the square of this share of the image mean. It keeps black pixels from dominating.
 const FLOOR: f64 = 0.1;
-/// Side of the blocks of pixels that share work, and whose share of the error is reported; halved until there are at least 16.
+/// Side in pixels of the blocks, which are the unit of parallel work and of the reported error share. Halved until
+/// there are at least 16 blocks.
 const BLOCK: usize = 8;
-/// See the module's head.
+/// Coefficient of δ² in the correction below four replicates; see the module documentation.
 const SECOND_ORDER: f64 = 0.5;
-/// What may be left of the bias, in squares of what was taken out: with normal samples up to 1.5 of them is missing (1 % at T_½ / T =
-/// 1.08, 3.5 % at 1.15), with those of path tracing less than a third of that.
+/// Bound on the residual bias, in squares of the correction. Normal samples leave up to 1.5 squares (1 % at T_½ / T =
+/// 1.08, 3.5 % at 1.15), path-traced ones less than a third of that.
 const RESIDUAL: f64 = 1.5;
-/// No block is corrected by more than what doubles it: such a δ is noise.
+/// Lower bound of δ; −½ limits the first-order factor to 2. A smaller δ is noise.
 const LEAST_DELTA: f64 = -0.5;
 /// Mean squared error relative to the squared value, and its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -53,16 +58,17 @@ pub struct RelMse {
     /// Standard error of `value`; infinite (`null` in JSON) where nothing is known of it.
     #[serde(deserialize_with = "null_is_infinite")]
     pub standard_error: f64,
-    /// Skewness of `value`: how much the interval is longer above than below.
+    /// Skewness of `value`: the upper side of the interval is longer for positive skewness.
     pub skewness: f64,
     /// Degrees of freedom of the interval; infinite (`null` in JSON) where the noise was estimated within pixels.
     #[serde(deserialize_with = "null_is_infinite")]
     pub dof: f64,
-    /// What noisy denominators do to `value` by the curvature of the division, as a share of it: T_½ / T − 1. Taken out.
+    /// Relative bias of `value` due to the nonlinearity of the division, T_½ / T − 1. Already removed.
     pub curvature_bias: f64,
-    /// What skewed samples would hide if variances were divided by their own mean, to first order. Below four replicates it is put back.
+    /// First-order relative bias if variances were divided by their own mean, due to skewed samples. Corrected
+    /// explicitly below four replicates.
     pub skewness_bias: f64,
-    /// What `value` may be off besides, on either side.
+    /// Bound on the residual bias of `value`, to either side.
     pub bias_bound: f64,
 }
 
@@ -79,36 +85,36 @@ pub struct ImageError {
     pub mean_standard_error: f64,
     /// The ε of `relmse`: (0.1 × mean)².
     pub epsilon: f64,
-    /// How many replicates the estimate stands on.
+    /// Number of replicates behind the estimate.
     pub replicates: u32,
-    /// What the interval of `relmse` takes as independent.
+    /// Units of the image that the interval of `relmse` treats as independent.
     pub independent: Independent,
-    /// The largest share that one block of pixels has in `relmse`. Near 1, a few fireflies make the error and the
-    /// interval cannot be trusted.
+    /// Largest share of one block of pixels in `relmse`. Near 1, a few fireflies dominate the error and the interval is
+    /// unreliable.
     pub max_share: f64,
     /// The largest sample; `None` in a black image.
     pub largest: Option<LargestSample>,
-    /// How heavy the tail of the samples is; `None` where there are too few to tell.
+    /// Tail of the samples; `None` with too few samples.
     pub tail: Option<Tail>,
-    /// What else there is to judge the interval by.
+    /// Further evidence for or against the interval.
     pub evidence: Evidence,
-    /// Whether the interval of `relmse` is to be trusted, and why not.
+    /// Whether the interval of `relmse` is reliable, with the reasons against it.
     #[serde(flatten)]
     pub trust: Trust,
 }
 
-/// One sample that the image owes much to.
+/// The largest sample of an image.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LargestSample {
-    /// Its share of the light in the image.
+    /// Its share of the total of the image.
     pub share: f64,
-    /// Its colour, as the mean over channels.
+    /// Its mean over the colour channels.
     pub value: f64,
     /// Column of its pixel.
     pub x: u32,
     /// Row of its pixel.
     pub y: u32,
-    /// The pass it belongs to.
+    /// Its pass.
     pub pass: u32,
 }
 
@@ -145,7 +151,7 @@ impl RelMse {
         RelMse { low, high, ..empty }
     }
 
-    /// The end of the interval on one `side` that the truth is beyond with probability `level`.
+    /// Returns the end of the interval on one `side`; the true value lies beyond it with probability `level`.
     fn limit(&self, level: f64, side: f64) -> f64 {
         if self.standard_error.is_infinite() {
             return if side > 0.0 { f64::INFINITY } else { 0.0 };
@@ -156,7 +162,8 @@ impl RelMse {
 }
 
 impl ImageError {
-    /// What the relative mean squared error is below, but for a chance of `level`.
+    /// Returns the upper confidence limit of the relative mean squared error, which is exceeded with probability
+    /// `level`.
     ///
     /// # Panics
     /// Unless 0 < level < 1.
@@ -164,9 +171,10 @@ impl ImageError {
         self.relmse.limit(level, 1.0)
     }
 
-    /// What samples larger than any that was met may bring to an image of so many `pixels`, as a share of its light, but for a chance of
-    /// `level`: −ln `level` of them at most are expected where none was met, and one of them brings the mean beyond the largest sample of a
-    /// tail of that shape, or the radiance that is known of rare paths. Infinite where the tail has no mean.
+    /// Returns an upper bound, at error probability `level`, on the contribution of samples larger than any seen, as a
+    /// share of the total of an image of `pixels` pixels. If none was seen, at most −ln `level` are expected. The value
+    /// of one is the mean of a tail of the fitted shape beyond the largest sample, or the known radiance of rare paths.
+    /// The bound is infinite if the tail has no mean.
     pub fn unseen_share(&self, pixels: usize, level: f64) -> f64 {
         let largest = self.largest.map_or(0.0, |largest| largest.share);
         let shape = self.evidence.shape_limit.unwrap_or(0.0).max(0.0);
@@ -174,22 +182,23 @@ impl ImageError {
         -level.ln() * of_tail.max(self.evidence.rare_share(pixels))
     }
 
-    /// Whether the interval of `relmse` is to be trusted.
+    /// Returns the verdict on the interval of `relmse`.
     pub fn trust(&self) -> &Trust {
         &self.trust
     }
 
-    /// Why the interval of `relmse` cannot be trusted, if it cannot.
+    /// Returns the reason to distrust the interval of `relmse`, if there is one.
     pub fn distrust(&self) -> Option<&'static str> {
         self.trust.why_not()
     }
 }
 
 impl Film {
-    /// Standard error of every colour mean, 3 channels per pixel; `None` with fewer than 2 replicates or an empty one.
+    /// Returns the standard error of every colour mean, 3 channels per pixel; `None` with fewer than 2 replicates or an
+    /// empty one.
     ///
-    /// Replicates r of n_r passes, N in all: Var(m) = Σ n_r/N (m_r − m)² / (R − 1), which is unbiased where the variance of m_r goes as
-    /// 1/n_r, and the usual Σ (m_r − m)² / (R (R − 1)) where all n_r are equal.
+    /// With n_r passes in replicate r and N in all, Var(m) = Σ n_r/N (m_r − m)² / (R − 1). This is unbiased where the
+    /// variance of m_r is proportional to 1/n_r. For equal n_r it is the usual Σ (m_r − m)² / (R (R − 1)).
     pub fn standard_error(&self) -> Option<Vec<f32>> {
         let replicates = Replicates::of(self)?;
         let mut errors = vec![0.0_f32; self.layout().pixels() * COLOR];
@@ -204,8 +213,8 @@ impl Film {
         Some(errors)
     }
 
-    /// The error of the whole image, of whose samples that is `known`; `None` with fewer than 2 replicates, an empty one, or no
-    /// pixels.
+    /// Returns the error of the whole image, given the prior knowledge `known` of its samples; `None` with fewer than 2
+    /// replicates, an empty one, or no pixels.
     pub fn image_error(&self, known: impl Into<Known>) -> Option<ImageError> {
         let known = known.into();
         let independent = known.independent;
@@ -244,17 +253,23 @@ impl Film {
 #[derive(Default)]
 pub(super) struct Block {
     pub(super) values: f64,
-    /// Relative variance, as yet without what the whole image says of the noise of denominators.
+    /// Sum of relative variances, not yet extrapolated by the ratio of the whole image.
     pub(super) relative: f64,
     sum: PixelError,
-    /// That of `relative`; `None` where it is not known from within.
+    /// Spread of `relative`; `None` if it cannot be estimated from within.
     pub(super) spread: Option<Spread>,
     /// By replicate: see [`super::replicates::Scratch`].
     pub(super) squares: Vec<f64>,
 }
 
 impl Block {
-    fn of(pixels: &[usize], replicates: &Replicates<'_>, pairs: &Pairs, epsilon: f64, independent: Independent) -> Self {
+    fn of(
+        pixels: &[usize],
+        replicates: &Replicates<'_>,
+        pairs: &Pairs,
+        epsilon: f64,
+        independent: Independent,
+    ) -> Self {
         let (mut scratch, mut sum) = (replicates.scratch(pairs), PixelError::default());
         let mut spread = Some(Spread::default());
         for together in pixels.chunks(independent.together(pixels.len())) {
@@ -272,7 +287,7 @@ impl Block {
         if pairs.pairs.is_empty() { block.corrected() } else { Block { relative: block.sum.apart, ..block } }
     }
 
-    /// The same with its `relative` times `share`, and what tells of the noise of that.
+    /// Scales `relative` by `share`, and its spread and squares with it.
     fn scaled(self, share: f64) -> Self {
         let relative = share * self.relative;
         let of_squares = if self.sum.coupled > 0.0 { relative / self.sum.coupled } else { 0.0 };
@@ -280,7 +295,7 @@ impl Block {
         Block { relative, spread: self.spread.map(|spread| spread.scaled(share)), squares, ..self }
     }
 
-    /// Without the bias to first order in the noise of the whole mean.
+    /// Removes the first-order bias due to the noise of the whole mean.
     fn corrected(self) -> Self {
         let PixelError { coupled, curvature, skew, .. } = self.sum;
         let delta = ((curvature - skew) / coupled).max(LEAST_DELTA);
@@ -288,7 +303,7 @@ impl Block {
     }
 }
 
-/// T / T_½, by which T is extrapolated to denominators without noise: see the module's head.
+/// Returns T / T_½, the factor that extrapolates T to noise-free denominators: see the module documentation.
 fn extrapolation(blocks: &[Block]) -> f64 {
     let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
     let [all, half] = [sum(|b| b.sum.apart), sum(|b| b.sum.half_apart)];
@@ -296,7 +311,7 @@ fn extrapolation(blocks: &[Block]) -> f64 {
     if half > 0.0 && !is_left { all / half } else { 1.0 }
 }
 
-/// The pixels of each block, by index within the crop.
+/// Returns the pixels of each block, by index within the crop.
 fn blocks(layout: &Layout) -> Vec<Vec<usize>> {
     let width = (layout.crop.x1 - layout.crop.x0) as usize;
     let height = (layout.crop.y1 - layout.crop.y0) as usize;
@@ -309,7 +324,7 @@ fn blocks(layout: &Layout) -> Vec<Vec<usize>> {
     corners.map(|(x, y)| span(y, height).flat_map(|y| span(x, width).map(move |x| y * width + x)).collect()).collect()
 }
 
-/// The largest sample of the image, whose `mean` is that of its pixels and channels.
+/// Returns the largest sample of the image; `mean` is the image mean over pixels and channels.
 fn largest_sample(film: &Film, mean: f64) -> Option<LargestSample> {
     let pixels = film.layout().pixels();
     let by_value = |a: &(usize, Peak), b: &(usize, Peak)| a.1.value.total_cmp(&b.1.value).then(b.0.cmp(&a.0));

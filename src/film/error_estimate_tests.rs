@@ -8,18 +8,19 @@ fn truth(pixel: usize, pixels: usize) -> f64 {
     0.5 + pixel as f64 / (pixels - 1) as f64
 }
 
-/// A film whose samples are `truth` times what is drawn, independent in every channel.
+/// Returns a film whose samples are `truth` times random factors, independent in every channel.
 fn film(layout: &Layout, replicates: u32, passes: u64, seed: u64, draw: impl Fn(&mut Random) -> f64) -> Film {
     film_of(layout, replicates, passes, seed, |_, random| draw(random))
 }
 
-/// The same of draws that differ from pixel to pixel.
+/// The same with factors that differ between pixels.
 fn film_of(layout: &Layout, replicates: u32, passes: u64, seed: u64, draw: impl Fn(usize, &mut Random) -> f64) -> Film {
     let mut film = Film::new(layout.clone(), replicates, seed, Units::from_exponents(-24, 0).unwrap());
     let mut random = Random::new(seed);
     let (mut pass, pixels) = (PassFilm::new(layout), layout.pixels());
     for k in 0..passes {
-        let values: Vec<f32> = (0..pixels * 3).map(|i| (truth(i / 3, pixels) * draw(i / 3, &mut random)) as f32).collect();
+        let values: Vec<f32> =
+            (0..pixels * 3).map(|i| (truth(i / 3, pixels) * draw(i / 3, &mut random)) as f32).collect();
         pass.par_chunks(1).for_each(|(p, out)| out.copy_from_slice(&values[p * 3..p * 3 + 3]));
         film.commit(k, &pass);
     }
@@ -41,8 +42,8 @@ fn exponential(random: &mut Random) -> f64 {
     random.exponential()
 }
 
-/// Over independent films the mean estimate is the truth: t test at level 1e-6. What bias may be left, half
-/// the square of 3 × 0.01/8 here, is far below the 2 % that the test can see.
+/// The mean estimate over independent films is the true value: t test at level 1e-6. The residual bias, half the square
+/// of 3 × 0.01/8 here, is far below the 2 % that the test can detect.
 #[test]
 fn relmse_and_standard_error_are_unbiased() {
     let layout = Layout::new(16, 16, None, &[]);
@@ -54,7 +55,8 @@ fn relmse_and_standard_error_are_unbiased() {
             relmse.push(error.relmse.value);
             mean.push(error.mean_standard_error.powi(2));
             squares.extend(film.standard_error().unwrap().iter().map(|&e| f64::from(e).powi(2)));
-            let rmse = (film.standard_error().unwrap().iter().map(|&e| f64::from(e).powi(2)).sum::<f64>() / 768.0).sqrt();
+            let rmse =
+                (film.standard_error().unwrap().iter().map(|&e| f64::from(e).powi(2)).sum::<f64>() / 768.0).sqrt();
             assert!((error.rmse / rmse - 1.0).abs() < 1e-6, "f32 standard errors round to 6e-8 each");
         }
         let mean_square = (0..256).map(|p| truth(p, 256).powi(2)).sum::<f64>() / 256.0;
@@ -70,7 +72,7 @@ fn relmse_and_standard_error_are_unbiased() {
     }
 }
 
-/// How many of `films` films have the truth in their interval.
+/// Returns how many of `films` films have the true value in their interval.
 fn covered(films: u64, passes: u64, variance: f64, draw: fn(&mut Random) -> f64) -> f64 {
     let layout = Layout::new(64, 32, None, &[]);
     let expected = true_relmse(&layout, passes, variance);
@@ -81,7 +83,8 @@ fn covered(films: u64, passes: u64, variance: f64, draw: fn(&mut Random) -> f64)
     (0..films).into_par_iter().filter(|&seed| holds(seed + 1000)).count() as f64
 }
 
-/// 95 % intervals hold the truth of normal pixels in 95 % of 500 films: two-sided binomial test at level 1e-4 (3.9 σ).
+/// 95 % intervals cover the true value for normal pixels in 95 % of 500 films: two-sided binomial test at level 1e-4
+/// (3.9 σ).
 #[test]
 fn interval_covers_for_normal_pixels() {
     let hits = covered(500, 4, 0.01, normal);
@@ -89,8 +92,8 @@ fn interval_covers_for_normal_pixels() {
     assert!((hits - 475.0).abs() < 3.9 * (500.0_f64 * 0.95 * 0.05).sqrt(), "{hits} of 500");
 }
 
-/// Where one pixel of 32 makes the error, its estimate is skewed and so is the estimate of its noise: intervals of the
-/// logarithm by a normal quantile hold the truth in 87 %. One-sided binomial test at level 1e-4 (3.7 σ).
+/// Where one pixel of 32 dominates the error, its estimate and that of its noise are skewed: log-normal intervals cover
+/// the true value in 87 % only. One-sided binomial test at level 1e-4 (3.7 σ).
 #[test]
 fn interval_covers_where_few_pixels_make_the_error() {
     let layout = Layout::new(16, 16, None, &[]);
@@ -107,8 +110,8 @@ fn interval_covers_where_few_pixels_make_the_error() {
     assert!(hits > 950.0 - 3.7 * (1000.0_f64 * 0.95 * 0.05).sqrt(), "{hits} of 1000");
 }
 
-/// The same for exponential samples, 64 of them: one-sided binomial test at level 1e-4 (3.7 σ), since what bias may be left widens
-/// the interval.
+/// The same for exponential samples, 64 of them: one-sided binomial test at level 1e-4 (3.7 σ), since the bound on the
+/// residual bias widens the interval.
 #[test]
 fn interval_covers_for_skewed_pixels() {
     let hits = covered(300, 64, 1.0, exponential);
@@ -116,8 +119,9 @@ fn interval_covers_for_skewed_pixels() {
     assert!(hits > 285.0 - 3.7 * (300.0_f64 * 0.95 * 0.05).sqrt(), "{hits} of 300");
 }
 
-/// What is left of the bias is within what the interval is widened by: in images of normal samples whose denominators, of two replicates, have a relative
-/// variance of .02 (where it must be within 2 %) and of .045. The statistical error of 40 films is 0.4 % (6 σ: 2.4 %).
+/// The residual bias is below the bound that widens the interval, for images of normal samples with two replicates and
+/// relative variances of the denominators of .02 (where it must be within 2 %) and of .045. The statistical error of 40
+/// films is 0.4 % (6 σ: 2.4 %).
 #[test]
 fn noise_in_the_denominator_is_corrected() {
     let layout = Layout::new(32, 32, None, &[]);
@@ -135,14 +139,14 @@ fn noise_in_the_denominator_is_corrected() {
     }
 }
 
-/// Samples of which one in a hundred is a hundred times as bright: divided by their own mean they hide most of their error. Six standard
-/// errors and the 10 % that extrapolation leaves of skewness.
+/// Samples of which one in a hundred is a hundred times as bright: divided by their own mean they hide most of their
+/// error. Tolerance: six standard errors, and the 10 % of skewness bias that extrapolation leaves.
 #[test]
 fn rare_samples_do_not_hide_their_own_error() {
     let layout = Layout::new(16, 16, None, &[]);
     let draw = |random: &mut Random| if random.uniform() < 0.01 { 50.5 } else { 0.5 };
-    let found =
-        (0..10).map(|seed| film(&layout, 4, 1024, seed + 7000, draw).image_error(Independent::Pixels).unwrap().relmse.value);
+    let found = (0..10)
+        .map(|seed| film(&layout, 4, 1024, seed + 7000, draw).image_error(Independent::Pixels).unwrap().relmse.value);
     let estimate = found.collect::<Moments>().estimate().unwrap();
     let ratio = estimate.value / true_relmse(&layout, 1024, 0.0099 * 2500.0);
     println!("ratio {ratio:.4} ± {:.4}", estimate.standard_error / estimate.value);
@@ -176,7 +180,7 @@ fn edge_images_have_sane_errors() {
     assert!(back.relmse.high.is_infinite() && (back.relmse.value - error.relmse.value).abs() < f64::EPSILON);
 }
 
-/// One outlier pixel is seen as such.
+/// A single outlier pixel is detected.
 #[test]
 fn fireflies_show_in_the_share() {
     let layout = Layout::new(64, 64, None, &[]);

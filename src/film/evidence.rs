@@ -1,48 +1,50 @@
-//! What speaks for and against an interval of relMSE, in figures, and the verdict on them. A render that met no rare sample must
-//! not be trusted for that: the verdict asks what luck cannot hide.
+//! Evidence for and against an interval of relMSE, and the verdict. A render without rare samples looks more accurate
+//! than it is. The verdict therefore uses evidence that does not depend on having seen them.
 //!
-//! - What is known beforehand: light that the method is blind to, and the radiance M that a sample brings by a path which the
-//!   method meets by luck (see `integrator::prior`). N samples of P pixels that met none leave a rate of up to 3 / (N P) (95 %, the rule of three), and
-//!   then relMSE lacks 3/P (M / (N mean))²: in a large picture little, in a small one perhaps all.
-//! - The tail, at the upper end of its shape's interval and not at the estimate.
-//! - Samples that their pixels' denominators cannot resolve: see [`Peakedness`].
-//! - The noise of denominators.
+//! - Prior knowledge: light that the method cannot sample, and the radiance M of a sample from a path that it samples
+//!   only by chance (see `integrator::prior`). If N samples of each of P pixels contain none, their rate is at most 3 /
+//!   (N P) (95 %, rule of three). The missing relMSE is then at most 3/P (M / (N mean))²: little in a large image,
+//!   perhaps all in a small one.
+//! - The upper confidence limit of the tail shape, rather than its estimate.
+//! - Samples unresolved by the denominators of their pixels: see [`Peakedness`].
+//! - The noise of the denominators.
 
 use super::error_estimate::RelMse;
-use super::tail::{self, Peakedness};
+use super::tail_index::{self, Peakedness};
 use super::trust::{Distrust, Reason, Trust};
 use super::{Film, Known};
 use crate::defects::{Defect, planted};
 use crate::stats::pareto::{Tail, UNTRUSTED_SHAPE};
 
-/// Where curvature, or with fewer than four replicates skewness, makes more than this share of bias, orders beyond the second matter, and the result is good for its
-/// magnitude only.
+/// Largest accepted relative bias by curvature, or by skewness with fewer than four replicates. Beyond it, terms above
+/// second order matter, and the result is an order of magnitude only.
 const MOST_BIAS: f64 = 0.15;
-/// The most that samples which are not resolved may bring, as a share of relMSE.
+/// Largest accepted contribution of unresolved samples, as a share of relMSE.
 const MOST_UNRESOLVED: f64 = 0.3;
-/// The most that rare paths may have hidden, as a share of relMSE.
+/// Largest accepted unseen contribution of rare paths, as a share of relMSE.
 const MOST_RARE: f64 = 0.5;
-/// −ln .05: so many events are expected at most, at 95 % confidence, where none was met.
+/// Rule of three: −ln .05 bounds the expected number of events at 95 % confidence if none was seen.
 const RULE_OF_THREE: f64 = 3.0;
-/// With fewer replicates what is divided and what it is divided by are not apart.
+/// Least number of replicates for independent numerators and denominators.
 const APART_FROM: u32 = 4;
 
-/// The figures.
+/// Measured evidence.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Evidence {
-    /// The largest samples.
+    /// Statistics of the largest samples.
     pub peaks: Peakedness,
-    /// The upper end of the 95 % interval of the tail's shape (one-sided).
+    /// Upper end of the one-sided 95 % interval of the tail shape.
     pub shape_limit: Option<f64>,
-    /// What rare paths may bring to relMSE though none was met, at 95 % confidence; infinite (`null` in JSON) without a bound.
+    /// Bound on the unseen contribution of rare paths to relMSE at 95 % confidence; infinite (`null` in JSON) without a
+    /// bound.
     #[serde(deserialize_with = "super::error_estimate::null_is_infinite")]
     pub rare_relmse: f64,
 }
 
 impl Evidence {
-    /// What the samples of a film say whose mean is `mean`, and the tail; `floor` is the root of relMSE's ε.
+    /// Returns the evidence of a film of the given `mean`, and the tail; `floor` is the square root of the ε of relMSE.
     pub(super) fn of(film: &Film, known: Known, mean: f64, floor: f64) -> (Self, Option<Tail>) {
-        let (peaks, tail) = tail::look(film, floor);
+        let (peaks, tail) = tail_index::look(film, floor);
         let (passes, pixels) = (film.passes().len() as f64, film.layout().pixels() as f64);
         let rare = if mean > 0.0 { known.prior.rare_radiance / (mean * passes) } else { 0.0 };
         let lucky = planted(Defect::TrustByLuck);
@@ -50,17 +52,18 @@ impl Evidence {
         (Evidence { peaks, shape_limit, rare_relmse: RULE_OF_THREE * rare * rare / pixels }, tail)
     }
 
-    /// What one sample of a rare path brings to an image of so many `pixels`, as a share of its light.
+    /// Returns the contribution of one sample of a rare path to an image of `pixels` pixels, as a share of its total.
     pub(super) fn rare_share(&self, pixels: usize) -> f64 {
         (self.rare_relmse / (RULE_OF_THREE * pixels as f64)).sqrt()
     }
 
-    /// The verdict.
+    /// Returns the verdict on the interval of `relmse`.
     pub(super) fn verdict(&self, relmse: &RelMse, known: Known, replicates: u32) -> Trust {
         let least = f64::from(known.independent.least_replicates());
         let skewness = if replicates < APART_FROM { relmse.skewness_bias } else { 0.0 };
         let share = |part: f64| if part > 0.0 { part / relmse.value } else { 0.0 };
-        let above = |reason: Reason, value: f64, limit: f64| (value > limit).then_some(Distrust { reason, value, limit });
+        let above =
+            |reason: Reason, value: f64, limit: f64| (value > limit).then_some(Distrust { reason, value, limit });
         let too_few = f64::from(replicates) < least;
         let reasons = [
             above(Reason::BlindMethod, f64::from(u8::from(known.prior.blind)), 0.0),

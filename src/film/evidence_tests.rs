@@ -17,7 +17,8 @@ fn film(passes: u64, seed: u64, draw: impl Fn(&mut Random) -> f64) -> Film {
     film
 }
 
-/// How many of 40 films are trusted, and how many of these hold relMSE, by a sample's true mean and variance.
+/// Returns how many of 40 films are trusted, and how many of these intervals cover relMSE, given the samples' true mean
+/// and variance.
 fn trusted(passes: u64, mean: f64, variance: f64, known: Known, draw: fn(&mut Random) -> f64) -> [usize; 2] {
     let expected = variance / passes as f64 / (1.01 * mean * mean);
     let errors = (0..40).map(|seed| film(passes, 700 + seed, draw).image_error(known).unwrap());
@@ -30,7 +31,8 @@ fn nothing_known() -> Known {
     Independent::Pixels.into()
 }
 
-/// Uniform and exponential samples: nearly all are trusted, and hold (8 or more misses of 40 at 95 %: P < 1e-3).
+/// Uniform and exponential samples: nearly all are trusted, and their intervals cover (8 or more misses of 40 at 95 %:
+/// P < 1e-3).
 #[test]
 fn light_tails_are_trusted() {
     for (mean, variance, draw) in [
@@ -42,7 +44,7 @@ fn light_tails_are_trusted() {
     }
 }
 
-/// u^(−k) has the shape k: at .1 most films are trusted, at .6 few and at .9 (infinite variance) none.
+/// u^(−k) has tail shape k: at .1 most films are trusted, at .6 few and at .9 (infinite variance) none.
 #[test]
 fn heavy_tails_are_not_trusted() {
     let pareto = |k: f64| move |r: &mut Random| (1.0 - r.uniform()).powf(-k);
@@ -53,18 +55,19 @@ fn heavy_tails_are_not_trusted() {
     assert!(light >= 34 && middle <= 8 && heavy == 0, "{light} {middle} {heavy}");
 }
 
-/// The estimate of a shape of .6 is mostly below the limit, its upper end is not.
+/// The estimate of a shape of .6 is mostly below the limit, its upper confidence limit is not.
 #[test]
 fn a_shape_is_judged_by_its_upper_end() {
-    let error = |seed: u64| film(64, 900 + seed, |r| (1.0 - r.uniform()).powf(-0.6)).image_error(nothing_known()).unwrap();
+    let error =
+        |seed: u64| film(64, 900 + seed, |r| (1.0 - r.uniform()).powf(-0.6)).image_error(nothing_known()).unwrap();
     let reasons = |seed| error(seed).trust.reasons.iter().any(|d| d.reason == Reason::HeavyTail);
     let estimates = (0..40).filter(|&seed| error(seed).tail.unwrap().is_trusted()).count();
     let limits = (0..40).filter(|&seed| reasons(seed)).count();
     assert!(estimates >= 20 && limits >= 30, "{estimates} {limits}");
 }
 
-/// One sample in 10,000 carries half of the mean. Films that met some are refused by those, films that met none by what is known
-/// beforehand: no verdict is earned by luck.
+/// One sample in 10,000 contributes half of the mean. Films with such samples are rejected because of them, films
+/// without by prior knowledge: the verdict does not depend on chance.
 #[test]
 fn a_lottery_is_trusted_by_nobody_who_knows_of_it() {
     let draw = |r: &mut Random| if r.uniform() < 1e-4 { 5000.0 } else { 0.75 + 0.5 * r.uniform() };
@@ -79,8 +82,8 @@ fn a_lottery_is_trusted_by_nobody_who_knows_of_it() {
     }
 }
 
-/// The mean is no more above that of the samples than what they may not have met, but for a chance of 5 %: of 200 films 20 or more beyond it
-/// have a probability of .002.
+/// The true mean exceeds that of the samples by at most the bound on unseen samples, with error probability 5 %: 20 or
+/// more exceptions in 200 films have a probability of .002.
 #[test]
 fn what_was_not_met_is_bounded() {
     let lottery = |r: &mut Random| if r.uniform() < 1e-4 { 5000.0 } else { 0.75 + 0.5 * r.uniform() };
@@ -97,11 +100,13 @@ fn what_was_not_met_is_bounded() {
     }
 }
 
-/// What is rare in a pixel is common in a large picture: what none of enough samples met is small beside the error.
+/// Events that are rare per pixel are frequent in a large image: after enough samples without one, their possible
+/// contribution is small relative to the error.
 #[test]
 fn enough_samples_rule_out_what_they_did_not_meet() {
     let draw = |r: &mut Random| r.exponential();
-    let known = |rare_radiance| Known { independent: Independent::Pixels, prior: Prior { blind: false, rare_radiance } };
+    let known =
+        |rare_radiance| Known { independent: Independent::Pixels, prior: Prior { blind: false, rare_radiance } };
     let relmse = 1.0 / 256.0 / 1.01;
     let limit = (MOST_RARE * relmse * 256.0 / 3.0).sqrt() * 256.0;
     let film = film(256, 5, draw);

@@ -1,5 +1,5 @@
-//! Pixel filters, applied by filter importance sampling: sample positions are drawn from the filter, so every weight is 1 and
-//! pixels own their samples [Ernst06]. That needs filters that are nowhere negative, which all of these are.
+//! Pixel filters, applied by filter importance sampling [Ernst06]: film positions are drawn from the filter, so that
+//! every sample has weight 1 and belongs to one pixel. This requires nonnegative filters.
 
 use crate::defects::{Defect, planted};
 use statrs::function::erf::erf;
@@ -14,9 +14,10 @@ pub enum Filter {
     Box,
     /// Linear fall-off: radius 1.
     Tent,
-    /// σ 0.5, cut at radius 1.5 and lowered so that it ends at zero [PBRT4 §8.8.3].
+    /// σ 0.5, truncated at radius 1.5 and shifted to zero there [PBRT4 §8.8.3].
     Gaussian,
-    /// The 4-term Blackman–Harris window of −92 dB [Harris78 table 1], radius 1.5: about a Gaussian of σ 0.43 that ends by itself.
+    /// 4-term Blackman–Harris window, −92 dB [Harris78 table 1], radius 1.5: close to a Gaussian of σ 0.43, but zero at
+    /// the radius.
     #[default]
     BlackmanHarris,
 }
@@ -24,12 +25,12 @@ pub enum Filter {
 /// Terms of the Blackman–Harris window, cos(k π x / r).
 const BLACKMAN_HARRIS: [f64; 4] = [0.35875, 0.48829, 0.14128, 0.01168];
 const GAUSSIAN_SIGMA: f64 = 0.5;
-/// Intervals of the inverse table over half the filter. Linear interpolation then misses the CDF by less than 1e-6 (measured in
-/// the tests).
+/// Intervals of the inverse CDF table over half the filter. Linear interpolation has a CDF error below 1e-6 (measured
+/// in the tests).
 const INTERVALS: usize = 1024;
 
 impl Filter {
-    /// Where the filter ends, in pixels from the centre.
+    /// Returns the radius of the filter in pixels.
     pub fn radius(self) -> f64 {
         match self {
             Filter::Box => 0.5,
@@ -38,7 +39,8 @@ impl Filter {
         }
     }
 
-    /// The part of the one-dimensional filter between the centre and `x` ≥ 0, relative to its half: 0 at 0, 1 from the radius on.
+    /// Returns the CDF of the one-dimensional filter between the centre and `x` ≥ 0, normalised over that half: 0 at 0,
+    /// 1 from the radius on.
     pub fn half_cdf(self, x: f64) -> f64 {
         let x = x.min(self.radius());
         match self {
@@ -54,7 +56,7 @@ impl Filter {
 }
 
 impl Filter {
-    /// The filter at the offset `x` from the centre, along one axis; its integral is 1.
+    /// Returns the normalised one-dimensional filter at the offset `x` from the centre.
     #[inline]
     pub fn density(self, x: f32) -> f32 {
         let r = self.radius() as f32;
@@ -65,7 +67,7 @@ impl Filter {
             Filter::Tent => 1.0 - x.abs(),
             Filter::Gaussian => ((-2.0 * x * x).exp() - GAUSSIAN_EDGE) * GAUSSIAN_SCALE,
             Filter::BlackmanHarris => {
-                // The window is a polynomial in the cosine by multiple-angle formulae.
+                // The window as a polynomial in the cosine, by multiple-angle formulae.
                 let [a0, a1, a2, a3] = BLACKMAN_HARRIS.map(|a| (a / BLACKMAN_HARRIS[0]) as f32);
                 let c = (std::f32::consts::PI * x / r).cos();
                 let window = a0 - a2 + (a1 - 3.0 * a3) * c + 2.0 * a2 * c * c + 4.0 * a3 * c * c * c;
@@ -75,7 +77,7 @@ impl Filter {
     }
 }
 
-/// exp(−r²/2σ²), what the Gaussian is lowered by, and 1 over its integral: see the tests.
+/// exp(−r²/2σ²), the shift of the Gaussian, and 1 over its integral: see the tests.
 const GAUSSIAN_EDGE: f32 = 0.011_108_997;
 const GAUSSIAN_SCALE: f32 = 0.821_960_5;
 
@@ -86,7 +88,7 @@ fn gaussian_integral(x: f64) -> f64 {
     0.5 * PI.sqrt() * scale * erf(x / scale) - edge * x
 }
 
-/// Draws offsets from the pixel centre with the filter as density. Cloning shares the table.
+/// Samples offsets from the pixel centre with the filter as density. Clones share the table.
 #[derive(Debug, Clone)]
 pub struct FilterSampler {
     shape: Shape,
@@ -96,12 +98,13 @@ pub struct FilterSampler {
 enum Shape {
     Box,
     Tent,
-    /// Offsets from the radius to 0 at equal steps of √(1 − half CDF), in which they are almost linear at the end.
+    /// Offsets from the radius down to 0, at equal steps of √(1 − half CDF). In this variable they are almost linear
+    /// near the radius.
     Table(Arc<[f32]>),
 }
 
 impl FilterSampler {
-    /// The sampler of a filter.
+    /// Returns the sampler of a filter.
     pub fn new(filter: Filter) -> Self {
         let shape = match filter {
             Filter::Box => Shape::Box,
@@ -111,7 +114,7 @@ impl FilterSampler {
         FilterSampler { shape }
     }
 
-    /// The offset for `u` in [0, 1)²; monotone in each dimension.
+    /// Returns the offset for `u` in [0, 1)²; monotone in each dimension.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> [f32; 2] {
         match &self.shape {
@@ -137,7 +140,7 @@ fn interpolate(table: &[f32], v: f32) -> f32 {
     table[i] + (at - i as f32) * (table[i + 1] - table[i])
 }
 
-/// The inverse by bisection to f64 precision.
+/// Tabulates the inverse by bisection to f64 precision.
 fn inverse_table(filter: Filter) -> Arc<[f32]> {
     let invert = |target: f64| {
         let (mut low, mut high) = (0.0, filter.radius());
@@ -189,7 +192,8 @@ mod tests {
         }
     }
 
-    /// The density is the profile over its integral, by the midpoint rule whose error is below 1e-7: 16 roundings of f32.
+    /// The density is the profile over its integral, by the midpoint rule whose error is below 1e-7: 16 roundings of
+    /// f32.
     #[test]
     fn density_is_the_profile_over_its_integral() {
         for filter in ALL {

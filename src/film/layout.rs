@@ -1,8 +1,8 @@
-//! Which pixels and which planes a film holds.
+//! Pixels and planes of a film.
 
 use crate::defects::{Defect, planted};
 
-/// The rectangle of pixels that is rendered: x0 ≤ x < x1, y0 ≤ y < y1, from the top left.
+/// Rendered rectangle in pixels: x0 ≤ x < x1, y0 ≤ y < y1, with the origin at the top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Crop {
     /// First column.
@@ -16,7 +16,7 @@ pub struct Crop {
 }
 
 impl Crop {
-    /// How many pixels it has.
+    /// Returns the number of pixels.
     pub fn pixels(&self) -> usize {
         (self.x1 - self.x0) as usize * (self.y1 - self.y0) as usize
     }
@@ -26,19 +26,19 @@ impl Crop {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Plane {
-    /// Radiance: 3 channels, always there and always first.
+    /// Radiance: 3 channels, always present and always first.
     Color,
-    /// Coverage: 1 where something was hit, 0 where nothing was.
+    /// Coverage: 1 for a hit, 0 for a miss.
     Alpha,
-    /// Reflectance at the first hit that is not a mirror or glass: 3 channels.
+    /// Reflectance at the first hit that is neither a mirror nor glass: 3 channels.
     Albedo,
-    /// Shading normal there, world space: 3 channels.
+    /// Shading normal at the same hit, in world space: 3 channels.
     Normal,
     /// Distance from the camera along the ray in scene units, times coverage.
     Depth,
-    /// Position in the file's world space, times coverage: 3 channels.
+    /// Position in the world space of the file, times coverage: 3 channels.
     Position,
-    /// How many samples were not finite (a sum and not a mean when written).
+    /// Number of non-finite samples; written as a sum, not a mean.
     Invalid,
 }
 
@@ -52,20 +52,20 @@ impl Plane {
     }
 }
 
-/// Image size, the rectangle that is rendered, and the planes of each pixel.
+/// Image size, rendered rectangle, and planes of each pixel.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Layout {
     /// Width of the full image.
     pub width: u32,
     /// Height of the full image.
     pub height: u32,
-    /// What of it is rendered.
+    /// Rendered rectangle.
     pub crop: Crop,
     planes: Vec<Plane>,
 }
 
 impl Layout {
-    /// A layout with colour and the `extra` planes. A plane that needs coverage brings [`Plane::Alpha`] along.
+    /// Returns a layout with colour and the `extra` planes. Depth and position add [`Plane::Alpha`].
     pub fn new(width: u32, height: u32, crop: Option<Crop>, extra: &[Plane]) -> Self {
         let mut planes = vec![Plane::Color];
         planes.extend_from_slice(extra);
@@ -77,28 +77,28 @@ impl Layout {
         Layout { width, height, crop: crop.unwrap_or(Crop { x0: 0, y0: 0, x1: width, y1: height }), planes }
     }
 
-    /// The planes in storage order; colour is first.
+    /// Returns the planes in storage order; colour is first.
     pub fn planes(&self) -> &[Plane] {
         &self.planes
     }
 
-    /// Channels of one pixel over all planes.
+    /// Returns the number of channels of a pixel over all planes.
     pub fn channels(&self) -> usize {
         self.planes.iter().map(|p| p.channels()).sum()
     }
 
-    /// Where a plane's first channel is within a pixel, if the plane is there.
+    /// Returns the offset of a plane's first channel within a pixel, or `None` if the layout lacks the plane.
     pub fn offset(&self, plane: Plane) -> Option<usize> {
         let at = self.planes.iter().position(|&p| p == plane)?;
         Some(self.planes[..at].iter().map(|p| p.channels()).sum())
     }
 
-    /// How many pixels are rendered.
+    /// Returns the number of rendered pixels.
     pub fn pixels(&self) -> usize {
         self.crop.pixels()
     }
 
-    /// Column and row in the full image of the rendered pixel `index` (row by row inside the crop).
+    /// Returns column and row in the full image of the rendered pixel `index` (row by row inside the crop).
     #[inline]
     pub fn pixel(&self, index: usize) -> [u32; 2] {
         let w = (self.crop.x1 - self.crop.x0) as usize;

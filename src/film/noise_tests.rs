@@ -1,4 +1,4 @@
-//! Coverage of intervals of relMSE where pixels are not independent.
+//! Coverage of intervals of relMSE with correlated pixels.
 
 use super::*;
 use crate::film::{Film, ImageError, Layout, PassFilm, Units};
@@ -9,22 +9,22 @@ use rayon::prelude::*;
 const SIDE: usize = 16;
 const CHANNELS: usize = 3 * SIDE * SIDE;
 
-/// The errors of the pixels of a replicate, channel by channel, with expectation 0 and equal variances.
+/// Errors of the pixels of a replicate, channel by channel, with expectation 0 and equal variances.
 type Draw = fn(&mut Random) -> Vec<f64>;
 
-/// Pixels that have nothing to do with each other.
+/// Independent pixels.
 fn apart(random: &mut Random) -> Vec<f64> {
     (0..CHANNELS).map(|_| random.normal()).collect()
 }
 
-/// One value for each square of `side` pixels, given to all of it.
+/// One value for each block of `side` × `side` pixels.
 fn blobs(side: usize, mut draw: impl FnMut() -> f64) -> Vec<f64> {
     let across = SIDE.div_ceil(side);
     let values: Vec<f64> = (0..across * across).map(|_| draw()).collect();
     (0..CHANNELS).map(|i| i / 3).map(|p| values[p / SIDE / side * across + p % SIDE / side]).collect()
 }
 
-/// Errors of neighbours that are alike: blobs of 2 × 2 pixels, as splats under a filter make them.
+/// Correlated neighbours: blobs of 2 × 2 pixels, as from splats under a filter.
 fn splats(random: &mut Random) -> Vec<f64> {
     blobs(2, || random.normal())
 }
@@ -33,26 +33,27 @@ fn skewed_blobs(random: &mut Random) -> Vec<f64> {
     blobs(4, || random.exponential() - 1.0)
 }
 
-/// Three events in ten in each of 16 blobs.
+/// An event with probability 0.3 in each of 16 blobs.
 fn rare_blobs(random: &mut Random) -> Vec<f64> {
     blobs(4, || f64::from(u8::from(random.uniform() < 0.3)) - 0.3)
 }
 
-/// All pixels rise and fall as one: the scale that a Metropolis method estimates once for the whole image.
+/// Fully correlated pixels, as from the scale that a Metropolis method estimates once per image.
 fn as_one(random: &mut Random) -> Vec<f64> {
     blobs(SIDE, || random.normal())
 }
 
-/// Pixels that have nothing to do with each other, in replicates that are noisier and less noisy as a whole.
+/// Independent pixels in replicates of different noise levels.
 fn uneven(random: &mut Random) -> Vec<f64> {
     let scale = (0.25 * (0..4).map(|_| random.exponential()).sum::<f64>()).sqrt();
     apart(random).into_iter().map(|error| scale * error).collect()
 }
 
-/// How large errors are against the image, which is 1 everywhere: the bias by denominators, 3 v, stays below 1e-3.
+/// Magnitude of the errors relative to the image, which is 1 everywhere: the bias from denominators, 3 v, stays below
+/// 1e-3.
 const SIZE: f64 = 0.01;
 
-/// The error of a film of one pass a replicate.
+/// Returns the error of a film of one pass per replicate.
 fn error(independent: Independent, replicates: u32, seed: u64, draw: Draw) -> ImageError {
     let layout = Layout::new(SIDE as u32, SIDE as u32, None, &[]);
     let mut film = Film::new(layout.clone(), replicates, seed, Units::from_exponents(-24, 0).unwrap());
@@ -67,20 +68,21 @@ fn error(independent: Independent, replicates: u32, seed: u64, draw: Draw) -> Im
     film.image_error(independent).unwrap()
 }
 
-/// How many of `films` films have the relMSE in their interval that the mean over them tells, and the ratio of the variance of their
-/// values to the stated one.
+/// Returns how many of `films` films have the mean relMSE over all of them in their interval, and the ratio of the
+/// variance of their values to the estimated one.
 fn covered(independent: Independent, replicates: u32, films: u64, draw: Draw) -> (f64, f64) {
     let seed = |i: u64| 77_000 + 1_000_000 * u64::from(replicates) + i;
-    let errors: Vec<ImageError> = (0..films).into_par_iter().map(|i| error(independent, replicates, seed(i), draw)).collect();
+    let errors: Vec<ImageError> =
+        (0..films).into_par_iter().map(|i| error(independent, replicates, seed(i), draw)).collect();
     let values: Moments = errors.iter().map(|e| e.relmse.value).collect();
     let stated: Moments = errors.iter().map(|e| e.relmse.standard_error.powi(2)).collect();
     let holds = |e: &&ImageError| (e.relmse.low..=e.relmse.high).contains(&values.mean());
     (errors.iter().filter(holds).count() as f64, values.variance().unwrap() / stated.mean())
 }
 
-/// The interval holds in 93 to 97 % of films: two-sided binomial tests of the two rates at level 1e-3/30 (4.0 σ), for thirty of them
-/// at most. The truth is the mean over the same films, which 600 of them know to a 24th of a standard error: far less than 1 % of
-/// coverage.
+/// The interval covers in 93 to 97 % of films: two-sided binomial tests of the two rates at level 1e-3/30 (4.0 σ), for
+/// at most thirty of them. The true value is the mean over the same films. With 600 films its error is a 24th of a
+/// standard error: far less than 1 % of coverage.
 #[track_caller]
 fn holds(independent: Independent, replicates: u32, draw: Draw) {
     let films = 600.0_f64;
@@ -109,7 +111,7 @@ fn an_interval_from_blocks_holds_where_neighbours_share() {
     }
 }
 
-/// Four replicates do not tell how they scatter, and say so.
+/// Four replicates do not determine their own variance, and are reported as too few.
 #[test]
 fn few_replicates_alone_are_not_trusted() {
     let trusted = |replicates| error(Independent::Replicates, replicates, 1, as_one).distrust().is_none();
@@ -118,7 +120,7 @@ fn few_replicates_alone_are_not_trusted() {
     assert!(error(Independent::Blocks, 4, 1, apart).distrust().is_none());
 }
 
-/// The shortcut to pseudo-values against leaving one replicate out after the other: the same to rounding.
+/// The closed form of pseudo-values equals leaving out one replicate at a time, to rounding.
 #[test]
 fn noise_between_replicates_is_the_jackknifes() {
     let mut random = Random::new(5);

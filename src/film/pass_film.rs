@@ -1,9 +1,9 @@
-//! The values of one pass, one sample per pixel and what splats add to it, before they are added to the film.
+//! Values of one pass, before they are added to the film: one sample per pixel, plus splats.
 
 use super::{Layout, Splats};
 use rayon::prelude::*;
 
-/// f32 values of one pass: pixel by pixel, channels as the layout orders them.
+/// f32 values of one pass: pixel by pixel, with channels in the order of the layout.
 #[derive(Debug)]
 pub struct PassFilm {
     layout: Layout,
@@ -11,49 +11,50 @@ pub struct PassFilm {
     splats: Splats,
 }
 
-/// The unit of splats where nothing typical is known.
+/// Default unit of splats, without a typical radiance.
 const UNIT: f64 = 1.0 / (1u32 << 24) as f64;
 
 impl PassFilm {
-    /// All zero.
+    /// Returns a pass of zeros.
     pub fn new(layout: &Layout) -> Self {
         let values = vec![0.0; layout.pixels() * layout.channels()];
         PassFilm { layout: layout.clone(), values, splats: Splats::new(layout, UNIT) }
     }
 
-    /// The same with splats in whole numbers of `unit`, above zero: [`super::Units::radiance`].
+    /// Sets the unit of splats, which must be above zero: [`super::Units::radiance`].
     #[must_use]
     pub fn with_unit(self, unit: f64) -> Self {
         PassFilm { splats: Splats::new(&self.layout, unit), ..self }
     }
 
-    /// Which pixels and planes it holds.
+    /// Returns the pixels and planes of the pass.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Sets everything to zero.
+    /// Sets all values and splats to zero.
     pub fn clear(&mut self) {
         self.values.fill(0.0);
         self.splats.clear();
     }
 
-    /// Where splats fall.
+    /// Returns the splats.
     pub fn splats(&self) -> &Splats {
         &self.splats
     }
 
-    /// Makes the splats part of the samples.
+    /// Adds the splats to the samples.
     pub fn fold_splats(&mut self) {
         self.splats.fold_into(&mut self.values, self.layout.channels());
     }
 
-    /// All values: pixels × channels.
+    /// Returns all values: pixels × channels.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// Disjoint runs of pixels to be filled in parallel: (index of the first pixel, its values and those that follow).
+    /// Splits the values into disjoint runs of pixels for parallel writing. Each item is (index of the first pixel,
+    /// values of the run).
     ///
     /// # Panics
     /// If `pixels_per_chunk` is 0.
@@ -61,7 +62,7 @@ impl PassFilm {
         self.par_chunks_and_splats(pixels_per_chunk).0
     }
 
-    /// [`PassFilm::par_chunks`] and where splats fall at the same time.
+    /// Returns [`PassFilm::par_chunks`] and the splats for use at the same time.
     ///
     /// # Panics
     /// If `pixels_per_chunk` is 0.
@@ -70,7 +71,8 @@ impl PassFilm {
         pixels_per_chunk: usize,
     ) -> (impl IndexedParallelIterator<Item = (usize, &mut [f32])>, &Splats) {
         let chunk = pixels_per_chunk * self.layout.channels();
-        let chunks = self.values.par_chunks_mut(chunk).enumerate().map(move |(i, values)| (i * pixels_per_chunk, values));
+        let chunks =
+            self.values.par_chunks_mut(chunk).enumerate().map(move |(i, values)| (i * pixels_per_chunk, values));
         (chunks, &self.splats)
     }
 }

@@ -1,9 +1,9 @@
-//! Which passes a film holds. Checkpoint, resume, shard and merge are all operations on such sets.
+//! Sets of passes. Checkpoint, resume, shard and merge are operations on these sets.
 
 use std::fmt;
 use std::ops::Range;
 
-/// A set of pass indices, kept as sorted, disjoint, non-adjacent half-open ranges. The index `u64::MAX` cannot be held.
+/// A set of pass indices, kept as sorted, disjoint, non-adjacent half-open ranges. It cannot hold the index `u64::MAX`.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
 pub struct PassSet {
@@ -11,15 +11,15 @@ pub struct PassSet {
 }
 
 impl PassSet {
-    /// No pass.
+    /// Returns the empty set.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds one pass; whether it was not there before.
+    /// Inserts a pass. Returns whether it is new.
     ///
     /// # Panics
-    /// On `u64::MAX`.
+    /// If `pass` is `u64::MAX`.
     pub fn insert(&mut self, pass: u64) -> bool {
         assert!(pass < u64::MAX, "pass index out of range");
         let is_new = !self.contains(pass);
@@ -29,7 +29,7 @@ impl PassSet {
         is_new
     }
 
-    /// Adds all passes of a range; some may be there already.
+    /// Inserts all passes of a range; some may be present already.
     pub fn insert_range(&mut self, range: Range<u64>) {
         if range.is_empty() {
             return;
@@ -42,12 +42,12 @@ impl PassSet {
         self.ranges.splice(first..last, std::iter::once(start..end));
     }
 
-    /// Adds all passes of another set.
+    /// Inserts all passes of another set.
     pub fn union(&mut self, other: &PassSet) {
         other.ranges.iter().cloned().for_each(|range| self.insert_range(range));
     }
 
-    /// The passes that `other` does not hold.
+    /// Returns the passes that are not in `other`.
     pub fn minus(&self, other: &PassSet) -> PassSet {
         let (mut left, mut holes) = (PassSet::new(), other.ranges.iter().peekable());
         for range in &self.ranges {
@@ -66,12 +66,12 @@ impl PassSet {
         left
     }
 
-    /// The pass past the last, 0 if there is none.
+    /// Returns one past the last pass, 0 for the empty set.
     pub fn end(&self) -> u64 {
         self.ranges.last().map_or(0, |range| range.end)
     }
 
-    /// The first pass that both sets hold.
+    /// Returns the first pass that is in both sets.
     pub fn first_common(&self, other: &PassSet) -> Option<u64> {
         let (mut a, mut b) = (self.ranges.iter().peekable(), other.ranges.iter().peekable());
         while let (Some(x), Some(y)) = (a.peek(), b.peek()) {
@@ -88,28 +88,28 @@ impl PassSet {
         None
     }
 
-    /// Whether some pass is in both sets.
+    /// Returns whether the sets share a pass.
     pub fn overlaps(&self, other: &PassSet) -> bool {
         self.first_common(other).is_some()
     }
 
-    /// Whether a pass is in the set.
+    /// Returns whether a pass is in the set.
     pub fn contains(&self, pass: u64) -> bool {
         let after = self.ranges.partition_point(|r| r.start <= pass);
         after > 0 && pass < self.ranges[after - 1].end
     }
 
-    /// How many passes.
+    /// Returns the number of passes.
     pub fn len(&self) -> u64 {
         self.ranges.iter().map(|r| r.end - r.start).sum()
     }
 
-    /// Whether there is none.
+    /// Returns whether the set is empty.
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty()
     }
 
-    /// How many passes k have k mod `modulus` = `residue`.
+    /// Returns the number of passes k with k mod `modulus` = `residue`.
     ///
     /// # Panics
     /// If `modulus` is 0.
@@ -118,19 +118,19 @@ impl PassSet {
         if residue >= modulus { 0 } else { self.ranges.iter().map(|r| below(r.end) - below(r.start)).sum() }
     }
 
-    /// The passes in ascending order.
+    /// Returns the passes in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = u64> + '_ {
         self.ranges.iter().cloned().flatten()
     }
 
-    /// The ranges in ascending order.
+    /// Returns the ranges in ascending order.
     pub fn ranges(&self) -> &[Range<u64>] {
         &self.ranges
     }
 }
 
 impl fmt::Display for PassSet {
-    /// "0-63,70"; "none" for the empty set.
+    /// Formats the ranges as "0-63,70"; the empty set as "none".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_empty() {
             return f.write_str("none");
@@ -175,7 +175,8 @@ impl From<PassSet> for Vec<(u64, u64)> {
 impl TryFrom<Vec<(u64, u64)>> for PassSet {
     type Error = String;
 
-    /// Half-open ranges as written to files; refuses ranges that are empty, out of order or touching.
+    /// Reads half-open ranges as written to files. Fails if a range is empty, out of order or adjacent to its
+    /// predecessor.
     fn try_from(pairs: Vec<(u64, u64)>) -> Result<Self, String> {
         let ranges: Vec<Range<u64>> = pairs.into_iter().map(|(start, end)| start..end).collect();
         let ordered = ranges.windows(2).all(|pair| pair[0].end < pair[1].start);
@@ -193,7 +194,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     proptest! {
-        /// The same answers as a plain set of numbers.
+        /// Equivalence with a plain set of integers.
         #[test]
         fn behaves_as_a_set(
             spans in prop::collection::vec((0_u64..60, 0_u64..9), 0..12),

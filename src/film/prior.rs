@@ -1,27 +1,27 @@
-//! What is known of a film's samples before the first is taken: what they share, and what light the method may miss.
+//! Prior knowledge of a method's samples: their independence, and the light that the method may miss.
 
 use super::Independent;
 
-/// What is known beforehand of a method's samples.
+/// Prior knowledge of a method's samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Known {
-    /// What of the image is independent of the rest.
+    /// Independent parts of the image.
     pub independent: Independent,
-    /// What light the method may miss in the scene.
+    /// Light of the scene that the method may miss.
     pub prior: Prior,
 }
 
-/// The light of a scene that a method samples by luck only, or not at all.
+/// Light of a scene that the method samples rarely or not at all.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Prior {
-    /// Whether the method is blind to some of the light: its expectation is then not the picture.
+    /// Whether the method cannot sample some of the light; its expectation then differs from the true image.
     pub blind: bool,
-    /// The radiance that a sample may bring by a path whose last scattering hardly any technique of the method samples (caustics of
-    /// small lamps, their mirror images); 0 where there is no such path.
+    /// Bound on the radiance of a sample whose last scattering is hardly sampled by any technique of the method
+    /// (caustics of small lamps, their mirror images); 0 without such paths.
     pub rare_radiance: f64,
 }
 
-/// Samples that nothing else is known of.
+/// Samples without any other prior knowledge.
 impl From<Independent> for Known {
     fn from(independent: Independent) -> Self {
         Known { independent, prior: Prior::default() }

@@ -1,6 +1,6 @@
-//! What the replicates of a film say about each pixel: means, the variance of their mean, the variance relative to the square.
+//! Statistics of the replicates of a film by pixel: means, the variance of their mean, and its relative variance.
 
-use super::spread::{Pair, Pairs, Patch};
+use super::estimator_variance::{Pair, Pairs, Patch};
 use super::{Film, Plane};
 use crate::defects::{Defect, planted};
 use crate::stats::{Estimate, third_cumulant_of_mean};
@@ -9,27 +9,27 @@ use rayon::prelude::*;
 /// Channels of colour.
 pub(super) const COLOR: usize = 3;
 
-/// The colour means of a film by replicate.
+/// Colour means of a film by replicate.
 pub(super) struct Replicates<'a> {
     film: &'a Film,
     pub(super) counts: Vec<f64>,
     total: f64,
 }
 
-/// Σ over the channels of a pixel.
+/// Sums over the channels of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct PixelError {
     /// Var(m).
     pub(super) variance: f64,
-    /// Var(m) / (m² + ε), biased by the noise in m and by what it shares with Var(m).
+    /// Var(m) / (m² + ε), biased by the noise of m and its correlation with Var(m).
     pub(super) coupled: f64,
-    /// The same by pairs and the means of the other replicates, biased by their noise only.
+    /// The same by pairs and the means of the other replicates, biased only by the noise of these means.
     pub(super) apart: f64,
-    /// The same by the means of half of them, whose noise is twice as large.
+    /// The same by the means of half of the others, which have twice the variance.
     pub(super) half_apart: f64,
-    /// What the curvature of the division adds to `coupled`, to first order.
+    /// First-order bias of `coupled` due to the nonlinearity of the division.
     pub(super) curvature: f64,
-    /// How much lower `coupled` is for the skewness of m.
+    /// First-order reduction of `coupled` by the skewness of m.
     pub(super) skew: f64,
 }
 
@@ -45,24 +45,25 @@ impl std::ops::AddAssign for PixelError {
     }
 }
 
-/// What a sum over pixels needs beside it: space, and what is told apart by pair or replicate.
+/// Buffers of a sum over pixels, and its parts by pair or replicate.
 pub(super) struct Scratch {
     means: Vec<f64>,
-    /// By pair and channel: signed roots of relative variances.
+    /// By pair and channel: signed square roots of relative variances.
     roots: Vec<[f64; COLOR]>,
-    /// By replicate, over all pixels so far: n_r/N (m_r − m)² / (m² + ε). Their sum is (R − 1) times that of relative variances.
+    /// By replicate, summed over pixels: n_r/N (m_r − m)² / (m² + ε). Their total is (R − 1) times the sum of relative
+    /// variances.
     pub(super) squares: Vec<f64>,
 }
 
 impl<'a> Replicates<'a> {
-    /// `None` with fewer than 2 replicates, an empty one, or no pixels.
+    /// Returns `None` with fewer than 2 replicates, an empty one, or no pixels.
     pub(super) fn of(film: &'a Film) -> Option<Self> {
         let counts: Vec<f64> = (0..film.replicates()).map(|r| film.passes_of(r) as f64).collect();
         let is_usable = counts.len() >= 2 && counts.iter().all(|&n| n > 0.0) && film.layout().pixels() > 0;
         is_usable.then(|| Replicates { film, total: counts.iter().sum(), counts })
     }
 
-    /// The means m_r of one pixel and channel.
+    /// Writes the means m_r of one pixel and channel to `out`.
     pub(super) fn means(&self, pixel: usize, channel: usize, out: &mut [f64]) {
         let unit = self.film.units().of(Plane::Color);
         let index = pixel * self.film.layout().channels() + channel;
@@ -76,7 +77,7 @@ impl<'a> Replicates<'a> {
         means.iter().zip(&self.counts).map(|(m, n)| m * n).sum::<f64>() / self.total
     }
 
-    /// Var(m), without bias where the variance of m_r goes as 1/n_r.
+    /// Returns an estimate of Var(m), which is unbiased where the variance of m_r is proportional to 1/n_r.
     pub(super) fn variance(&self, means: &[f64]) -> f64 {
         let mean = self.mean(means);
         let squares: f64 = means.iter().zip(&self.counts).map(|(m, n)| n / self.total * (m - mean) * (m - mean)).sum();
@@ -84,7 +85,7 @@ impl<'a> Replicates<'a> {
         one * squares / (self.counts.len() as f64 - 1.0)
     }
 
-    /// The mean of the image with its standard error.
+    /// Returns the mean of the image with its standard error.
     pub(super) fn image_mean(&self) -> Option<Estimate> {
         let pixels = self.film.layout().pixels();
         let rows: Vec<Vec<f64>> = (0..pixels.div_ceil(1024))
@@ -92,7 +93,8 @@ impl<'a> Replicates<'a> {
             .map(|chunk| self.sum_of_means(chunk * 1024..((chunk + 1) * 1024).min(pixels)))
             .collect();
         let values = (pixels * COLOR) as f64;
-        let means: Vec<f64> = (0..self.counts.len()).map(|r| rows.iter().map(|row| row[r]).sum::<f64>() / values).collect();
+        let means: Vec<f64> =
+            (0..self.counts.len()).map(|r| rows.iter().map(|row| row[r]).sum::<f64>() / values).collect();
         let dof = means.len() as f64 - 1.0;
         let value = self.mean(&means);
         value.is_finite().then(|| Estimate { value, standard_error: self.variance(&means).sqrt(), dof })
@@ -109,13 +111,17 @@ impl<'a> Replicates<'a> {
         sums
     }
 
-    /// Space for sums over pixels.
+    /// Allocates buffers for sums over pixels.
     pub(super) fn scratch(&self, pairs: &Pairs) -> Scratch {
         let replicates = self.counts.len();
-        Scratch { means: vec![0.0; replicates], roots: vec![[0.0; COLOR]; pairs.pairs.len()], squares: vec![0.0; replicates] }
+        Scratch {
+            means: vec![0.0; replicates],
+            roots: vec![[0.0; COLOR]; pairs.pairs.len()],
+            squares: vec![0.0; replicates],
+        }
     }
 
-    /// The error of one pixel, relative to m² + `epsilon`; it becomes part of `patch`.
+    /// Returns the error of one pixel, relative to m² + `epsilon`, and adds it to `patch`.
     pub(super) fn pixel(
         &self,
         pixel: usize,
@@ -134,11 +140,12 @@ impl<'a> Replicates<'a> {
         error
     }
 
-    /// Adds a channel's variance, relative variance by the whole mean, and what is biased about that; returns 1 / (m² + `epsilon`), 0
-    /// where all is black.
+    /// Adds a channel's variance, its relative variance by the whole mean, and the bias terms of the latter. Returns 1
+    /// / (m² + `epsilon`), or 0 for a black pixel.
     ///
-    /// With V an estimate of Var(m) and g(m) = 1 / (m² + ε), E V g(m) is V g(μ) + g″ V² / 2 + g′ κ to first order: g is curved, and a
-    /// skewed m (third cumulant κ) is large where V is. V² of R normal values is too large by (R + 1) / (R − 1).
+    /// With V an estimate of Var(m) and g(m) = 1 / (m² + ε), E V g(m) is V g(μ) + g″ V² / 2 + g′ κ to first order. The
+    /// second term is due to the curvature of g, the third to the correlation of m and V (third cumulant κ). V² of R
+    /// normal values is too large by the factor (R + 1) / (R − 1).
     fn add_channel(&self, means: &[f64], epsilon: f64, error: &mut PixelError) -> f64 {
         let replicates = self.counts.len() as f64;
         let (mean, variance) = (self.mean(means), self.variance(means));
@@ -154,9 +161,18 @@ impl<'a> Replicates<'a> {
         g
     }
 
-    /// Sets the channel's roots of Var(m) g by each pair and adds up what they come to; the denominators are those of replicates that the
-    /// pair is not of, all of them and half of them. Fewer than four replicates have no pairs, and only the whole mean `g` to divide by.
-    fn tell_apart(&self, channel: usize, g: f64, epsilon: f64, pairs: &Pairs, scratch: &mut Scratch, error: &mut PixelError) {
+    /// Computes the square roots of the channel's Var(m) g for each pair and adds their squares to `error`. The
+    /// denominators are the means of replicates outside the pair: all of them, and half of them. With fewer than four
+    /// replicates there are no pairs, and only the whole mean `g` is available.
+    fn tell_apart(
+        &self,
+        channel: usize,
+        g: f64,
+        epsilon: f64,
+        pairs: &Pairs,
+        scratch: &mut Scratch,
+        error: &mut PixelError,
+    ) {
         let Scratch { means, roots, squares } = scratch;
         let (each, halves) = (1.0 / pairs.pairs.len().max(1) as f64, self.halves(means));
         for (pair, root) in pairs.pairs.iter().zip(roots) {
@@ -174,7 +190,7 @@ impl<'a> Replicates<'a> {
         }
     }
 
-    /// The sums of even and of odd replicates, and their passes.
+    /// Returns the weighted sums of even and of odd replicates, with their passes.
     fn halves(&self, means: &[f64]) -> [[f64; 2]; 2] {
         let mut halves = [[0.0; 2]; 2];
         for (r, (mean, count)) in means.iter().zip(&self.counts).enumerate() {
@@ -184,8 +200,9 @@ impl<'a> Replicates<'a> {
         halves
     }
 
-    /// 1 / (m² + `epsilon`) by the replicates that `pair` is not of: all of them, and the mean of that by either half of them. Of the four
-    /// that the pair is of, each half has one; of the others the even or the odd ones.
+    /// Returns 1 / (m² + `epsilon`) from the replicates outside `pair`: by the mean of all of them, and averaged over
+    /// the two halves. Each half has one of the other two replicates of the pair's group of four. The rest is split
+    /// into even and odd replicates.
     fn apart(&self, means: &[f64], halves: &[[f64; 2]; 2], pair: &Pair, epsilon: f64) -> [f64; 2] {
         let (four, mut sums) = (pair.a / 4 * 4, *halves);
         for (i, (half, own)) in sums.iter_mut().zip(pair.others).enumerate() {

@@ -1,8 +1,9 @@
-//! Light that falls wherever on the film in the course of a pass: fixed-point sums, so that the order of adding leaves no trace.
+//! Splats, which may fall on any pixel in any order during a pass. Fixed-point sums make the result independent of the
+//! order.
 //!
-//! Each splat reaches the pixels whose filter covers it, by the filter's density there. It is rounded to a whole number of units, up
-//! with the probability of its fraction, decided by a hash of its address: dim splats do not vanish. When the pass is over the sums
-//! become part of its samples.
+//! A splat contributes to all pixels whose filter covers it, weighted by the filter density there. It is rounded to a
+//! whole number of units by unbiased stochastic rounding, with a hash of its key as random number, so that dim splats
+//! are not lost. At the end of the pass the sums are added to its samples.
 
 use super::{Filter, Layout};
 use crate::defects::{Defect, planted};
@@ -11,10 +12,11 @@ use crate::spectrum::{LANES, Spectrum};
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Values from here on, in units, are kept one by one: 2³³ smaller ones are needed to overflow a sum, more than a pass has.
+/// Larger values, in units, are stored individually. Overflow of a sum by smaller values takes 2³³ of them, more than a
+/// pass has.
 const LARGE: f64 = (1u64 << 30) as f64;
 
-/// Most pixels that a filter covers along an axis.
+/// Largest number of pixels covered by a filter along an axis.
 const REACH: usize = 4;
 
 /// Splats of one pass.
@@ -22,7 +24,7 @@ const REACH: usize = 4;
 pub struct Splats {
     layout: Layout,
     unit: f64,
-    /// Made when the first splat falls: most methods have none.
+    /// Allocated by the first splat, since most methods have none.
     sums: OnceLock<Box<[AtomicI64]>>,
     large: Mutex<Vec<(usize, f64)>>,
 }
@@ -32,7 +34,8 @@ impl Splats {
         Splats { layout: layout.clone(), unit, sums: OnceLock::new(), large: Mutex::new(Vec::new()) }
     }
 
-    /// Adds `value` per pixel of film area at the film position (x, y) in pixels; `key` is its address.
+    /// Adds a splat of `value` per pixel of film area at the raster position (x, y) in pixels; `key` seeds its
+    /// rounding.
     pub fn add(&self, filter: Filter, film: [f32; 2], value: Spectrum, key: u64) {
         let crop = self.layout.crop;
         let columns = covered(filter, film[0], [crop.x0, crop.x1]);
@@ -64,11 +67,11 @@ impl Splats {
         }
     }
 
-    /// Adds everything to the colours of `values`, pixels of `channels` each, and is empty again.
+    /// Adds all splats to the colours of `values`, which have `channels` values per pixel, and clears them.
     pub(super) fn fold_into(&mut self, values: &mut [f32], channels: usize) {
         let Some(sums) = self.sums.get_mut() else { return };
         let mut large = std::mem::take(self.large.get_mut().unwrap_or_else(PoisonError::into_inner));
-        // In one order, whoever came first.
+        // Sorted, so that the sum does not depend on thread order.
         large.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let mut large = large.into_iter().peekable();
         for (index, sum) in sums.iter_mut().enumerate() {
@@ -83,7 +86,7 @@ impl Splats {
         }
     }
 
-    /// Forgets everything.
+    /// Removes all splats.
     pub(super) fn clear(&mut self) {
         if let Some(sums) = self.sums.get_mut() {
             sums.iter_mut().for_each(|sum| *sum.get_mut() = 0);
@@ -92,7 +95,7 @@ impl Splats {
     }
 }
 
-/// The pixels along one axis that a filter reaches, by index within the crop, and the filter's density at each.
+/// Pixels covered by a filter along one axis, by index within the crop, with the filter density at each.
 struct Covered {
     first: usize,
     count: usize,
@@ -105,11 +108,11 @@ impl Covered {
     }
 }
 
-/// See [`Covered`], for a splat at the position `x` and the pixels from `start` up to `end`.
+/// Returns the [`Covered`] pixels of a splat at position `x`, among those from `start` up to `end`.
 fn covered(filter: Filter, x: f32, [start, end]: [u32; 2]) -> Covered {
     let x = if planted(Defect::SplatsHalfPixel) { x - 0.5 } else { x };
     let radius = filter.radius() as f32;
-    // In f32 positions far off the film saturate instead of wrapping.
+    // In f32, positions far outside the film saturate instead of wrapping.
     let low = (x - 0.5 - radius).ceil().max(start as f32);
     let high = (x - 0.5 + radius).floor().min(end as f32 - 1.0);
     let mut found = Covered { first: 0, count: 0, densities: [0.0; REACH] };
@@ -142,7 +145,8 @@ mod tests {
         places.into_iter().map(|p| (p, Spectrum([0; 3].map(|_| value(&mut random))))).collect()
     }
 
-    /// Splats in any order, by any number of threads, give the same bits: those beyond the fixed point included.
+    /// Splats give the same bits in any order and with any number of threads, including those beyond the fixed-point
+    /// range.
     #[test]
     fn order_leaves_no_trace() {
         let all = splats(4000);
@@ -155,12 +159,15 @@ mod tests {
         let forward = fold(&mut forward);
         let mut parallel = film(None);
         let target = parallel.splats();
-        (0..all.len()).into_par_iter().rev().for_each(|i| target.add(Filter::BlackmanHarris, all[i].0, all[i].1, i as u64));
+        (0..all.len())
+            .into_par_iter()
+            .rev()
+            .for_each(|i| target.add(Filter::BlackmanHarris, all[i].0, all[i].1, i as u64));
         assert_eq!(fold(&mut parallel), forward);
         assert!(forward.iter().any(|&v| f64::from(v) > LARGE * 2f64.powi(-24)));
     }
 
-    /// A crop receives what the same pixels of the whole do, but for the address of its rounding.
+    /// A crop receives the same splats as these pixels of the full image, except for the rounding hash.
     #[test]
     fn a_crop_sees_what_falls_on_it() {
         let crop = Crop { x0: 3, y0: 2, x1: 9, y1: 7 };
@@ -181,8 +188,8 @@ mod tests {
         }
     }
 
-    /// All light arrives: the densities of the pixels around a point sum to about one, and over all points to one exactly, whatever the
-    /// filter. Splats far dimmer than a unit count, too: 5 σ of their rounding.
+    /// All light arrives. The densities of the pixels around a point sum to about one, and exactly to one on average
+    /// over all points, for every filter. Splats far dimmer than a unit count, too: 5 σ of their rounding.
     #[test]
     fn splats_keep_their_light() {
         let mut random = Random::new(3);
@@ -199,7 +206,11 @@ mod tests {
             // The sum of densities at a point has a deviation of 1.4 % for the Gaussian, less for the others.
             assert!((sum(0) - 1.0).abs() < 5.0 * 0.014 / (n as f64).sqrt(), "{filter:?}: {}", sum(0));
             let deviation = (16.0 * f64::from(dim) * 2f64.powi(-24) / n as f64).sqrt();
-            assert!((sum(1) - f64::from(dim)).abs() < 5.0 * deviation + 0.002 * f64::from(dim), "{filter:?}: {}", sum(1));
+            assert!(
+                (sum(1) - f64::from(dim)).abs() < 5.0 * deviation + 0.002 * f64::from(dim),
+                "{filter:?}: {}",
+                sum(1)
+            );
         }
     }
 }

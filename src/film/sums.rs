@@ -1,13 +1,14 @@
-//! Exact sums of quantised values: an i64 each, and a sparse table of what lies above. The pair (low 64 bits as i64,
-//! rest in units of 2⁶⁴) is unique for a number, so sums are equal bit for bit whatever the order of adding and merging.
+//! Exact sums of quantised values: one i64 each, and a sparse table of overflow. The pair (low 64 bits as i64, rest in
+//! units of 2⁶⁴) is unique for each integer. Equal sums are therefore equal bit for bit, whatever the order of
+//! additions and merges.
 
 use crate::defects::{Defect, planted};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Values at or beyond 2¹⁸⁰ units cannot be added: 2¹⁰ of them per sum would still fit.
+/// Values of 2¹⁸⁰ units and above are dropped. Below this limit 2¹⁰ values fit a sum.
 const LIMIT: f64 = f64::from_bits((1023 + 180) << 52);
-/// Values that a thread adds at a time.
+/// Number of values in a parallel chunk.
 const PART: usize = 1 << 16;
 const TWO_32: f64 = 4_294_967_296.0;
 const TWO_62: f64 = 4_611_686_018_427_387_904.0;
@@ -21,7 +22,7 @@ pub(crate) struct Sums {
     high: BTreeMap<u64, i128>,
 }
 
-/// What a pass could not put into the i64 sums: carries by index in units of 2⁶⁴, and how many values were dropped.
+/// Overflow of the i64 sums in a pass: carries by index in units of 2⁶⁴, and the number of dropped values.
 #[derive(Debug, Default)]
 pub(crate) struct Spill {
     /// (index, carry).
@@ -31,7 +32,7 @@ pub(crate) struct Spill {
 }
 
 impl Spill {
-    /// Both together.
+    /// Concatenates the carries and adds the counts.
     pub(crate) fn join(mut self, mut other: Spill) -> Spill {
         self.carries.append(&mut other.carries);
         Spill { carries: self.carries, dropped: self.dropped + other.dropped }
@@ -39,27 +40,27 @@ impl Spill {
 }
 
 impl Sums {
-    /// `length` zeros.
+    /// Returns `length` zeros.
     pub(crate) fn new(length: usize) -> Self {
         Sums { low: vec![0; length], high: BTreeMap::new() }
     }
 
-    /// The low 64 bits of every sum.
+    /// Returns the low 64 bits of every sum.
     pub(crate) fn low(&self) -> &[i64] {
         &self.low
     }
 
-    /// The low 64 bits of every sum, for adding with [`add_rounded`] and [`add_all`].
+    /// Returns the low 64 bits of every sum, for [`add_rounded`] and [`add_all`].
     pub(crate) fn low_mut(&mut self) -> &mut [i64] {
         &mut self.low
     }
 
-    /// What lies above, by index, in units of 2⁶⁴.
+    /// Returns the part above 64 bits, by index, in units of 2⁶⁴.
     pub(crate) fn high(&self) -> &BTreeMap<u64, i128> {
         &self.high
     }
 
-    /// Adds the carries that adding to [`Sums::low_mut`] left.
+    /// Adds the carries of additions to [`Sums::low_mut`].
     pub(crate) fn carry(&mut self, carries: impl IntoIterator<Item = (u64, i128)>) {
         for (index, carry) in carries {
             let high = self.high.entry(index).or_insert(0);
@@ -73,17 +74,18 @@ impl Sums {
     /// Adds all sums of another array of the same length.
     pub(crate) fn merge(&mut self, other: &Sums) {
         let parts = self.low.par_chunks_mut(PART).zip(other.low.par_chunks(PART)).enumerate();
-        let carries: Vec<_> = parts.flat_map_iter(|(part, (sums, values))| add_all(sums, values, part * PART)).collect();
+        let carries: Vec<_> =
+            parts.flat_map_iter(|(part, (sums, values))| add_all(sums, values, part * PART)).collect();
         self.carry(carries);
         self.carry(other.high.iter().map(|(&index, &high)| (index, high)));
     }
 
-    /// The nearest f64 of one sum, in units.
+    /// Returns the f64 nearest to one sum, in units.
     pub(crate) fn value(&self, index: usize) -> f64 {
         nearest(i128::from(self.low[index]), self.above(index))
     }
 
-    /// The nearest f64 of the total of several sums, added exactly before rounding.
+    /// Returns the f64 nearest to the exact total of several sums.
     pub(crate) fn total<'a>(parts: impl Iterator<Item = (&'a Sums, usize)>) -> f64 {
         let (low, high) = parts.fold((0, 0), |(low, high), (s, i)| (low + i128::from(s.low[i]), high + s.above(i)));
         nearest(low, high)
@@ -94,7 +96,7 @@ impl Sums {
     }
 }
 
-/// f64 of `low` + 2⁶⁴ `high`, a function of the number alone: the nearest while it fits an i128.
+/// Returns `low` + 2⁶⁴ `high` as f64, a function of the value alone: the nearest f64 if the value fits an i128.
 fn nearest(low: i128, high: i128) -> f64 {
     match high.checked_mul(1 << 64).and_then(|shifted| shifted.checked_add(low)) {
         Some(number) => number as f64,
@@ -105,7 +107,8 @@ fn nearest(low: i128, high: i128) -> f64 {
     }
 }
 
-/// Adds `values`, the low 64 bits of other sums, to `sums`, whose first one has the index `first`; the carries by index.
+/// Adds `values`, the low 64 bits of other sums, to `sums`, of which the first has index `first`. Returns the carries
+/// by index.
 pub(crate) fn add_all(sums: &mut [i64], values: &[i64], first: usize) -> Vec<(u64, i128)> {
     let pairs = sums.iter_mut().zip(values).zip(first as u64..);
     let carries = pairs.map(|((sum, &value), index)| (index, add(sum, value)));
@@ -113,7 +116,7 @@ pub(crate) fn add_all(sums: &mut [i64], values: &[i64], first: usize) -> Vec<(u6
     carries.filter(|&(_, carry)| carry != 0 && keeps).collect()
 }
 
-/// Adds `value` and gives the carry.
+/// Adds `value` and returns the carry.
 #[inline]
 fn add(sum: &mut i64, value: i64) -> i128 {
     let (wrapped, overflows) = sum.overflowing_add(value);
@@ -121,12 +124,12 @@ fn add(sum: &mut i64, value: i64) -> i128 {
     if overflows { i128::from(value.signum()) } else { 0 }
 }
 
-/// Adds a value, given as `scaled` = value · 2³² / unit, rounded to a whole number of units: up with the probability of its
-/// fraction, decided by the upper 32 bits of `hash`. Unbiased to 2⁻³² of a unit. What does not fit goes to `spill`.
+/// Adds a value, given as `scaled` = value · 2³² / unit, rounded stochastically to a whole number of units. The upper
+/// 32 bits of `hash` are the random number. The bias is below 2⁻³² of a unit. Carries and dropped values go to `spill`.
 #[inline]
 pub(crate) fn add_rounded(sum: &mut i64, scaled: f64, hash: u64, index: u64, spill: &mut Spill) {
     if scaled.abs() < TWO_62 {
-        // Truncation of an f32 below 2⁻⁸ units loses less than 2⁻³² of a unit; then floor(x + u).
+        // Truncating an f32 below 2⁻⁸ units loses less than 2⁻³² of a unit; then floor(x + u).
         let fraction = if planted(Defect::FilmRoundsDown) { 0 } else { (hash >> 32) as i64 };
         let whole = (scaled as i64 + fraction) >> 32;
         let carry = add(sum, whole);
@@ -138,7 +141,7 @@ pub(crate) fn add_rounded(sum: &mut i64, scaled: f64, hash: u64, index: u64, spi
     }
 }
 
-/// Adds a value of at least 2³⁰ units: an f32 of that size is a whole number of units already.
+/// Adds a value of at least 2³⁰ units. An f32 of that size is already a whole number of units.
 #[cold]
 fn add_large(sum: &mut i64, units: f64, index: u64, spill: &mut Spill) {
     if units.is_nan() || units.abs() >= LIMIT {
@@ -178,12 +181,13 @@ mod tests {
         assert_eq!(add_all(&back, &mut Random::new(1)), Sums::new(1));
     }
 
-    /// Whole numbers of any size, added in any order and split in any way, give the same two parts.
+    /// Integers of any size, added in any order and split in any way, give the same two parts.
     #[test]
     fn order_and_grouping_do_not_matter() {
         let mut random = Random::new(2);
-        let mut values: Vec<f64> =
-            (0..400).map(|_| ((random.normal() * 1e6).round()) * 2_f64.powi((random.uniform() * 100.0) as i32)).collect();
+        let mut values: Vec<f64> = (0..400)
+            .map(|_| ((random.normal() * 1e6).round()) * 2_f64.powi((random.uniform() * 100.0) as i32))
+            .collect();
         values.extend([TWO_62 * 1.5; 9]);
         let forward = add_all(&values, &mut Random::new(3));
         let mut merged = add_all(&values[..150], &mut Random::new(4));

@@ -1,13 +1,14 @@
-//! Filters that decide while a ray travels whether a candidate hit counts (alpha masks).
+//! Any-hit filters, evaluated during traversal (alpha masks).
 
 use super::{Hit, Ray};
 
-/// A stateless filter on candidate hits. A backend may ask about one candidate more than once and in any order, so the
-/// answer must depend on the arguments only. Backends ask only about objects with [`super::Object::filtered`] set.
+/// A stateless filter on candidate hits. A backend may evaluate it more than once per candidate and in any order, so
+/// that the result must depend on the arguments only. Backends call it only for objects with
+/// [`super::Object::filtered`] set.
 pub trait AnyHit: Sync {
-    /// Whether this filter can reject anything at all; if not, backends leave it out of the traversal.
+    /// Whether this filter can reject anything; otherwise backends omit it from traversal.
     const FILTERS: bool = true;
-    /// Whether the candidate counts as a hit.
+    /// Returns whether the candidate is a hit.
     fn accepts(&self, ray: &Ray, hit: Hit) -> bool;
 }
 

@@ -12,54 +12,54 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box that holds nothing.
+    /// The empty box.
     pub const EMPTY: Bounds = Bounds { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// The smallest box around `points`.
+    /// Returns the smallest box around `points`.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Bounds::EMPTY, Bounds::include)
     }
 
-    /// This box grown to hold `point`.
+    /// Extends the box to contain `point`.
     #[inline]
     pub fn include(self, point: Vec3) -> Self {
         Bounds { min: self.min.min(point), max: self.max.max(point) }
     }
 
-    /// The smallest box around both.
+    /// Returns the smallest box around both.
     #[inline]
     pub fn union(self, other: Bounds) -> Self {
         Bounds { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Whether `point` lies in it.
+    /// Returns whether `point` lies in the box.
     #[inline]
     pub fn contains(&self, point: Vec3) -> bool {
         self.min.cmple(point).all() && self.max.cmpge(point).all()
     }
 
-    /// Whether both share a point.
+    /// Returns whether the boxes intersect.
     #[inline]
     pub fn meets(&self, other: &Bounds) -> bool {
         self.min.cmple(other.max).all() && self.max.cmpge(other.min).all()
     }
 
-    /// What it holds, as a volume; 0 if it is empty.
+    /// Returns the volume; 0 for an empty box.
     pub fn volume(&self) -> f32 {
         (self.max - self.min).max(Vec3::ZERO).to_array().into_iter().product()
     }
 
-    /// Whether it holds nothing.
+    /// Returns whether the box is empty.
     pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
 
-    /// The midpoint.
+    /// Returns the midpoint.
     pub fn center(&self) -> Vec3 {
         (self.min + self.max) * 0.5
     }
 
-    /// Half the diagonal: the radius of the sphere around the box.
+    /// Returns half the diagonal: the radius of the circumscribed sphere.
     pub fn radius(&self) -> f32 {
         if self.is_empty() { 0.0 } else { (self.max - self.min).length() * 0.5 }
     }

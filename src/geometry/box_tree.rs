@@ -1,23 +1,24 @@
-//! A small binary tree of boxes over some things of a scene, for questions that no backend answers: exact ones, and those about boxes.
+//! A small binary bounding volume hierarchy, for queries that no backend answers: exact intersection, and overlap of
+//! boxes.
 
 use crate::geometry::{Bounds, Hit, Triangle};
 use std::ops::ControlFlow;
 
-/// Things in a leaf.
+/// Items per leaf.
 const IN_LEAF: usize = 4;
 
-/// What a tree can hold.
+/// An item of the tree.
 pub trait Bounded {
-    /// The box around it.
+    /// Returns the bounding box.
     fn bounds(&self) -> Bounds;
 }
 
-/// A triangle and its name.
+/// A triangle and its id.
 #[derive(Debug, Clone, Copy)]
 pub struct Leaf {
-    /// Its name.
+    /// Id of the triangle.
     pub hit: Hit,
-    /// Itself, in the world.
+    /// World-space triangle.
     pub triangle: Triangle,
 }
 
@@ -30,13 +31,13 @@ impl Bounded for Leaf {
 #[derive(Debug)]
 struct Node {
     bounds: Bounds,
-    /// The first thing of a leaf, or the second child of an inner node, whose first one comes next.
+    /// First item of a leaf, or second child of an inner node; its first child is the next node.
     first: u32,
-    /// Things of a leaf; 0 of an inner node.
+    /// Number of items of a leaf; 0 for an inner node.
     count: u32,
 }
 
-/// The tree.
+/// A bounding volume hierarchy.
 #[derive(Debug)]
 pub struct BoxTree<T> {
     nodes: Vec<Node>,
@@ -50,7 +51,7 @@ impl<T> Default for BoxTree<T> {
 }
 
 impl<T: Bounded> BoxTree<T> {
-    /// A tree over `leaves`, fewer than 2³².
+    /// Builds a tree over `leaves`, fewer than 2³².
     pub fn new(mut leaves: Vec<T>) -> Self {
         let mut nodes = Vec::with_capacity(leaves.len());
         if !leaves.is_empty() {
@@ -59,19 +60,23 @@ impl<T: Bounded> BoxTree<T> {
         BoxTree { nodes, leaves }
     }
 
-    /// What it holds.
+    /// Returns all items.
     pub fn leaves(&self) -> &[T] {
         &self.leaves
     }
 
-    /// The box around everything.
+    /// Returns the bounding box of all items.
     pub fn bounds(&self) -> Bounds {
         self.nodes.first().map_or(Bounds::EMPTY, |root| root.bounds)
     }
 
-    /// Calls `leaf` for the things in boxes that `enters` lets in, until it breaks.
+    /// Calls `leaf` for the items of all leaves whose boxes satisfy `enters`, until it breaks.
     #[inline]
-    pub fn visit(&self, enters: impl Fn(&Bounds) -> bool, mut leaf: impl FnMut(&T) -> ControlFlow<()>) -> ControlFlow<()> {
+    pub fn visit(
+        &self,
+        enters: impl Fn(&Bounds) -> bool,
+        mut leaf: impl FnMut(&T) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let mut stack = smallvec::SmallVec::<[u32; 64]>::new();
         if !self.nodes.is_empty() {
             stack.push(0);
@@ -91,7 +96,8 @@ impl<T: Bounded> BoxTree<T> {
     }
 }
 
-/// Adds the nodes over `leaves`, the first of which is the tree's number `first`. Halves of equal count: depth is the logarithm.
+/// Appends the nodes over `leaves`, whose first item has index `first` in the tree. Splits into halves of equal count,
+/// so that the depth is logarithmic.
 fn grow<T: Bounded>(nodes: &mut Vec<Node>, leaves: &mut [T], first: u32) {
     let bounds = leaves.iter().map(T::bounds).fold(Bounds::EMPTY, Bounds::union);
     let own = nodes.len();

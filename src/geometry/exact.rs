@@ -1,21 +1,22 @@
-//! Which of surfaces that touch comes first: rays and segments judged in f64 from the f32 triangles themselves, so that a gap of one ulp
-//! is a gap and both backends agree.
+//! Exact order of surfaces that touch: rays and segments are intersected in f64 with the f32 triangles themselves, so
+//! that a gap of one ulp is resolved and all backends agree.
 //!
-//! Surfaces that coincide within f64 rounding have an order too, the same from both sides: each is thought set back from its
-//! front by an infinitesimal amount that shrinks with its place in the file. Of two that face the same way the later in the file lies in
-//! front; two that face each other, as a glass and the table under it, do not meet.
-//! A surface that a line leaves or ends on is never met again; what coincides with it lies on one side of it.
+//! Surfaces that coincide within f64 rounding have an order too, which is the same from both sides. Each is treated as
+//! set back from its front side by an infinitesimal amount that decreases with its position in the file. Of two that
+//! face the same way, the later in the file is in front. Two that face each other, as a glass and the table under it,
+//! do not intersect. A line never intersects the surfaces that it starts or ends on. Surfaces that coincide with these
+//! lie on one side of them.
 
 use crate::defects::{Defect, planted};
 use crate::geometry::{Bounds, Geometry, Hit, Ray, Triangle};
 use glam::DVec3;
 
-/// Half-ulps of the largest coordinate by which heights over a plane may be wrong: a difference, a dot product of three terms, and the
-/// normal's own cross product, each doubled for the projection of a line's end.
+/// Error bound of the height over a plane, in half-ulps of the largest coordinate: a difference, a dot product of three
+/// terms, and the cross product of the normal, each doubled for the projection of an end of the line.
 const ROUNDINGS: f64 = 64.0;
 
-/// Boxes are widened by this times the largest coordinate: more than the bound by which [`Line::cross`] widens triangles, 8 half-ulps of
-/// f32 of the distance to the farthest vertex.
+/// Relative widening of boxes by the largest coordinate. It exceeds the bound by which [`Line::cross`] widens
+/// triangles, 8 half-ulps of f32 of the distance to the farthest vertex.
 const BOX_PAD: f64 = 32.0 * 0.5 * f32::EPSILON as f64;
 
 /// A ray or segment in f64.
@@ -23,7 +24,7 @@ const BOX_PAD: f64 = 32.0 * 0.5 * f32::EPSILON as f64;
 pub struct Line {
     origin: DVec3,
     direction: DVec3,
-    /// The direction that sides are told by: that of the ray, whose length may be zero between surfaces that coincide.
+    /// Direction that determines sides: that of the ray, whose length may be zero between coincident surfaces.
     heading: DVec3,
     t_min: f64,
     t_max: f64,
@@ -31,7 +32,7 @@ pub struct Line {
     end: Option<Side>,
 }
 
-/// A surface at an end of a line.
+/// Surface at an end of a line.
 #[derive(Debug, Clone, Copy)]
 struct Side {
     hit: Hit,
@@ -39,23 +40,23 @@ struct Side {
     order: i128,
 }
 
-/// Where a line meets a triangle.
+/// Intersection of a line with a triangle.
 #[derive(Debug, Clone, Copy)]
 pub struct Crossing {
     /// The triangle.
     pub hit: Hit,
-    /// The parameter of the line.
+    /// Parameter along the line.
     pub t: f64,
-    /// |cos| of the angle with the normal times the length of the direction.
+    /// |cos| of the angle to the normal, times the length of the direction.
     pub slope: f64,
     order: i128,
-    /// How far inside the triangle by barycentrics, negative outside.
+    /// Least barycentric coordinate; negative outside the triangle.
     margin: f64,
     noise: f64,
 }
 
 impl Line {
-    /// The line of `ray`: an end on a touching surface is moved into its plane.
+    /// Returns the line of `ray`. Ends on a touching surface are projected to its plane.
     pub fn new(geometry: &Geometry, ray: &Ray) -> Self {
         let (origin, heading) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let side = |hit: Hit| (hit != Hit::NONE).then(|| Side::new(geometry, hit, heading));
@@ -68,8 +69,8 @@ impl Line {
         Line { direction: to - from, t_max: 1.0, ..line }
     }
 
-    /// Where it meets `hit` between its ends, if it does. The bound of a backend's arithmetic is added around the triangle, so that
-    /// nothing slips between two triangles of which each is judged by another routine.
+    /// Returns the intersection with `hit` between the ends of the line. The triangle is widened by the error bound of
+    /// a backend, so that no ray leaks between two triangles that are tested by different routines.
     #[inline]
     pub fn cross(&self, geometry: &Geometry, hit: Hit, triangle: &Triangle) -> Option<Crossing> {
         let is_end = |side: &Option<Side>| side.is_some_and(|side| side.hit == hit);
@@ -80,21 +81,23 @@ impl Line {
         (crossing.margin >= -self.slack(triangle, &crossing) && self.holds(&crossing, triangle)).then_some(crossing)
     }
 
-    /// Whether it may meet a triangle in the box before the parameter `reach`.
+    /// Returns whether the line may intersect a triangle in the box before the parameter `reach`.
     #[inline]
     pub fn enters(&self, bounds: &Bounds, reach: f64) -> bool {
         let extent = bounds.min.abs().max(bounds.max.abs()).max_element();
         let pad = BOX_PAD * (f64::from(extent) + self.origin.abs().max_element());
         let inverse = self.direction.recip();
-        let [low, high] = [bounds.min.as_dvec3() - pad, bounds.max.as_dvec3() + pad].map(|p| (p - self.origin) * inverse);
+        let [low, high] =
+            [bounds.min.as_dvec3() - pad, bounds.max.as_dvec3() + pad].map(|p| (p - self.origin) * inverse);
         let (near, far) = (low.min(high), low.max(high));
         let enter = near.max_element().max(if self.left.is_some() { -f64::INFINITY } else { self.t_min });
         let leave = far.min_element().min(if self.end.is_some() { f64::INFINITY } else { self.t_max.min(reach) });
-        // A coordinate of 0 / 0 is on the box's face: it is let in.
+        // A coordinate of 0 / 0 lies on a face of the box and is accepted.
         enter <= leave || enter.is_nan() || leave.is_nan()
     }
 
-    /// Where it meets the plane of `triangle`, which may be outside it or beyond the line's ends.
+    /// Returns the intersection with the plane of `triangle`, which may be outside the triangle or beyond the ends of
+    /// the line.
     pub fn meet(&self, geometry: &Geometry, hit: Hit, triangle: &Triangle) -> Option<Crossing> {
         let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
         let (e1, e2, s) = (b - a, c - a, self.origin - a);
@@ -117,8 +120,8 @@ impl Line {
         (t.is_finite() && margin.is_finite()).then_some(Crossing { hit, t, slope: slope.abs(), order, margin, noise })
     }
 
-    /// How far outside a triangle, in barycentrics, a backend may find it: farther at a slant, but not for what coincides with an end,
-    /// which no backend is asked about.
+    /// Barycentric distance outside a triangle at which a backend may still report it. It grows at grazing angles. It
+    /// does not apply to surfaces that coincide with an end, since no backend is queried for these.
     fn slack(&self, triangle: &Triangle, crossing: &Crossing) -> f64 {
         let [a, b, c] = triangle.vertices.map(|v| v.as_dvec3());
         let (e1, e2) = (b - a, c - a);
@@ -127,11 +130,13 @@ impl Line {
         triangle.backend_slack(self.origin - a, e1, e2) / (e1.cross(e2).length() * cos)
     }
 
-    /// Whether a crossing lies between the ends of the line.
+    /// Returns whether a crossing lies between the ends of the line.
     #[inline]
     fn holds(&self, crossing: &Crossing, triangle: &Triangle) -> bool {
         let after = match &self.left {
-            Some(side) if crossing.is_at(0.0) => crossing.order > side.order && crossing.is_apart(side, triangle) || twice(),
+            Some(side) if crossing.is_at(0.0) => {
+                crossing.order > side.order && crossing.is_apart(side, triangle) || twice()
+            }
             Some(_) => crossing.t > 0.0,
             None => crossing.t >= self.t_min,
         };
@@ -144,13 +149,13 @@ impl Line {
     }
 }
 
-/// Planted: what coincides with the surface that is left counts on either side of it.
+/// Planted defect: surfaces coincident with the starting surface count on both sides of it.
 fn twice() -> bool {
     planted(Defect::CoplanarOnBothSides)
 }
 
 impl Crossing {
-    /// Whether it comes before `other` on the line that both are on.
+    /// Returns whether this crossing comes before `other` on their common line.
     #[inline]
     pub fn precedes(&self, other: &Crossing) -> bool {
         let coincide = (self.t - other.t).abs() * self.slope.min(other.slope) <= self.noise.max(other.noise);
@@ -161,9 +166,12 @@ impl Crossing {
         (self.t - t).abs() * self.slope <= self.noise
     }
 
-    /// Whether it lies on another layer than `side`: a triangle of the same mesh that continues it is only met from within it.
+    /// Returns whether the crossing lies on another layer than `side`. An adjoining triangle of the same mesh is
+    /// intersected only from within it.
     fn is_apart(&self, side: &Side, triangle: &Triangle) -> bool {
-        self.hit.object != side.hit.object || !triangle.shares_vertex(&side.triangle) || self.margin > f64::from(f32::EPSILON)
+        self.hit.object != side.hit.object
+            || !triangle.shares_vertex(&side.triangle)
+            || self.margin > f64::from(f32::EPSILON)
     }
 }
 
@@ -174,7 +182,8 @@ impl Side {
     }
 }
 
-/// Where a line meets `hit` among surfaces that coincide; `along` is its direction's component along the normal of the winding.
+/// Returns the rank of `hit` among coincident surfaces on a line; `along` is the component of the direction along the
+/// winding normal.
 #[inline]
 fn order(geometry: &Geometry, hit: Hit, along: f64) -> i128 {
     let place = i128::from(hit.object) << 32 | i128::from(hit.primitive);

@@ -15,49 +15,49 @@ pub struct Local<T = f32> {
 }
 
 impl<T: Scalar> Local<T> {
-    /// The direction (x, y, z).
+    /// Returns the direction (x, y, z).
     #[inline]
     pub fn new(x: T, y: T, z: T) -> Self {
         Local { x, y, z }
     }
 
-    /// The scalar product.
+    /// Returns the dot product.
     #[inline]
     pub fn dot(self, o: Self) -> T {
         self.x * o.x + self.y * o.y + self.z * o.z
     }
 
-    /// Times `k`.
+    /// Multiplies by `k`.
     #[inline]
     pub fn scale(self, k: T) -> Self {
         Local::new(self.x * k, self.y * k, self.z * k)
     }
 
-    /// The sum.
+    /// Returns the sum.
     #[inline]
     pub fn plus(self, o: Self) -> Self {
         Local::new(self.x + o.x, self.y + o.y, self.z + o.z)
     }
 
-    /// The opposite direction.
+    /// Returns the opposite direction.
     #[inline]
     pub fn reversed(self) -> Self {
         Local::new(-self.x, -self.y, -self.z)
     }
 
-    /// The unit vector along this one.
+    /// Normalises the vector.
     #[inline]
     pub fn normalized(self) -> Self {
         self.scale(self.dot(self).sqrt().recip())
     }
 
-    /// sin² of the angle to the normal, from x and y: exact near the pole where 1 − z² cancels.
+    /// Returns sin² of the angle to the normal, from x and y: accurate near the pole, where 1 − z² cancels.
     #[inline]
     pub fn sin2(self) -> T {
         self.x * self.x + self.y * self.y
     }
 
-    /// Whether both directions leave on the same side of the surface.
+    /// Returns whether both directions are on the same side of the surface.
     #[inline]
     pub fn same_side(self, o: Self) -> bool {
         (self.z * o.z).value() > 0.0
@@ -65,7 +65,7 @@ impl<T: Scalar> Local<T> {
 }
 
 impl Local {
-    /// The same direction in another scalar type.
+    /// Converts to another scalar type.
     pub fn cast<U: Scalar>(self) -> Local<U> {
         Local::new(U::of(f64::from(self.x)), U::of(f64::from(self.y)), U::of(f64::from(self.z)))
     }
@@ -90,22 +90,26 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Some frame around the unit normal `n` [Duff17].
+    /// Returns an arbitrary frame around the unit normal `n` [Duff17].
     #[inline]
     pub fn around(n: Vec3) -> Self {
         let sign = 1.0f32.copysign(n.z);
         let a = -1.0 / (sign + n.z);
         let b = n.x * n.y * a;
-        Frame { s: Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), t: Vec3::new(b, sign + n.y * n.y * a, -n.y), n }
+        Frame {
+            s: Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
+            t: Vec3::new(b, sign + n.y * n.y * a, -n.y),
+            n,
+        }
     }
 
-    /// The direction `w` in this frame.
+    /// Converts `w` to this frame.
     #[inline]
     pub fn to_local(&self, w: Vec3) -> Local {
         Local::new(w.dot(self.s), w.dot(self.t), w.dot(self.n))
     }
 
-    /// The world direction of `l`.
+    /// Converts `l` to world space.
     #[inline]
     pub fn to_world(&self, l: Local) -> Vec3 {
         self.s * l.x + self.t * l.y + self.n * l.z

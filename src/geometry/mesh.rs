@@ -2,20 +2,20 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::Bounds;
-use crate::pages::Pages;
+use crate::pages::HugeVec;
 use glam::{Vec2, Vec3, Vec4};
 
-/// Per-vertex data besides positions; what is `None` the mesh does not have. Present arrays are as long as the positions.
+/// Optional per-vertex data besides positions. Each array is as long as the positions.
 #[derive(Debug, Clone, Default)]
 pub struct Attributes {
     /// Shading normals of unit length.
-    pub normals: Option<Pages<Vec3>>,
+    pub normals: Option<HugeVec<Vec3>>,
     /// Tangents; w is the handedness of the bitangent, ±1.
-    pub tangents: Option<Pages<Vec4>>,
+    pub tangents: Option<HugeVec<Vec4>>,
     /// Texture coordinates of set 0 and set 1.
-    pub uvs: [Option<Pages<Vec2>>; 2],
+    pub uvs: [Option<HugeVec<Vec2>>; 2],
     /// Linear vertex colours with alpha.
-    pub colors: Option<Pages<Vec4>>,
+    pub colors: Option<HugeVec<Vec4>>,
 }
 
 impl Attributes {
@@ -32,23 +32,23 @@ impl Attributes {
     }
 }
 
-/// A triangle mesh: not empty, every index in range, every position finite. It never changes after it was made, so
-/// backends may keep pointers into it for as long as they hold it.
+/// A triangle mesh: not empty, every index in range, every position finite. It is immutable, so that backends may keep
+/// pointers into it for as long as they hold it.
 #[derive(Debug)]
 pub struct TriangleMesh {
     name: String,
-    /// One element more than there are vertices: backends read 16 bytes at the last 12-byte position.
-    padded_positions: Pages<Vec3>,
-    triangles: Pages<[u32; 3]>,
+    /// Padded by one element: backends read 16 bytes at the last 12-byte position.
+    padded_positions: HugeVec<Vec3>,
+    triangles: HugeVec<[u32; 3]>,
     attributes: Attributes,
 }
 
 impl TriangleMesh {
-    /// A mesh of `triangles` (counter-clockwise seen from the front) over `positions`.
+    /// Returns a mesh of `triangles` (counter-clockwise seen from the front) over `positions`.
     ///
     /// # Errors
-    /// A scene error with the mesh's name if it is empty, an index is out of range, a position is not finite, or an
-    /// attribute has another length than the positions.
+    /// A scene error with the name of the mesh if it is empty, an index is out of range, a position is not finite, or
+    /// the length of an attribute differs from that of the positions.
     pub fn new(
         name: impl Into<String>,
         mut positions: Vec<Vec3>,
@@ -68,7 +68,10 @@ impl TriangleMesh {
         }
         let count = positions.len();
         if let Some(i) = triangles.iter().position(|t| t.iter().any(|&v| v as usize >= count)) {
-            return fail(format!("has an index out of range (triangle {i} is {:?}, there are {count} vertices)", triangles[i]));
+            return fail(format!(
+                "has an index out of range (triangle {i} is {:?}, there are {count} vertices)",
+                triangles[i]
+            ));
         }
         if let Some((what, length)) = attributes.lengths().find(|&(_, length)| length != count) {
             return fail(format!("has {length} {what} for {count} vertices"));
@@ -77,40 +80,40 @@ impl TriangleMesh {
         Ok(TriangleMesh { name, padded_positions: positions.into(), triangles: triangles.into(), attributes })
     }
 
-    /// The name it has in the scene file.
+    /// Returns its name in the scene file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Vertex positions.
+    /// Returns the vertex positions.
     #[inline]
     pub fn positions(&self) -> &[Vec3] {
         &self.padded_positions[..self.padded_positions.len() - 1]
     }
 
-    /// Vertex positions and one element of padding.
+    /// Returns the vertex positions and one element of padding.
     pub fn padded_positions(&self) -> &[Vec3] {
         &self.padded_positions
     }
 
-    /// Vertex indices of each triangle.
+    /// Returns the vertex indices of each triangle.
     #[inline]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// Per-vertex data besides positions.
+    /// Returns the per-vertex data besides positions.
     #[inline]
     pub fn attributes(&self) -> &Attributes {
         &self.attributes
     }
 
-    /// The box around all vertices.
+    /// Returns the bounding box of all vertices.
     pub fn bounds(&self) -> Bounds {
         Bounds::around(self.positions().iter().copied())
     }
 
-    /// Bytes held, attributes included.
+    /// Returns the memory in bytes, attributes included.
     pub fn bytes(&self) -> usize {
         let a = &self.attributes;
         size_of_val(self.padded_positions())

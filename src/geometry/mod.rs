@@ -1,5 +1,5 @@
-//! Rays, hits, triangles and the points they meet at. Backends decide *which* primitive a ray hits; `triangle` then
-//! recomputes where, the same for every backend, and `spawn` is the only ray offset.
+//! Rays, hits, triangles and surface points. A backend determines *which* primitive a ray hits. `triangle` recomputes
+//! the hit point, identically for every backend. `spawn` is the only place where ray origins are offset.
 
 mod any_hit;
 mod bodies;

@@ -1,31 +1,31 @@
-//! A ray and what a backend says it hit.
+//! Rays and hits.
 
 use super::Bodies;
 use glam::Vec3;
 
-/// Points `origin + t direction` with `t_min` ≤ t ≤ `t_max`. The direction need not have unit length.
+/// The points `origin + t direction` with `t_min` ≤ t ≤ `t_max`. The direction need not have unit length.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
-    /// Where the ray starts.
+    /// Origin.
     pub origin: Vec3,
-    /// Its direction; t is measured in units of its length.
+    /// Direction; t is in units of its length.
     pub direction: Vec3,
-    /// First parameter that counts.
+    /// Least parameter.
     pub t_min: f32,
-    /// Last parameter that counts.
+    /// Greatest parameter.
     pub t_max: f32,
     /// Time in the shutter interval, 0 to 1.
     pub time: f32,
-    /// The bodies that it starts in.
+    /// Bodies that contain the origin.
     pub bodies: Bodies,
-    /// The touching surface that it leaves, from a point that was not moved off it; [`Hit::NONE`] if it leaves none.
+    /// Touching surface that the ray leaves without an offset, or [`Hit::NONE`].
     pub left: Hit,
-    /// The touching surface on which it ends, at a point that was not moved off it; [`Hit::NONE`] if it ends on none.
+    /// Touching surface on which the ray ends without an offset, or [`Hit::NONE`].
     pub end: Hit,
 }
 
 impl Ray {
-    /// A ray from `origin` without end, outside all bodies, at time 0.
+    /// Returns an infinite ray from `origin`, outside all bodies, at time 0.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Ray {
@@ -40,20 +40,20 @@ impl Ray {
         }
     }
 
-    /// Whether one of its ends lies on a surface that touches another: only a scene can answer for such a ray.
+    /// Returns whether an end lies on a surface that touches another. Only the scene can trace such a ray.
     #[inline]
     pub fn touches(&self) -> bool {
         self.left != Hit::NONE || self.end != Hit::NONE
     }
 
-    /// The point at parameter `t`.
+    /// Returns the point at parameter `t`.
     #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
     }
 }
 
-/// Which primitive a ray hit. Where on it is not the backend's word: [`super::Triangle::meet`] recomputes it.
+/// The primitive hit by a ray. The hit point is not taken from the backend: [`super::Triangle::meet`] recomputes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Hit {
     /// Index into [`super::Geometry::objects`].

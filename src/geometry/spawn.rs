@@ -1,52 +1,60 @@
-//! The only place where a ray's origin is moved off the surface it leaves.
+//! Ray origin offsets. No other code moves the origin of a ray off its surface.
 
 use crate::defects::{Defect, planted};
 use crate::geometry::{Hit, Ray, Triangle};
 use crate::numeric::BELOW_ONE;
 use glam::Vec3;
 
-/// What a backend's arithmetic may be off by at the far end of a segment, in units of its longest coordinate: a triangle test
-/// moves vertices to the ray's origin and shears them (6 half ulps of the distance in each coordinate), divides and scales
-/// heights (6 more).
+/// Error bound of a backend at the far end of a segment, relative to its largest coordinate. A triangle test moves
+/// vertices to the ray's origin and shears them (6 half-ulps of the distance in each coordinate), then divides and
+/// scales heights (6 more).
 const FAR_END: f32 = 12.0 * 0.5 * f32::EPSILON;
 
-/// `p` moved along the normal `ng` to the side of `toward` by `error`, which covers the rounding of the sum too.
+/// Moves `p` by `error` along the normal `ng` to the side of `toward`; `error` includes the rounding of the sum.
 #[inline]
 fn offset(p: Vec3, error: f32, ng: Vec3, toward: Vec3) -> Vec3 {
-    // |ng|₁ ≥ 1 scales the bound from coordinates to the normal's direction [PBRT4 §6.8.6].
+    // |ng|₁ ≥ 1 converts the bound from coordinates to the direction of the normal [PBRT4 §6.8.6].
     let distance = error * ng.abs().element_sum();
     let shift = if toward.dot(ng) < 0.0 { ng * -distance } else { ng * distance };
     p + shift
 }
 
-/// A ray from the surface point `p` (known within `error`, geometric normal `ng`) in `direction`.
+/// Returns a ray from the surface point `p` (error bound `error`, geometric normal `ng`) in `direction`.
 #[inline]
 pub fn spawn_ray(p: Vec3, error: f32, ng: Vec3, direction: Vec3) -> Ray {
     Ray::new(offset(p, error, ng, direction), direction)
 }
 
-/// A ray from a surface point, as [`spawn_ray`] makes it, or from the point itself if another surface touches `touched` there.
+/// Returns a ray from a surface point, offset as in [`spawn_ray`]; without an offset if another surface touches
+/// `touched` there.
 #[inline]
 pub fn leave(p: Vec3, error: f32, ng: Vec3, touched: Hit, direction: Vec3) -> Ray {
-    if touched == Hit::NONE { spawn_ray(p, error, ng, direction) } else { Ray { left: touched, ..Ray::new(p, direction) } }
+    if touched == Hit::NONE {
+        spawn_ray(p, error, ng, direction)
+    } else {
+        Ray { left: touched, ..Ray::new(p, direction) }
+    }
 }
 
-/// The segment from a surface point to the end point `to`, itself known within `to_error` on a surface of normal `to_ng`
-/// (error 0 for a point in space). Parameters run from 0 to 1; neither end's own surface lies inside.
+/// Returns the segment from a surface point to the end point `to`, which lies on a surface of normal `to_ng` within
+/// `to_error` (0 for a point in space). Parameters run from 0 to 1, exclusive of the surfaces at both ends.
 #[inline]
 pub fn spawn_segment(p: Vec3, error: f32, ng: Vec3, to: Vec3, to_error: f32, to_ng: Vec3) -> Ray {
     let toward = to - p;
     let origin = offset(p, error, ng, toward);
     let far = FAR_END * toward.abs().max_element();
-    let end =
-        if to_error > 0.0 && !planted(Defect::SegmentMeetsItsEnd) { offset(to, to_error + far, to_ng, -toward) } else { to };
+    let end = if to_error > 0.0 && !planted(Defect::SegmentMeetsItsEnd) {
+        offset(to, to_error + far, to_ng, -toward)
+    } else {
+        to
+    };
     let mut ray = Ray::new(origin, end - origin);
     ray.t_max = BELOW_ONE;
     ray
 }
 
-/// The segment between two points of which one at least lies on a surface that touches another: `left` and `end` name these, and
-/// there the segment begins and ends on the surface. See [`clear_of`].
+/// Returns the segment between two points, of which at least one lies on a surface that touches another. `left` and
+/// `end` name these surfaces; the segment has no offset there. See [`clear_of`].
 pub(super) fn touching_segment(p: Vec3, left: Hit, error: f32, ng: Vec3, to: (Vec3, f32, Vec3), end: Hit) -> Ray {
     let (to, to_error, to_ng) = to;
     let toward = to - p;
@@ -56,7 +64,7 @@ pub(super) fn touching_segment(p: Vec3, left: Hit, error: f32, ng: Vec3, to: (Ve
     Ray { t_max: BELOW_ONE, left, end, ..Ray::new(origin, to - origin) }
 }
 
-/// `ray`, whose ends lie on the surfaces `left` and `end` if there are such, moved off them as far as any ray is.
+/// Offsets the ends of `ray` that lie on the surfaces `left` and `end`, if there are such, by the usual distance.
 pub fn clear_of(ray: &Ray, left: Option<&Triangle>, end: Option<&Triangle>) -> Ray {
     let normal = |triangle: &Triangle| triangle.scaled_normal().normalize_or_zero().as_vec3();
     let origin = left.map_or(ray.origin, |t| offset(ray.origin, t.error_at(ray.origin), normal(t), ray.direction));

@@ -1,35 +1,37 @@
-//! A point on a surface, as shading sees it.
+//! Surface points for shading.
 
 use super::spawn::touching_segment;
 use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Geometry, Hit, Ray, TriangleHit, leave, spawn_segment};
 use glam::Vec3;
 
-/// Where a ray met a surface. Normals have unit length and are on the side of the triangle's counter-clockwise winding.
+/// Intersection of a ray with a surface. Normals have unit length and are on the side of the triangle's
+/// counter-clockwise winding.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfacePoint {
     /// Position.
     pub p: Vec3,
-    /// How far a leaving ray is moved along `ng`: see [`super::Triangle::point`].
+    /// Offset of spawned rays along `ng`: see [`super::Triangle::point`].
     pub error: f32,
     /// Geometric normal.
     pub ng: Vec3,
     /// Frame around the shading normal `frame.n`, which is on the same side as `ng`.
     pub frame: Frame,
-    /// Weights of the second and third vertex.
+    /// Barycentric weights of the second and third vertex.
     pub barycentric: [f32; 2],
     /// The primitive.
     pub hit: Hit,
     /// Ray parameter.
     pub t: f32,
-    /// Whether another surface touches this one here, so that leaving rays must not be moved off it.
+    /// Whether another surface touches this one here, so that spawned rays must not be offset.
     pub touching: bool,
     /// Whether the backend's hit agrees with the triangle: see [`super::TriangleHit::consistent`].
     pub consistent: bool,
 }
 
 impl SurfacePoint {
-    /// The point where `ray` meets the primitive `hit`; `None` for a triangle without area or a ray in its plane.
+    /// Returns the intersection of `ray` with the primitive `hit`; `None` for a triangle without area or a ray in its
+    /// plane.
     #[inline(always)] // callers keep the point in registers
     pub fn new(geometry: &Geometry, hit: Hit, ray: &Ray) -> Option<Self> {
         let triangle = geometry.triangle(hit);
@@ -42,20 +44,20 @@ impl SurfacePoint {
         Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, touching: false, consistent })
     }
 
-    /// The primitive, if another surface touches it here; [`Hit::NONE`] otherwise.
+    /// Returns the primitive if another surface touches it here, else [`Hit::NONE`].
     #[inline]
     pub fn touched(&self) -> Hit {
         if self.touching && !planted(Defect::ContactJumpedOver) { self.hit } else { Hit::NONE }
     }
 
-    /// A ray that leaves this point.
+    /// Returns a ray that leaves this point.
     #[inline]
     pub fn spawn(&self, direction: Vec3) -> Ray {
         leave(self.p, self.error, self.ng, self.touched(), direction)
     }
 
-    /// The open segment to a point `to` on a surface of normal `to_ng`, known within `to_error` (0 for a point in space); `touched`
-    /// is the primitive there if another one touches it, or [`Hit::NONE`].
+    /// Returns the open segment to a point `to` on a surface of normal `to_ng`, known within `to_error` (0 for a point
+    /// in space). `touched` is the primitive at `to` if another one touches it, or [`Hit::NONE`].
     #[inline]
     pub fn segment(&self, to: Vec3, to_error: f32, to_ng: Vec3, touched: Hit) -> Ray {
         match (self.touched(), touched) {
@@ -64,14 +66,14 @@ impl SurfacePoint {
         }
     }
 
-    /// The open segment to `other`.
+    /// Returns the open segment to `other`.
     #[inline]
     pub fn segment_to(&self, other: &SurfacePoint) -> Ray {
         self.segment(other.p, other.error, other.ng, other.touched())
     }
 }
 
-/// `n` on the side of `reference`.
+/// Flips `n` to the side of `reference`.
 #[inline]
 fn facing(n: Vec3, reference: Vec3) -> Vec3 {
     if n.dot(reference) < 0.0 { -n } else { n }

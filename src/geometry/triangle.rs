@@ -1,4 +1,5 @@
-//! Where a ray meets a triangle, recomputed in f64 from the triangle itself: the same numbers whichever backend named it.
+//! Ray–triangle intersection, recomputed in f64 from the triangle itself: the result does not depend on the backend
+//! that reported the hit.
 
 use crate::geometry::Ray;
 use glam::{Affine3A, DVec3, Vec3};
@@ -11,57 +12,57 @@ const HALF_ULP: f32 = f32::EPSILON * 0.5;
 pub struct Triangle {
     /// The vertices, counter-clockwise seen from the front.
     pub vertices: [Vec3; 3],
-    /// Bound of the error that placing an instance adds to any coordinate, backend's arithmetic included.
+    /// Bound of the coordinate error due to an instance transform, including the backend's arithmetic.
     placement_error: f32,
 }
 
-/// Where on a triangle a ray hits.
+/// Intersection of a ray with a triangle.
 #[derive(Debug, Clone, Copy)]
 pub struct TriangleHit {
-    /// Weights of the second and third vertex.
+    /// Barycentric weights of the second and third vertex.
     pub barycentric: [f32; 2],
     /// Ray parameter.
     pub t: f32,
-    /// The geometric normal of the winding, times twice the area.
+    /// Geometric normal of the winding, with a length of twice the area.
     pub normal: DVec3,
     /// Whether the hit lies in the triangle within the error of a backend's f32 arithmetic.
     pub consistent: bool,
 }
 
 impl Triangle {
-    /// A triangle whose vertices are stored in world space.
+    /// Returns a triangle from world-space vertices.
     #[inline]
     pub fn new(a: Vec3, b: Vec3, c: Vec3) -> Self {
         Triangle { vertices: [a, b, c], placement_error: 0.0 }
     }
 
-    /// An instance's triangle.
+    /// Returns a triangle of an instance.
     #[inline]
     pub fn placed(m: &Affine3A, a: Vec3, b: Vec3, c: Vec3) -> Self {
         let vertices = [a, b, c].map(|p| m.transform_point3(p));
         Triangle { vertices, placement_error: placement_error(m, a.abs().max(b.abs()).max(c.abs())) }
     }
 
-    /// The geometric normal times twice the area.
+    /// Returns the geometric normal, with a length of twice the area.
     #[inline]
     pub fn scaled_normal(&self) -> DVec3 {
         let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
         (b - a).cross(c - a)
     }
 
-    /// The point of its plane that is nearest to `p`; `p` itself if it has no area.
+    /// Projects `p` to the plane of the triangle; returns `p` itself if the triangle has no area.
     pub fn project(&self, p: DVec3) -> DVec3 {
         let n = self.scaled_normal().normalize_or_zero();
         p - n * n.dot(p - self.vertices[0].as_dvec3())
     }
 
-    /// The area.
+    /// Returns the area.
     pub fn area(&self) -> f64 {
         self.scaled_normal().length() * 0.5
     }
 
-    /// Where `ray`, said to hit this triangle, meets it. Barycentrics are clamped into the triangle, so that the point is on
-    /// it in any case; `None` only for a triangle without area or a ray in its plane.
+    /// Returns the intersection with `ray`, which a backend reported to hit this triangle. Barycentrics are clamped, so
+    /// that the point always lies on the triangle. `None` only for a triangle without area or a ray in its plane.
     #[inline]
     pub fn meet(&self, ray: &Ray) -> Option<TriangleHit> {
         let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
@@ -82,20 +83,20 @@ impl Triangle {
         Some(TriangleHit { barycentric: [u as f32, v as f32], t: t as f32, normal, consistent })
     }
 
-    /// By how much a backend's edge functions may be wrong, |d| and 1 / det left out: 8 roundings of products of vertex offsets,
-    /// and what placing adds to the two offsets of a product and to the ray.
+    /// Error bound of a backend's edge functions, without the factors |d| and 1 / det: 8 roundings of products of
+    /// vertex offsets, plus the placement error of the two offsets of a product and of the ray.
     #[inline]
     pub(super) fn backend_slack(&self, s: DVec3, e1: DVec3, e2: DVec3) -> f64 {
         let reach2 = s.length_squared().max((s - e1).length_squared()).max((s - e2).length_squared());
         8.0 * f64::from(HALF_ULP) * reach2 + 3.0 * f64::from(self.placement_error) * reach2.sqrt()
     }
 
-    /// The point with the given barycentrics, and the distance by which a ray that leaves it must be moved along the normal
-    /// so that no backend's f32 arithmetic can find the same triangle again.
+    /// Returns the point with the given barycentrics, and the offset of spawned rays along the normal that prevents
+    /// self-intersection in the f32 arithmetic of any backend.
     ///
-    /// In half ulps: the point is rounded, a backend subtracts it from the vertices, and moving it rounds again (3 of the
-    /// largest coordinate); the sum below rounds 3 times and a backend forms products of differences (8), each relative to
-    /// the distance to the farthest vertex, which is at most the sum of the edges.
+    /// In half-ulps: the point is rounded, a backend subtracts it from the vertices, and the offset rounds again (3 of
+    /// the largest coordinate). The sum below rounds 3 times and a backend forms products of differences (8), each
+    /// relative to the distance to the farthest vertex, which is at most the sum of the edges.
     #[inline]
     pub fn point(&self, barycentric: [f32; 2]) -> (Vec3, f32) {
         let [a, b, c] = self.vertices;
@@ -105,7 +106,7 @@ impl Triangle {
         (p, self.error_at(p))
     }
 
-    /// [`Triangle::point`]'s distance for the point `p` of it.
+    /// Returns the offset of [`Triangle::point`] for its point `p`.
     #[inline]
     pub fn error_at(&self, p: Vec3) -> f32 {
         let [a, b, c] = self.vertices;
@@ -113,34 +114,34 @@ impl Triangle {
         HALF_ULP * (4.0 * p.abs().max_element() + 12.0 * reach) + self.placement_error
     }
 
-    /// The largest of [`Triangle::error_at`] over its points.
+    /// Returns the maximum of [`Triangle::error_at`] over the triangle.
     pub fn most_error(&self) -> f32 {
         let [a, b, c] = self.vertices;
         self.error_at(a.abs().max(b.abs()).max(c.abs()))
     }
 
-    /// Whether a vertex of it is one of `other`, by position.
+    /// Returns whether the triangles share a vertex, by position.
     pub fn shares_vertex(&self, other: &Triangle) -> bool {
         self.vertices.iter().any(|a| other.vertices.contains(a))
     }
 }
 
-/// How far barycentrics lie outside the triangle.
+/// Barycentric distance outside the triangle.
 fn outside_by(u: f64, v: f64) -> f64 {
     (-u).max(-v).max(u + v - 1.0)
 }
 
-/// Bound of the error that placing by `m` adds to a coordinate of a point whose own are at most `most`. Transforming rounds each
-/// coordinate three times relative to the terms of its sum, once for the point and once for the ray in the backend's object
-/// space, whose error the transform scales back by its condition.
+/// Error bound of placement by `m` for a coordinate of a point whose own coordinates are at most `most`. The transform
+/// rounds each coordinate three times relative to the terms of its sum: once for the point, and once for the ray in the
+/// backend's object space, whose error is scaled by the condition of the transform.
 #[inline]
 pub fn placement_error(m: &Affine3A, most: Vec3) -> f32 {
     let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|axis| axis.abs().element_sum());
     16.0 * HALF_ULP * (most.dot(Vec3::from(columns)) + m.translation.abs().max_element())
 }
 
-/// Whether `m` can place an object: it is finite and can be inverted in f32. Beyond a scale of 7e12 the determinant overflows, and
-/// the inverse would be zero, with which every ray misses.
+/// Returns whether `m` can place an object: it is finite and invertible in f32. Beyond a scale of 7e12 the determinant
+/// overflows. The inverse would then be zero, and every ray would miss.
 pub fn is_placement(m: &Affine3A) -> bool {
     m.is_finite() && m.matrix3.determinant().is_finite() && m.inverse().is_finite()
 }

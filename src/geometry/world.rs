@@ -1,38 +1,38 @@
-//! All geometry of a scene, as backends are given it.
+//! All geometry of a scene, as passed to backends.
 
 use crate::defects::{Defect, planted};
 use crate::geometry::{Bounds, Hit, Triangle, TriangleMesh};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
-/// A mesh at a place.
+/// A placed mesh.
 #[derive(Debug, Clone)]
 pub struct Object {
     /// Index into [`Geometry::meshes`].
     pub mesh: u32,
-    /// Object-to-world transform of an instance (invertible); `None` if the mesh's positions are world positions already.
+    /// Object-to-world transform of an instance (invertible); `None` if the mesh is in world space.
     pub placement: Option<Affine3A>,
-    /// Whether the [`super::AnyHit`] filter must be asked about hits on it.
+    /// Whether the [`super::AnyHit`] filter applies to it.
     pub filtered: bool,
 }
 
-/// Meshes and the objects that place them. A [`Hit`] names an object by its index here.
+/// Meshes and the objects that place them. A [`Hit`] refers to an object by its index.
 #[derive(Debug, Clone, Default)]
 pub struct Geometry {
     /// The distinct meshes.
     pub meshes: Vec<Arc<TriangleMesh>>,
-    /// What there is in the world.
+    /// The objects of the world.
     pub objects: Vec<Object>,
 }
 
 impl Geometry {
-    /// The mesh of object `object`.
+    /// Returns the mesh of object `object`.
     #[inline]
     pub fn mesh_of(&self, object: u32) -> &TriangleMesh {
         &self.meshes[self.objects[object as usize].mesh as usize]
     }
 
-    /// The world-space triangle that `hit` names.
+    /// Returns the world-space triangle of `hit`.
     #[inline]
     pub fn triangle(&self, hit: Hit) -> Triangle {
         let object = &self.objects[hit.object as usize];
@@ -45,15 +45,15 @@ impl Geometry {
         }
     }
 
-    /// The box around object `object` in the world.
+    /// Returns the world-space bounding box of object `object`.
     pub fn bounds(&self, object: u32) -> Bounds {
         let placement = self.objects[object as usize].placement;
         let world = |p: &Vec3| placement.map_or(*p, |m| m.transform_point3(*p));
         Bounds::around(self.mesh_of(object).positions().iter().map(world))
     }
 
-    /// +1 where the object's winding is the mesh's, −1 where its placement mirrors. glTF says that a node with a negative
-    /// determinant flips the winding, so that fronts stay fronts [glTF20 §3.7.4].
+    /// Returns +1 where the object's winding is that of the mesh, −1 where its placement mirrors. In glTF a node with a
+    /// negative determinant flips the winding, so that fronts stay fronts [glTF20 §3.7.4].
     #[inline]
     pub fn winding(&self, object: u32) -> f64 {
         match &self.objects[object as usize].placement {
@@ -62,7 +62,8 @@ impl Geometry {
         }
     }
 
-    /// The interpolated shading normal at a hit, of unit length; `None` if the mesh has none or they cancel.
+    /// Returns the interpolated shading normal at a hit, of unit length; `None` if the mesh has none or the
+    /// interpolated normal vanishes.
     #[inline]
     pub fn shading_normal(&self, hit: Hit, barycentric: [f32; 2]) -> Option<Vec3> {
         let object = &self.objects[hit.object as usize];
@@ -75,7 +76,7 @@ impl Geometry {
         }
     }
 
-    /// The interpolated tangent at a hit in world space (not orthonormalised), and its handedness.
+    /// Returns the interpolated tangent at a hit in world space (not orthonormalised), with its handedness.
     pub fn tangent(&self, hit: Hit, barycentric: [f32; 2]) -> Option<(Vec3, f32)> {
         let object = &self.objects[hit.object as usize];
         let mesh = &self.meshes[object.mesh as usize];
@@ -89,7 +90,7 @@ impl Geometry {
         })
     }
 
-    /// Texture coordinates of `set` at a hit; the origin where the mesh has none.
+    /// Returns the texture coordinates of `set` at a hit; the origin where the mesh has none.
     #[inline]
     pub fn uv(&self, hit: Hit, barycentric: [f32; 2], set: usize) -> Vec2 {
         let mesh = self.mesh_of(hit.object);
@@ -97,21 +98,21 @@ impl Geometry {
         uvs.as_ref().map_or(Vec2::ZERO, |uvs| mix(uvs, mesh.triangles()[hit.primitive as usize], barycentric))
     }
 
-    /// Texture coordinates of `set` at the corners of a triangle, if the mesh has them.
+    /// Returns the texture coordinates of `set` at the corners of a triangle, if the mesh has them.
     pub fn corner_uvs(&self, hit: Hit, set: usize) -> Option<[Vec2; 3]> {
         let mesh = self.mesh_of(hit.object);
         let uvs = mesh.attributes().uvs[set].as_ref()?;
         Some(mesh.triangles()[hit.primitive as usize].map(|i| uvs[i as usize]))
     }
 
-    /// Vertex colours at the corners of a triangle, if the mesh has them.
+    /// Returns the vertex colours at the corners of a triangle, if the mesh has them.
     pub fn corner_colors(&self, hit: Hit) -> Option<[Vec4; 3]> {
         let mesh = self.mesh_of(hit.object);
         let colors = mesh.attributes().colors.as_ref()?;
         Some(mesh.triangles()[hit.primitive as usize].map(|i| colors[i as usize]))
     }
 
-    /// The vertex colour at a hit; white where the mesh has none.
+    /// Returns the vertex colour at a hit; white where the mesh has none.
     #[inline]
     pub fn color(&self, hit: Hit, barycentric: [f32; 2]) -> Vec4 {
         let mesh = self.mesh_of(hit.object);
@@ -120,7 +121,7 @@ impl Geometry {
     }
 }
 
-/// The value at `barycentric` between those of the three `corners`.
+/// Interpolates `values` at the three `corners` with the weights `barycentric`.
 #[inline]
 fn mix<V>(values: &[V], corners: [u32; 3], barycentric: [f32; 2]) -> V
 where
@@ -141,7 +142,8 @@ mod tests {
     fn placed_normals_stay_perpendicular() {
         let positions = vec![Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
         let normals = Some(vec![Vec3::ONE.normalize(); 3].into());
-        let mesh = TriangleMesh::new("flat", positions, vec![[0, 1, 2]], Attributes { normals, ..Attributes::default() });
+        let mesh =
+            TriangleMesh::new("flat", positions, vec![[0, 1, 2]], Attributes { normals, ..Attributes::default() });
         let squeeze = Affine3A::from_scale(Vec3::new(0.2, 1.0, -3.0)) * Affine3A::from_rotation_y(0.7);
         let object = Object { mesh: 0, placement: Some(squeeze), filtered: false };
         let geometry = Geometry { meshes: vec![Arc::new(mesh.expect("a valid mesh"))], objects: vec![object] };

@@ -1,105 +1,111 @@
-//! Bidirectional path tracing: a walk from the camera, a walk from a light, and every connection between their vertices and with
-//! the two ends, weighted so that each path counts once [Veach97 §10.3]. With connections to the camera alone it is light tracing.
+//! Bidirectional path tracing: a camera subpath, a light subpath, all connections between their vertices and to the two
+//! endpoints, combined by MIS [Veach97 §10.3]. With connections to the camera alone it is light tracing.
 //!
-//! Use it where light arrives indirectly or through mirrors and glass: lamps behind shades, caustics, doors ajar. Where lights are
-//! sampled well from everywhere the path tracer is faster, since it traces no rays from lights. What only chains of
-//! mirrors on both sides of every smooth surface show (a caustic in a mirror, from a point light) no technique finds.
+//! It suits indirect light and light through mirrors and glass: lamps behind shades, caustics, doors ajar. Where
+//! next-event estimation is effective everywhere the path tracer is faster, since it traces no light subpaths. No
+//! technique samples paths whose smooth vertices all lie between Dirac vertices, such as a caustic from a point light
+//! seen in a mirror.
 
 use super::camera_pass::Radiance;
-use super::{Options, Prelude};
+use super::{IntegratorConfig, PilotEstimate};
 use crate::bsdf::Shading;
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
 use crate::geometry::Ray;
 use crate::light::Light;
-use crate::path::{Arrival, Connection, Departure, Subpath, Sums, Tally, Techniques, Vertex, Walk, Weights};
+use crate::path::{
+    Arrival, Connection, MisStrategy, PartialMis, PreviousVertex, RandomWalk, Subpath, Techniques, TraceStats, Vertex,
+};
 use crate::path::{connect, next_event, splat};
 use crate::sampling::{Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use std::ops::RangeInclusive;
 
-/// Light that a technique of `s` vertices from the light and `t` from the camera found.
+/// Contribution of the technique with `s` light vertices and `t` camera vertices.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found {
+pub(super) struct TechniqueSample {
     pub(super) s: usize,
     pub(super) t: usize,
-    /// f(x̄) over the density of the technique and over `survival`.
+    /// f(x̄) divided by the density of the technique and by `survival`.
     pub(super) value: Spectrum,
-    /// The technique's share.
+    /// MIS weight of the technique.
     pub(super) weight: f64,
-    /// The probability with which roulette let it be found.
+    /// Probability that roulette kept the sample.
     pub(super) survival: f32,
 }
 
-/// Where the light of techniques goes.
+/// Receives the contributions of techniques.
 pub(super) trait Sink {
-    /// Adds light to the sample.
-    fn add(&mut self, found: Found);
-    /// Adds light at a film position.
-    fn splat(&mut self, film: [f32; 2], found: Found);
+    /// Adds a contribution to the current sample.
+    fn add(&mut self, found: TechniqueSample);
+    /// Adds a contribution at a raster position.
+    fn splat(&mut self, film: [f32; 2], found: TechniqueSample);
 }
 
-/// Roulette on connections begins below this share of a usual pixel. relMSE × CPU seconds at 0, .03, .1, .3, 1: .047, .045, .045, .046,
-/// .069 on the modified Cornell box, .30, .28, .27, .26, .27 on the glass caustic, .91, .92, .91, .90, .87 on the ajar door.
+/// Contributions below this share of a typical pixel undergo connection roulette. relMSE × CPU seconds at 0, .03, .1,
+/// .3, 1: .047, .045, .045, .046, .069 on the modified Cornell box, .30, .28, .27, .26, .27 on the glass caustic, .91,
+/// .92, .91, .90, .87 on the ajar door.
 const WORTHWHILE: f32 = 0.3;
 
-/// No connection is traced less often than this. Numbers have 24 digits: a share with more would be met by 0 too often, and what is
-/// divided by it overflow.
+/// Least survival probability of connection roulette. Random numbers have 24 bits. A smaller probability would be
+/// passed too often, by the random number 0, and the division by it would overflow.
 const LEAST_SHARE: f32 = 1.0 / 4096.0;
 
-/// Where the numbers for roulette on connections begin, beyond those of all bounces.
+/// First address of the random numbers for connection roulette, beyond those of all bounces.
 const ROULETTE: u32 = 1 << 30;
 
-/// The estimator.
+/// The bidirectional estimator.
 #[derive(Clone)]
 pub(super) struct Bidirectional<'a> {
     scene: &'a Scene,
     camera: Camera,
-    weights: Weights,
-    /// Scattering events of the shortest and longest paths that it makes.
+    weights: MisStrategy,
+    /// Numbers of scattering events of the sampled paths.
     events: RangeInclusive<usize>,
-    /// What a connection must be worth to be traced for certain: others are by the share that they are worth of it.
+    /// Contribution from which a connection is always traced. Smaller ones survive with probability
+    /// contribution / `worthwhile`.
     worthwhile: f32,
-    /// Whether the environment is left out where the camera sees it directly.
+    /// Whether the directly visible environment is left out.
     transparent: bool,
 }
 
 impl<'a> Bidirectional<'a> {
-    pub(super) fn new(scene: &'a Scene, camera: &Camera, options: &Options, prelude: &Prelude) -> Self {
-        let Options { techniques, heuristic, .. } = *options;
-        let weights = Weights { techniques, heuristic, light_walks: options.pixels() as f64 };
+    pub(super) fn new(scene: &'a Scene, camera: &Camera, options: &IntegratorConfig, prelude: &PilotEstimate) -> Self {
+        let IntegratorConfig { techniques, heuristic, .. } = *options;
+        let weights = MisStrategy { techniques, heuristic, light_walks: options.pixels() as f64 };
         let events = 0..=options.max_depth.map_or(usize::MAX, |d| d as usize);
         let worthwhile = WORTHWHILE * prelude.typical;
         let (camera, transparent) = (camera.clone(), options.transparent);
         Bidirectional { scene, camera, weights, events, worthwhile, transparent }
     }
 
-    /// The same for paths of at least `fewest` scattering events.
+    /// Restricts the estimator to paths of at least `fewest` scattering events.
     pub(super) fn with_fewest_events(self, fewest: usize) -> Self {
         Bidirectional { events: fewest..=*self.events.end(), ..self }
     }
 
-    /// What its weights have in common.
-    pub(super) fn weights(&self) -> &Weights {
+    /// Returns the shared MIS parameters.
+    pub(super) fn weights(&self) -> &MisStrategy {
         &self.weights
     }
 
-    /// Whether a path of `s` vertices from the light and `t` from the camera is short enough and its technique takes part.
+    /// Whether the technique with `s` light vertices and `t` camera vertices is enabled and its paths are within the
+    /// length limits.
     #[inline]
-    pub(super) fn wants(&self, s: usize, t: usize) -> bool {
+    pub(super) fn is_enabled(&self, s: usize, t: usize) -> bool {
         let events = (s + t).saturating_sub(2) - usize::from(planted(Defect::SplatsOneDeeper) && t == 1);
         self.weights.techniques.has(s, t) && self.events.contains(&events)
     }
 
-    /// All that a sample along the camera ray `ray` finds.
+    /// Evaluates all techniques for a sample along the camera ray `ray`.
     pub(super) fn sample<S: Sampler>(
         &self,
         ray: Ray,
         sampler: &mut S,
         light: impl FnOnce() -> S,
         sink: &mut impl Sink,
-        tally: &mut Tally,
+        tally: &mut TraceStats,
     ) {
         let Techniques { connect, splat, .. } = self.weights.techniques;
         let from_light = if connect || splat { self.light_walk(&mut light(), tally) } else { Vec::new() };
@@ -107,7 +113,8 @@ impl<'a> Bidirectional<'a> {
         self.camera_walk(ray, &from_light, sampler, sink, tally);
     }
 
-    /// What the technique of `s` and `t` vertices finds alone, without roulette. It takes the same numbers as [`Bidirectional::sample`].
+    /// Evaluates the technique of `s` and `t` vertices alone, without roulette. Uses the same random numbers as
+    /// [`Bidirectional::sample`].
     pub(super) fn technique(
         &self,
         [s, t]: [usize; 2],
@@ -115,13 +122,16 @@ impl<'a> Bidirectional<'a> {
         camera: &mut impl Sampler,
         light: &mut impl Sampler,
         sink: &mut impl Sink,
-        tally: &mut Tally,
+        tally: &mut TraceStats,
     ) {
         let y = if s < 2 {
             None
         } else {
             let Some((path, _)) = Subpath::from_light(self.scene, &self.weights, light) else { return };
-            let Some(Arrival::Surface(y)) = self.walked(path, s - 1, light, tally).map(|(_, arrival)| arrival) else { return };
+            let Some(Arrival::Surface(y)) = self.subpath_end(path, s - 1, light, tally).map(|(_, arrival)| arrival)
+            else {
+                return;
+            };
             Some(y).filter(Vertex::is_connectible)
         };
         if t == 1 {
@@ -131,7 +141,7 @@ impl<'a> Bidirectional<'a> {
             return;
         }
         let path = Subpath::from_camera(self.scene, &self.weights, ray);
-        match self.walked(path, t - 1, camera, tally) {
+        match self.subpath_end(path, t - 1, camera, tally) {
             Some((path, Arrival::Infinity(sums))) if s == 0 => self.background(&path, &sums, sink),
             Some((path, Arrival::Surface(z))) if s == 0 => self.emitted(&path, &z, sink),
             Some((_, Arrival::Surface(z))) if z.is_connectible() => {
@@ -140,19 +150,20 @@ impl<'a> Bidirectional<'a> {
                     Some(y) => connect(self.scene, &self.weights, y, &z, &shading),
                     None => next_event(self.scene, &self.weights, &z, &shading, camera),
                 };
-                self.traced([s, t], found, sink, tally);
+                self.trace_connection([s, t], found, sink, tally);
             }
             _ => {}
         }
     }
 
-    /// `path` at the end of its edge number `edge`, or outside the scene there; `None` if it does not come so far.
-    fn walked<'s>(
+    /// Extends `path` to the end of its edge number `edge`, at a surface or at infinity; `None` if the walk ends
+    /// earlier.
+    fn subpath_end<'s>(
         &self,
         mut path: Subpath<'s>,
         edge: usize,
         sampler: &mut impl Sampler,
-        tally: &mut Tally,
+        tally: &mut TraceStats,
     ) -> Option<(Subpath<'s>, Arrival<'s>)> {
         for _ in 1..edge {
             let Arrival::Surface(vertex) = path.arrive(&self.camera, sampler, tally) else { return None };
@@ -162,22 +173,28 @@ impl<'a> Bidirectional<'a> {
         Some((path, arrival))
     }
 
-    /// Hands over what was `found`, as far as nothing is in the way.
-    fn traced(&self, [s, t]: [usize; 2], found: Option<Connection>, sink: &mut impl Sink, tally: &mut Tally) {
+    /// Tests the visibility of the connection `found` and passes its contribution to `sink`.
+    fn trace_connection(
+        &self,
+        [s, t]: [usize; 2],
+        found: Option<Connection>,
+        sink: &mut impl Sink,
+        tally: &mut TraceStats,
+    ) {
         if let Some(Connection { value, weight, survival, segment }) = found {
             let through = self.scene.transmittance(&segment, &mut tally.shadows);
-            sink.add(Found { s, t, value: value * through, weight, survival });
+            sink.add(TechniqueSample { s, t, value: value * through, weight, survival });
         }
     }
 
-    /// The vertices of a walk from a light that can be connected, each with its number.
-    fn light_walk(&self, sampler: &mut impl Sampler, tally: &mut Tally) -> Vec<Vertex<'a>> {
+    /// Traces a light subpath and returns its connectible vertices.
+    fn light_walk(&self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Vec<Vertex<'a>> {
         let mut vertices = Vec::new();
         let Some((mut path, _)) = Subpath::from_light(self.scene, &self.weights, sampler) else { return vertices };
         while let Arrival::Surface(vertex) = path.arrive(&self.camera, sampler, tally) {
             let longest = vertex.sums.index as usize >= *self.events.end();
-            let goes_on =
-                !longest && vertex.shading().is_some_and(|shading| path.go_on(&vertex, &shading, sampler, tally).is_some());
+            let goes_on = !longest
+                && vertex.shading().is_some_and(|shading| path.go_on(&vertex, &shading, sampler, tally).is_some());
             if vertex.is_connectible() {
                 vertices.push(vertex);
             }
@@ -188,22 +205,29 @@ impl<'a> Bidirectional<'a> {
         vertices
     }
 
-    /// Connects the vertices of a walk from a light with the camera.
-    fn splats(&self, from_light: &[Vertex], sink: &mut impl Sink, tally: &mut Tally) {
+    /// Connects the vertices of a light subpath to the camera.
+    fn splats(&self, from_light: &[Vertex], sink: &mut impl Sink, tally: &mut TraceStats) {
         for y in from_light {
             let s = y.sums.index as usize + 1;
-            if !self.wants(s, 1) {
+            if !self.is_enabled(s, 1) {
                 continue;
             }
             let Some(found) = splat(self.scene, &self.weights, &self.camera, y) else { continue };
             let through = self.scene.transmittance_to_camera(&found.connection.segment, &mut tally.shadows);
             let Connection { value, weight, survival, .. } = found.connection;
-            sink.splat(found.film, Found { s, t: 1, value: value * through, weight, survival });
+            sink.splat(found.film, TechniqueSample { s, t: 1, value: value * through, weight, survival });
         }
     }
 
-    /// Walks from the camera and connects each vertex with all that `from_light` has.
-    fn camera_walk(&self, ray: Ray, from_light: &[Vertex], sampler: &mut impl Sampler, sink: &mut impl Sink, tally: &mut Tally) {
+    /// Traces a camera subpath and connects each vertex to those of `from_light`.
+    fn camera_walk(
+        &self,
+        ray: Ray,
+        from_light: &[Vertex],
+        sampler: &mut impl Sampler,
+        sink: &mut impl Sink,
+        tally: &mut TraceStats,
+    ) {
         let mut path = Subpath::from_camera(self.scene, &self.weights, ray);
         let Techniques { hit, next_event, connect, .. } = self.weights.techniques;
         loop {
@@ -225,7 +249,7 @@ impl<'a> Bidirectional<'a> {
         }
     }
 
-    /// Connects `z` with a light and with each vertex of `from_light`.
+    /// Connects `z` to a light sample and to each vertex of `from_light`.
     fn connections(
         &self,
         z: &Vertex,
@@ -233,24 +257,35 @@ impl<'a> Bidirectional<'a> {
         from_light: &[Vertex],
         sampler: &mut impl Sampler,
         sink: &mut impl Sink,
-        tally: &mut Tally,
+        tally: &mut TraceStats,
     ) {
         let t = z.sums.index as usize + 1;
-        if self.wants(1, t) {
-            self.traced([1, t], next_event(self.scene, &self.weights, z, shading, sampler), sink, tally);
+        if self.is_enabled(1, t) {
+            self.trace_connection([1, t], next_event(self.scene, &self.weights, z, shading, sampler), sink, tally);
         }
         for y in from_light {
             let s = y.sums.index as usize + 1;
-            if self.wants(s, t) {
+            if self.is_enabled(s, t) {
                 let found = connect(self.scene, &self.weights, y, z, shading);
-                self.traced([s, t], found.and_then(|found| self.played(found, sampler, s, t)), sink, tally);
+                self.trace_connection(
+                    [s, t],
+                    found.and_then(|found| self.connection_roulette(found, sampler, s, t)),
+                    sink,
+                    tally,
+                );
             }
         }
     }
 
-    /// Russian roulette on what `found` is worth, before its ray is traced.
+    /// Russian roulette by weighted contribution, before the shadow ray is traced.
     #[inline]
-    fn played(&self, found: Connection, sampler: &mut impl Sampler, s: usize, t: usize) -> Option<Connection> {
+    fn connection_roulette(
+        &self,
+        found: Connection,
+        sampler: &mut impl Sampler,
+        s: usize,
+        t: usize,
+    ) -> Option<Connection> {
         let worth = found.value.max_lane() * found.weight as f32;
         if worth >= self.worthwhile || worth.is_nan() {
             return Some(found);
@@ -260,26 +295,26 @@ impl<'a> Bidirectional<'a> {
         (u < share).then(|| Connection { value: found.value / share, survival: found.survival * share, ..found })
     }
 
-    /// What the surface at `z` emits toward the walk.
+    /// Adds the radiance emitted at `z` toward the walk.
     fn emitted(&self, path: &Subpath, z: &Vertex, sink: &mut impl Sink) {
         let t = z.sums.index as usize + 1;
         let Some((index, light)) = self.scene.light_at(&z.point) else { return };
         let Light::Area(area) = light else { return };
         let radiance = area.radiance(z.point.barycentric, z.known);
-        if radiance.is_black() || !self.wants(0, t) || !path.walk.sees(area) {
+        if radiance.is_black() || !self.is_enabled(0, t) || !path.walk.sees(area) {
             return;
         }
-        let density = light.emission_density(self.scene.ball(), z.known);
-        let [direct, end] = self.probabilities(&path.walk, index).map(|pmf| pmf * density.end);
-        let weight = self.weights.hit(&z.sums, direct, end, density.ray);
-        sink.add(Found { s: 0, t, value: z.beta * radiance, weight, survival: z.survival });
+        let density = light.pdf_le(self.scene.ball(), z.known);
+        let [direct, end] = self.probabilities(&path.walk, index).map(|pmf| pmf * density.position);
+        let weight = self.weights.hit(&z.sums, direct, end, density.direction);
+        sink.add(TechniqueSample { s: 0, t, value: z.beta * radiance, weight, survival: z.survival });
     }
 
-    /// What arrives from outside the scene.
-    fn background(&self, path: &Subpath, sums: &Sums, sink: &mut impl Sink) {
+    /// Adds the radiance of the environment.
+    fn background(&self, path: &Subpath, sums: &PartialMis, sink: &mut impl Sink) {
         let t = sums.index as usize + 1;
         let Some((index, environment)) = self.scene.lights().environment() else { return };
-        if !self.wants(0, t) || self.transparent && t == 2 {
+        if !self.is_enabled(0, t) || self.transparent && t == 2 {
             return;
         }
         let w = path.walk.ray.direction;
@@ -287,19 +322,24 @@ impl<'a> Bidirectional<'a> {
         let ray = self.scene.lights().all()[index].ray_density(self.scene.ball(), -w);
         let [direct, end] = self.probabilities(&path.walk, index).map(|pmf| pmf * f64::from(pdf.value()));
         let weight = self.weights.hit(sums, direct, end, ray);
-        sink.add(Found { s: 0, t, value: path.walk.beta * radiance, weight, survival: path.walk.survival });
+        sink.add(TechniqueSample { s: 0, t, value: path.walk.beta * radiance, weight, survival: path.walk.survival });
     }
 
-    /// Probabilities of light `index`: to be chosen where the edge of `walk` begins, and to emit.
-    fn probabilities(&self, walk: &Walk, index: usize) -> [f64; 2] {
+    /// Returns the probabilities of choosing light `index` by next-event estimation from the start of the current edge
+    /// of `walk`, and by emission sampling.
+    fn probabilities(&self, walk: &RandomWalk, index: usize) -> [f64; 2] {
         let lights = self.scene.lights();
         let emitter = lights.emitter_pmf(index);
-        let direct = if let Departure::Surface(receiver, _) = &walk.departure { lights.pmf(receiver, index) } else { emitter };
+        let direct = if let PreviousVertex::Surface(receiver, _) = &walk.departure {
+            lights.pmf(receiver, index)
+        } else {
+            emitter
+        };
         [direct, emitter].map(|pmf| f64::from(pmf.value()))
     }
 }
 
-/// The weighted sum: what renders are made of.
+/// Accumulates the MIS-weighted sum for renders.
 struct Weighted<'a, F> {
     color: Spectrum,
     splats: &'a mut F,
@@ -307,12 +347,12 @@ struct Weighted<'a, F> {
 
 impl<F: FnMut([f32; 2], Spectrum)> Sink for Weighted<'_, F> {
     #[inline]
-    fn add(&mut self, found: Found) {
+    fn add(&mut self, found: TechniqueSample) {
         self.color += found.value * found.weight as f32;
     }
 
     #[inline]
-    fn splat(&mut self, film: [f32; 2], found: Found) {
+    fn splat(&mut self, film: [f32; 2], found: TechniqueSample) {
         if !found.value.is_black() {
             (self.splats)(film, found.value * found.weight as f32);
         }
@@ -326,7 +366,7 @@ impl Radiance for Bidirectional<'_> {
         sampler: &mut S,
         light: impl FnOnce() -> S,
         splats: &mut impl FnMut([f32; 2], Spectrum),
-        tally: &mut Tally,
+        tally: &mut TraceStats,
     ) -> Spectrum {
         let mut sink = Weighted { color: Spectrum::ZERO, splats };
         self.sample(ray, sampler, light, &mut sink, tally);

@@ -1,32 +1,34 @@
-//! A pass: one sample of every pixel, each pixel its own, and what methods splat elsewhere. What the sample is worth is the method's.
+//! One pass: one sample for every pixel, and splats at arbitrary raster positions. The integration method evaluates the
+//! samples.
 
 use super::samples::{Sample, Samples, Work};
-use super::{Guards, Integrator, InvalidSample, Options, PassReport, RayCounts};
+use super::{Guards, Integrator, IntegratorConfig, InvalidSample, PassReport, RayCounts};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
 use crate::film::{Layout, PassFilm, Plane, Splats};
 use crate::geometry::Ray;
 use crate::parallel::Cancel;
-use crate::path::Tally;
+use crate::path::TraceStats;
 use crate::sampling::{Address, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Spectrum};
 use rayon::prelude::*;
 
-/// Pixels that one task renders: enough to hide the cost of a task, few enough to balance.
+/// Pixels per task: enough to amortise the cost of a task, few enough for load balance.
 pub(super) const CHUNK: usize = 128;
 
 /// A method that estimates the radiance along a camera ray.
 pub(super) trait Radiance: Send + Sync {
-    /// An unbiased estimate of the radiance that arrives along `ray`, together with what it adds to `splats`: light at film positions,
-    /// per pixel of film area and walk from a light. `light` makes the numbers of such a walk, one for each sample.
+    /// Returns an unbiased estimate of the radiance along `ray`. Calls `splats` with contributions at raster positions,
+    /// per pixel of film area and light subpath. `light` creates the sampler of the light subpath, one for each camera
+    /// sample.
     fn radiance<S: Sampler>(
         &self,
         ray: Ray,
         sampler: &mut S,
         light: impl FnOnce() -> S,
         splats: &mut impl FnMut([f32; 2], Spectrum),
-        tally: &mut Tally,
+        tally: &mut TraceStats,
     ) -> Spectrum;
 }
 
@@ -35,15 +37,15 @@ pub(super) struct CameraPass<'a, M: Radiance> {
     method: M,
     scene: &'a Scene,
     samples: Samples,
-    options: Options,
+    options: IntegratorConfig,
 }
 
 impl<'a, M: Radiance> CameraPass<'a, M> {
-    pub(super) fn new(method: M, scene: &'a Scene, camera: Camera, options: &Options) -> Self {
+    pub(super) fn new(method: M, scene: &'a Scene, camera: Camera, options: &IntegratorConfig) -> Self {
         CameraPass { method, scene, samples: Samples::new(camera, options), options: *options }
     }
 
-    /// How many walks start from lights in a pass.
+    /// Returns the number of light subpaths in a pass.
     fn walks(&self, layout: &Layout) -> usize {
         let whole = layout.width as usize * layout.height as usize;
         if planted(Defect::SplatsOfTheWhole) { whole } else { self.options.pixels() }
@@ -61,7 +63,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         let channels = layout.channels();
         let mut report = PassReport::default();
         let (address, per_walk) = (Address::new(self.options.seed).with(pass), (self.walks(layout) as f32).recip());
-        let mut tally = Tally::default();
+        let mut tally = TraceStats::default();
         for (i, values) in out.chunks_exact_mut(channels).enumerate() {
             let Sample { pixel, index, ray, mut numbers } = self.samples.of_pixel(layout, first + i, &sampler);
             let (mut valid, mut key) = (true, address.with(index));
@@ -88,7 +90,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         report
     }
 
-    /// `color` as far as it is finite, which makes `valid` false otherwise, and not more than is allowed.
+    /// Replaces a nonfinite `color` by black and sets `valid` to false. Clamps other values to the limit, if any.
     fn limited(&self, color: Spectrum, valid: &mut bool, guards: &mut Guards) -> Spectrum {
         if !color.is_finite() {
             *valid = false;
@@ -104,7 +106,7 @@ impl<M: Radiance> Integrator for CameraPass<'_, M> {
     }
 }
 
-/// One pass in work.
+/// State of a running pass.
 struct Pass<'p, 'a, M: Radiance> {
     all: &'p CameraPass<'a, M>,
     pass: u64,
@@ -119,13 +121,14 @@ impl<M: Radiance> Work for Pass<'_, '_, M> {
         let Pass { all, pass, cancel, out } = self;
         let layout = out.layout().clone();
         let (chunks, splats) = out.par_chunks_and_splats(CHUNK);
-        let report = gather(chunks.map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, splats, &source))));
+        let report =
+            gather(chunks.map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, splats, &source))));
         out.fold_splats();
         report
     }
 }
 
-/// What all parts of a pass did; `None` if one was cancelled.
+/// Merges the reports of all parts of a pass; `None` if one was cancelled.
 pub(super) fn gather(parts: impl ParallelIterator<Item = Option<PassReport>>) -> Option<PassReport> {
     parts.try_reduce(PassReport::default, |mut a, b| {
         a.absorb(b);
@@ -133,7 +136,7 @@ pub(super) fn gather(parts: impl ParallelIterator<Item = Option<PassReport>>) ->
     })
 }
 
-/// Limits each lane to `most` and notes what that takes away.
+/// Clamps each lane to `most` and records the removed energy.
 fn clamp(color: Spectrum, most: f32, guards: &mut Guards) -> Spectrum {
     let limited = color.map(|x: f32| x.min(most));
     if limited != color {
@@ -144,7 +147,7 @@ fn clamp(color: Spectrum, most: f32, guards: &mut Guards) -> Spectrum {
 }
 
 impl PassReport {
-    /// Notes a sample that was not finite.
+    /// Counts a nonfinite sample.
     pub(super) fn drop_sample(&mut self, sample: InvalidSample) {
         self.guards.nonfinite += 1;
         if self.invalid.len() < Self::MAX_INVALID {
@@ -152,8 +155,8 @@ impl PassReport {
         }
     }
 
-    /// Adds what walks counted.
-    pub(super) fn add_tally(&mut self, tally: &Tally) {
+    /// Adds the counters of random walks.
+    pub(super) fn add_tally(&mut self, tally: &TraceStats) {
         self.absorb(PassReport {
             rays: RayCounts { camera: tally.cameras, bounce: tally.bounces, shadow: tally.shadows },
             guards: Guards { bad_hits: tally.bad_hits, overlong_paths: tally.overlong, ..Guards::default() },

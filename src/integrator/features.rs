@@ -1,44 +1,51 @@
-//! What denoisers and compositors want to know of the first thing a camera ray meets. Numbers are addressed, so walking the
-//! path a second time for it meets the same surfaces; renders without these planes pay nothing.
+//! Feature planes of the first visible surface, for denoisers and compositors. Random numbers are addressed, so that a
+//! second walk along the path hits the same surfaces. Renders without these planes pay nothing.
 
 use crate::bsdf::{Bsdf, Lobes, Shading};
 use crate::defects::{Defect, planted};
 use crate::film::{Layout, Plane};
 use crate::geometry::{Ray, SurfacePoint};
-use crate::path::{Tally, Walk};
+use crate::path::{RandomWalk, TraceStats};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 use glam::Vec3;
 
-/// How many mirrors and panes are looked through for albedo and normal.
+/// Maximum number of Dirac vertices that albedo and normal look through.
 const DEEPEST: u32 = 8;
 
-/// Writes coverage, depth and position of the first surface, and albedo and normal of the first that is not a mirror or
-/// clear glass, into the planes that `layout` has. Where nothing is met all are 0. Of what it does only rays enter `tally`:
-/// guards have fired on the same surfaces before.
+/// Writes coverage, depth and position of the first surface, and albedo and normal of the first surface that is not a
+/// mirror or clear glass, into the planes of `layout`. All are 0 if nothing is hit. Only the ray counts enter `tally`,
+/// since the guards have fired on the same surfaces before.
 pub(super) fn record(
     scene: &Scene,
     ray: Ray,
     sampler: &mut impl Sampler,
     layout: &Layout,
     values: &mut [f32],
-    tally: &mut Tally,
+    tally: &mut TraceStats,
 ) {
-    let mut own = Tally::default();
+    let mut own = TraceStats::default();
     look(scene, ray, sampler, layout, values, &mut own);
     tally.cameras += own.cameras;
     tally.bounces += own.bounces;
 }
 
-fn look(scene: &Scene, ray: Ray, sampler: &mut impl Sampler, layout: &Layout, values: &mut [f32], tally: &mut Tally) {
+fn look(
+    scene: &Scene,
+    ray: Ray,
+    sampler: &mut impl Sampler,
+    layout: &Layout,
+    values: &mut [f32],
+    tally: &mut TraceStats,
+) {
     let mut put = |plane: Plane, what: &[f32]| {
         if let Some(at) = layout.offset(plane) {
             values[at..at + what.len()].copy_from_slice(what);
         }
     };
-    let mut walk = Walk::new(scene, ray);
+    let mut walk = RandomWalk::new(scene, ray);
     let Some(first) = walk.arrive(sampler, tally) else { return };
     put(Plane::Alpha, &[1.0]);
     let depth = if planted(Defect::DepthFromLastPane) { first.t } else { (first.p - ray.origin).length() };
@@ -52,13 +59,13 @@ fn look(scene: &Scene, ray: Ray, sampler: &mut impl Sampler, layout: &Layout, va
     put(Plane::Normal, &normal.to_array());
 }
 
-/// Reflectance and shading normal of the first surface without Dirac lobes only; tinted by what lies before it.
+/// Returns reflectance and shading normal of the first surface with a smooth lobe, tinted by the throughput before it.
 fn first_diffuse(
     scene: &Scene,
-    mut walk: Walk,
+    mut walk: RandomWalk,
     mut point: SurfacePoint,
     sampler: &mut impl Sampler,
-    tally: &mut Tally,
+    tally: &mut TraceStats,
 ) -> (Spectrum, Vec3) {
     loop {
         let surface = scene.surface(&mut point, walk.ray.bodies);
@@ -68,7 +75,7 @@ fn first_diffuse(
         if surface.lobes().intersects(Lobes::SMOOTH) || walk.depth >= DEEPEST {
             return here;
         }
-        let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return here };
+        let Some(shading) = Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return here };
         let Some(scatter) = shading.sample(walk.scattering_numbers(&surface, sampler)) else { return here };
         walk.depart(&point, &scatter);
         match walk.arrive(sampler, tally) {

@@ -1,11 +1,11 @@
-//! Which instance and which material each pixel's centre shows: exact numbers that averaging samples would spoil.
+//! Instance and material identifiers at pixel centres. They are exact, since averaging over samples would mix them.
 
 use crate::camera::Camera;
 use crate::film::Layout;
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-/// Instance and material index (from 0; −1 for nothing) at the centre of each pixel of `layout`.
+/// Returns instance and material index (from 0; −1 for nothing) at the centre of each pixel of `layout`.
 pub fn ids(scene: &Scene, camera: &Camera, layout: &Layout) -> [Vec<f32>; 2] {
     let at = |index: usize| {
         let [x, y] = layout.pixel(index);

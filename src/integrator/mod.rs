@@ -1,5 +1,5 @@
-//! Integrators: what one pass of a method does. An integrator has no hidden state: a pass is a pure function of
-//! (scene, settings, seed, pass). To add one, write its file, implement [`Integrator`] and give it a name in [`Method`].
+//! Integrators. An integrator has no hidden state: a pass is a pure function of (scene, settings, seed, pass). To add
+//! one, write its file, implement [`Integrator`] and name it in [`Method`].
 
 mod bidirectional;
 mod camera_pass;
@@ -16,7 +16,7 @@ mod technique_images;
 pub use ids::ids;
 pub use method::Method;
 pub use metropolis::{ChainDigest, ChainReport, MetropolisOptions, Mutations, Normalisation, Tiles};
-pub use prelude::Prelude;
+pub use prelude::PilotEstimate;
 pub use prior::prior;
 pub use technique_images::{TechniqueImage, TechniqueImages, technique_images};
 
@@ -30,37 +30,37 @@ use bidirectional::Bidirectional;
 use camera_pass::CameraPass;
 use path::{Combined, Naive, NextEvent, PathTracer};
 
-/// What every method is told. All of it changes pixels, so all of it belongs to the settings hash.
+/// Parameters common to all methods. All of them change pixels, so that all are part of the settings hash.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options {
+pub struct IntegratorConfig {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Where they come from.
+    /// Generator of random numbers.
     pub sampler: SamplerKind,
     /// Pixel filter, importance sampled.
     pub filter: Filter,
-    /// Most scattering events of a path; `None` for no limit.
+    /// Maximum number of scattering events of a path; `None` for no limit.
     pub max_depth: Option<u32>,
-    /// Limit of each lane of a sample, which biases; `None` for none.
+    /// Clamp for each lane of a sample, which introduces bias; `None` for none.
     pub clamp: Option<f32>,
-    /// Number of independent replicates; pass k belongs to replicate k mod this.
+    /// Number of independent replicates; pass k belongs to replicate k mod this number.
     pub replicates: u32,
-    /// Whether the environment is hidden where the camera sees it directly.
+    /// Whether the directly visible environment is hidden.
     pub transparent: bool,
-    /// Which techniques bidirectional path tracing has.
+    /// Enabled techniques of bidirectional path tracing.
     pub techniques: Techniques,
-    /// How they share a path.
+    /// MIS heuristic.
     pub heuristic: Heuristic,
-    /// What is rendered of the image.
+    /// Rendered part of the image.
     pub crop: Crop,
-    /// What chains of Metropolis methods are like.
+    /// Parameters of the Metropolis methods.
     pub metropolis: MetropolisOptions,
 }
 
-impl Options {
-    /// What is usual for an image of `layout`: 4 replicates, seed 0, no limits.
+impl IntegratorConfig {
+    /// Returns the defaults for an image of `layout`: 4 replicates, seed 0, no limits.
     pub fn new(layout: &Layout) -> Self {
-        Options {
+        IntegratorConfig {
             seed: 0,
             sampler: SamplerKind::default(),
             filter: Filter::default(),
@@ -75,19 +75,19 @@ impl Options {
         }
     }
 
-    /// Pixels that a pass renders: as many walks start from lights.
+    /// Number of pixels rendered in a pass, which is also the number of light subpaths.
     pub fn pixels(&self) -> usize {
         self.crop.pixels()
     }
 }
 
-/// The integrator of `method` for an image that `camera` takes of `scene`, whose passes share `prelude`.
+/// Builds the integrator of `method` for `scene` and `camera`; all passes share `prelude`.
 pub fn build<'a>(
     method: Method,
     scene: &'a Scene,
     camera: Camera,
-    options: &Options,
-    prelude: &Prelude,
+    options: &IntegratorConfig,
+    prelude: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
     let (depth, transparent) = (options.max_depth, options.transparent);
     match method {
@@ -104,7 +104,12 @@ pub fn build<'a>(
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
         Method::Light => {
-            let tracer = Bidirectional::new(scene, &camera, &Options { techniques: Techniques::LIGHT, ..*options }, prelude);
+            let tracer = Bidirectional::new(
+                scene,
+                &camera,
+                &IntegratorConfig { techniques: Techniques::LIGHT, ..*options },
+                prelude,
+            );
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
         Method::Bdpt => {
@@ -117,20 +122,22 @@ pub fn build<'a>(
     }
 }
 
-/// What is fixed before the first pass over an image of `layout`.
-pub fn prelude(scene: &Scene, camera: &Camera, options: &Options, layout: &Layout) -> Prelude {
-    // The naive tracer is blind to some lights; a pilot that sees all fixes the same unit for every method.
-    Prelude::new(scene, layout, options, camera, |camera, options| {
-        build(Method::Path, scene, camera, options, &Prelude::default())
+/// Computes the pilot estimate that all passes over an image of `layout` share.
+pub fn prelude(scene: &Scene, camera: &Camera, options: &IntegratorConfig, layout: &Layout) -> PilotEstimate {
+    // The naive tracer is blind to some lights. The pilot uses a method without this limit, so that all methods get the
+    // same units.
+    PilotEstimate::new(scene, layout, options, camera, |camera, options| {
+        build(Method::Path, scene, camera, options, &PilotEstimate::default())
     })
 }
 
-/// What `method` cannot see in `scene`, one sentence each.
+/// Describes the light in `scene` that `method` cannot sample, one sentence each.
 pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
     let features = scene.features();
     let mut spots = Vec::new();
     if method == Method::PathNaive && features.dirac_lights {
-        spots.push("path-naive does not see point, spot and directional lights: they are missing from the image".into());
+        spots
+            .push("path-naive does not see point, spot and directional lights: they are missing from the image".into());
     }
     if method == Method::PathNaive && features.dirac {
         spots.push("path-naive does not see mirrors and clear glass: they are black".into());
@@ -148,34 +155,34 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
     spots
 }
 
-/// Why `method` does not render `scene` at all, in a sentence.
+/// Returns the reason why `method` cannot render `scene` at all, as a sentence.
 pub fn refusal(method: Method, scene: &Scene) -> Option<&'static str> {
     let blends = method == Method::Mlt && scene.features().blends;
     blends.then_some("mlt does not know surfaces that blend by alpha: render the scene with mmlt, which does")
 }
 
-/// How many rays of each kind were traced.
+/// Numbers of rays traced, by kind.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct RayCounts {
-    /// From the camera, those for extra layers included.
+    /// Camera rays, including those for extra layers.
     pub camera: u64,
-    /// From a scattering event.
+    /// Rays from a scattering event.
     pub bounce: u64,
-    /// Visibility tests.
+    /// Shadow rays.
     pub shadow: u64,
 }
 
 impl RayCounts {
-    /// Rays of all kinds.
+    /// Returns the number of rays of all kinds.
     pub fn total(&self) -> u64 {
         self.camera + self.bounce + self.shadow
     }
 }
 
-/// How often each guard dropped or changed something. All zero in a healthy render.
+/// Counts of guard events that dropped or changed a value. All are zero in a healthy render.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Guards {
-    /// Samples that were not finite and count as black.
+    /// Nonfinite samples, which count as black.
     pub nonfinite: u64,
     /// Hits that could not be recomputed from their triangle (slivers) and were passed through.
     pub bad_hits: u64,
@@ -183,14 +190,14 @@ pub struct Guards {
     pub overlong_paths: u64,
     /// Samples that `--clamp` reduced: the image is biased.
     pub clamped: u64,
-    /// Sum over lanes of what was clamped away, in radiance × samples.
+    /// Sum over lanes of the clamped excess, in radiance × samples.
     pub clamped_energy: f64,
 }
 
-/// A sample that was not finite, so that it can be replayed.
+/// Address of a nonfinite sample, for replay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct InvalidSample {
-    /// The pass it belongs to.
+    /// Pass of the sample.
     pub pass: u64,
     /// Column of its pixel.
     pub x: u32,
@@ -198,25 +205,26 @@ pub struct InvalidSample {
     pub y: u32,
 }
 
-/// What a pass did besides its samples.
+/// Statistics of a pass besides its samples.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PassReport {
     /// Rays traced.
     pub rays: RayCounts,
     /// Guards that fired.
     pub guards: Guards,
-    /// The first samples that were not finite, at most [`PassReport::MAX_INVALID`].
+    /// The first nonfinite samples, at most [`PassReport::MAX_INVALID`].
     pub invalid: Vec<InvalidSample>,
-    /// What chains say of themselves, where there are any.
+    /// Chain statistics of Metropolis methods.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chains: Option<ChainReport>,
 }
 
 impl PassReport {
-    /// How many invalid samples are kept by address.
+    /// Maximum number of invalid samples stored with their address.
     pub const MAX_INVALID: usize = 16;
 
-    /// Adds what another part or pass did. Sums are order-free but for the rounding of `clamped_energy`.
+    /// Merges the report of another part or pass. Sums do not depend on order except for the rounding of
+    /// `clamped_energy`.
     pub fn absorb(&mut self, other: PassReport) {
         let (r, o) = (&mut self.rays, other.rays);
         r.camera += o.camera;
@@ -238,7 +246,7 @@ impl PassReport {
 
 /// A method that renders passes.
 pub trait Integrator: Send + Sync {
-    /// Renders pass `pass` (one sample of every pixel of the film) into `out`; `None` if it was cancelled, in which case
-    /// `out` must not be used.
+    /// Renders pass `pass` (one sample of every pixel of the film) into `out`. Returns `None` if it was cancelled;
+    /// `out` must then not be used.
     fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport>;
 }

@@ -1,36 +1,37 @@
-//! Path tracing in three strengths over one walk: `path-naive`, `path-nee`, `path`.
+//! Path tracing in three variants over one random walk: `path-naive`, `path-nee`, `path`.
 //!
-//! - `path-naive` samples directions uniformly and never samples lights: as simple as it can be, and slow. A reference.
-//! - `path-nee` samples directions by the BSDF and lights by next-event estimation; light found by chance counts only where
-//!   light sampling could not have found it. Noisy where glossy surfaces mirror large lights.
+//! - `path-naive` samples directions uniformly and never samples lights: simple and slow. A reference.
+//! - `path-nee` combines BSDF sampling and next-event estimation. Emission hit by BSDF sampling counts only where light
+//!   sampling is impossible. Noisy where glossy surfaces reflect large lights.
 //! - `path` weights both techniques by the power heuristic [Veach97 §9.2]. The default.
 //!
-//! Caustics from small lights and light through ajar doors are slow in all three.
+//! Caustics from small lights and light through ajar doors converge slowly in all three.
 
 use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Local, Ray, SurfacePoint};
-use crate::light::{Light, LightSample, Receiver};
-use crate::path::{Departure, Tally, Walk, toward_light};
+use crate::light::{Light, LightSample, LightSampleContext};
+use crate::path::{PreviousVertex, RandomWalk, TraceStats, toward_light};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, balance, power, warp};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 
-/// How a path tracer samples directions and lights, and what share each technique has.
+/// Sampling of directions and lights in a path tracer, and the MIS weights of both techniques.
 pub(super) trait Strategy: Send + Sync {
     /// Whether lights are sampled at all.
     const SAMPLES_LIGHTS: bool = true;
-    /// A direction to go on: by the BSDF.
+    /// Samples a direction, by default from the BSDF.
     #[inline]
     fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
         shading.sample(u)
     }
-    /// Share of a light sample of density `light` that scattering would have made with density `scattering`.
-    fn share_of_light(light: f32, scattering: f32) -> f32;
-    /// Share of light found by scattering with density `scattering` that light sampling would have found with `light`.
-    fn share_of_scattering(scattering: f32, light: f32) -> f32;
+    /// Returns the MIS weight of a light sample of density `light`; `scattering` is the BSDF density of its direction.
+    fn mis_weight_light(light: f32, scattering: f32) -> f32;
+    /// Returns the MIS weight of a BSDF sample of density `scattering` that hits a light; `light` is the light sampling
+    /// density.
+    fn mis_weight_scattering(scattering: f32, light: f32) -> f32;
 }
 
 /// Uniform directions, no light sampling.
@@ -42,7 +43,7 @@ pub(super) struct Combined;
 
 impl Strategy for Naive {
     const SAMPLES_LIGHTS: bool = false;
-    /// Uniform over the hemisphere of ns on the side of the surface where `wo` is, or over the sphere where the surface transmits.
+    /// Samples uniformly over the hemisphere of ns on the side of `wo`, or over the sphere if the surface transmits.
     fn scatter(shading: &Shading, [_, u, v]: [f32; 3]) -> Option<ShadingSample> {
         let frame = shading.point.frame;
         if shading.lobes().intersects(Lobes::TRANSMIT) {
@@ -54,32 +55,32 @@ impl Strategy for Naive {
             Some(shading.along(wi, warp::uniform_hemisphere_pdf()))
         }
     }
-    fn share_of_light(_: f32, _: f32) -> f32 {
+    fn mis_weight_light(_: f32, _: f32) -> f32 {
         0.0
     }
-    fn share_of_scattering(_: f32, _: f32) -> f32 {
+    fn mis_weight_scattering(_: f32, _: f32) -> f32 {
         1.0
     }
 }
 
 impl Strategy for NextEvent {
     #[inline]
-    fn share_of_light(_: f32, _: f32) -> f32 {
+    fn mis_weight_light(_: f32, _: f32) -> f32 {
         1.0
     }
     #[inline]
-    fn share_of_scattering(_: f32, _: f32) -> f32 {
+    fn mis_weight_scattering(_: f32, _: f32) -> f32 {
         0.0
     }
 }
 
 impl Strategy for Combined {
     #[inline]
-    fn share_of_light(light: f32, scattering: f32) -> f32 {
+    fn mis_weight_light(light: f32, scattering: f32) -> f32 {
         power(light, scattering)
     }
     #[inline]
-    fn share_of_scattering(scattering: f32, light: f32) -> f32 {
+    fn mis_weight_scattering(scattering: f32, light: f32) -> f32 {
         if planted(Defect::MixedHeuristics) { balance(scattering, light) } else { power(scattering, light) }
     }
 }
@@ -88,7 +89,7 @@ impl Strategy for Combined {
 pub(super) struct PathTracer<'a, S: Strategy> {
     scene: &'a Scene,
     max_depth: u32,
-    /// Whether the environment is left out where the camera sees it directly.
+    /// Whether the directly visible environment is left out.
     transparent: bool,
     strategy: std::marker::PhantomData<S>,
 }
@@ -99,56 +100,64 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         PathTracer { scene, max_depth, transparent, strategy: std::marker::PhantomData }
     }
 
-    /// Light that scattering found, times its share: `density(reference, light index)` is what light sampling would have had.
+    /// Returns the MIS weight of emission hit by BSDF sampling. `pdf` is the light sampling density of the direction,
+    /// without the selection probability of the light.
     #[inline]
-    fn share_of_hit(&self, departure: &Departure, light: usize, pdf: impl FnOnce() -> f32) -> f32 {
+    fn mis_weight_bsdf(&self, departure: &PreviousVertex, light: usize, pdf: impl FnOnce() -> f32) -> f32 {
         match departure {
-            Departure::Surface(from, Density::Smooth(scattering)) => {
-                let pmf = if planted(Defect::LightPmfNotInHit) { 1.0 } else { self.scene.lights().pmf(from, light).value() };
-                S::share_of_scattering(scattering.value(), pmf * pdf())
+            PreviousVertex::Surface(from, Density::Smooth(scattering)) => {
+                let pmf =
+                    if planted(Defect::LightPmfNotInHit) { 1.0 } else { self.scene.lights().pmf(from, light).value() };
+                S::mis_weight_scattering(scattering.value(), pmf * pdf())
             }
-            Departure::Surface(_, Density::Delta(_)) if planted(Defect::EmissionLostAfterDirac) => 0.0,
-            Departure::Surface(_, Density::Delta(_)) | Departure::Camera | Departure::Light => 1.0,
+            PreviousVertex::Surface(_, Density::Delta(_)) if planted(Defect::EmissionLostAfterDirac) => 0.0,
+            PreviousVertex::Surface(_, Density::Delta(_)) | PreviousVertex::Camera | PreviousVertex::Light => 1.0,
         }
     }
 
-    /// What the surface at `point` emits toward the walk.
+    /// Returns the weighted emission of the surface at `point` toward the walk.
     #[inline]
-    fn emitted(&self, walk: &Walk, point: &SurfacePoint) -> Spectrum {
+    fn emitted(&self, walk: &RandomWalk, point: &SurfacePoint) -> Spectrum {
         let Some((index, Light::Area(light))) = self.scene.light_at(point) else { return Spectrum::ZERO };
         let wi = walk.ray.direction;
         let radiance = light.radiance(point.barycentric, -wi);
         if radiance.is_black() || !walk.sees(light) {
             return Spectrum::ZERO;
         }
-        let pdf = |from: &Receiver| {
+        let pdf = |from: &LightSampleContext| {
             if planted(Defect::HitPdfOverArea) {
-                return light.pdf_toward(1.0, point.ng).value();
+                return light.pdf_li(1.0, point.ng).value();
             }
-            light.pdf_toward((point.p - from.p).length_squared(), wi).value()
+            light.pdf_li((point.p - from.p).length_squared(), wi).value()
         };
         let share = match &walk.departure {
-            Departure::Surface(from, _) => self.share_of_hit(&walk.departure, index, || pdf(from)),
-            Departure::Camera | Departure::Light => 1.0,
+            PreviousVertex::Surface(from, _) => self.mis_weight_bsdf(&walk.departure, index, || pdf(from)),
+            PreviousVertex::Camera | PreviousVertex::Light => 1.0,
         };
         walk.beta * radiance * share
     }
 
-    /// What arrives from outside the scene.
+    /// Returns the weighted radiance of the environment.
     #[inline]
-    fn background(&self, walk: &Walk) -> Spectrum {
+    fn background(&self, walk: &RandomWalk) -> Spectrum {
         let Some((index, environment)) = self.scene.lights().environment() else { return Spectrum::ZERO };
-        if self.transparent && matches!(walk.departure, Departure::Camera) {
+        if self.transparent && matches!(walk.departure, PreviousVertex::Camera) {
             return Spectrum::ZERO;
         }
         let (radiance, pdf) = environment.along(walk.ray.direction);
-        walk.beta * radiance * self.share_of_hit(&walk.departure, index, || pdf.value())
+        walk.beta * radiance * self.mis_weight_bsdf(&walk.departure, index, || pdf.value())
     }
 
-    /// Light from one sampled light, scattered at `point`.
+    /// Next-event estimation at `point` with one light sample.
     #[inline]
-    fn direct(&self, shading: &Shading, walk: &Walk, sampler: &mut impl Sampler, tally: &mut Tally) -> Spectrum {
-        let (lights, receiver) = (self.scene.lights(), Receiver::from(shading.point));
+    fn direct(
+        &self,
+        shading: &Shading,
+        walk: &RandomWalk,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Spectrum {
+        let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(shading.point));
         let Some((index, pmf)) = lights.choose(&receiver, sampler.u1(walk.bounce, Slot::LightPick)) else {
             return Spectrum::ZERO;
         };
@@ -156,7 +165,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         if planted(Defect::LightPickReused) {
             u[0] = sampler.u1(walk.bounce, Slot::LightPick);
         }
-        let Some(sample) = lights.all()[index].sample_toward(&receiver, u) else { return Spectrum::ZERO };
+        let Some(sample) = lights.all()[index].sample_li(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
         let segment = toward_light(self.scene, shading.point, walk.ray.bodies, &sample);
@@ -164,14 +173,14 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         walk.beta * scattering.f_cos * sample.radiance * through * weight
     }
 
-    /// Share of the light sample over its density.
+    /// Returns the MIS weight of a light sample divided by its density.
     #[inline]
     fn light_weight(scattering: &Scattering, sample: &LightSample, pmf: Pdf<Discrete>) -> f32 {
         match sample.density {
             Density::Delta(probability) => (pmf.value() * probability).recip(),
             Density::Smooth(pdf) => {
                 let density = if planted(Defect::LightPmfNotInSample) { pdf.value() } else { pdf.choose(pmf).value() };
-                S::share_of_light(density, scattering.pdf.value()) / density
+                S::mis_weight_light(density, scattering.pdf.value()) / density
             }
         }
     }
@@ -184,9 +193,9 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         sampler: &mut P,
         _: impl FnOnce() -> P,
         _: &mut impl FnMut([f32; 2], Spectrum),
-        tally: &mut Tally,
+        tally: &mut TraceStats,
     ) -> Spectrum {
-        let mut walk = Walk::new(self.scene, ray);
+        let mut walk = RandomWalk::new(self.scene, ray);
         let mut total = Spectrum::ZERO;
         loop {
             let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
@@ -196,7 +205,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
             }
             let surface = self.scene.surface(&mut point, walk.ray.bodies);
             let wo = -walk.ray.direction;
-            let Some(shading) = Shading::new(&point, &surface, wo, Transport::Light) else { return total };
+            let Some(shading) = Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return total };
             if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
                 total += self.direct(&shading, &walk, sampler, tally);
             }

@@ -1,13 +1,15 @@
-//! What is known of a method in a scene before a sample is taken: light that it does not see, and light that it meets by luck.
+//! Prior knowledge of a method's failures in a scene, before any sample is taken: light that it cannot sample, and
+//! light that it samples only rarely.
 //!
-//! Let a walk leave the last surface before a lamp by a lobe of slope deviation α. Light sampling serves lobes wider than the lamp;
-//! a lobe that is narrower finds the lamp by scattering only, and brings its radiance L where it does. Between the two a sample is
-//! worth min(L, E / (π α²)), E being what the lamps send onto a surface at a radius of the scene: so much can one sample bring of a caustic that
-//! the path tracer meets by luck, and bidirectional path tracing where a mirror shows it. Light tracing
-//! connects lobes with the camera, and brings E / (π α²) whatever L is.
+//! Consider a path that leaves the last surface before a lamp by a lobe of slope deviation α. Light sampling is
+//! effective for lobes wider than the lamp. A narrower lobe reaches the lamp only by BSDF sampling, with a contribution
+//! of the lamp's radiance L. In between, a sample contributes min(L, E / (π α²)), with E the irradiance from the lamps
+//! on a surface at the scene radius. This bounds a single sample of a caustic that the path tracer hits by chance, or
+//! that bidirectional path tracing sees through a mirror. Light tracing connects the lobes to the camera, and
+//! contributes E / (π α²) for any L.
 //!
-//! Limits: an estimate by magnitude, by the factors of materials without their textures; it does not ask whether the camera sees such a
-//! path. Chains are not judged by it: they look for such paths, and report on themselves.
+//! Limits: an estimate of magnitude, from material factors without textures. It does not test whether such a path is
+//! visible. Chain methods are exempt: they explore such paths, and report on themselves.
 
 use super::Method;
 use super::blind_spots;
@@ -16,7 +18,7 @@ use crate::film::Prior;
 use crate::scene::Scene;
 use std::f64::consts::PI;
 
-/// What light of `scene` the method may miss.
+/// Estimates the light of `scene` that `method` may miss.
 pub fn prior(method: Method, scene: &Scene) -> Prior {
     if planted(Defect::PriorForgotten) {
         return Prior::default();

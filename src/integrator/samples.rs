@@ -1,54 +1,54 @@
-//! The samples of a pass: a camera ray and random numbers for each pixel, functions of seed, pass and pixel alone, whoever asks.
+//! Samples of a pass: a camera ray and random numbers for each pixel, as pure functions of seed, pass and pixel.
 
-use super::Options;
+use super::IntegratorConfig;
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
 use crate::film::{FilterSampler, Layout};
 use crate::geometry::Ray;
-use crate::sampling::{Address, Independent, Sampler, SamplerKind, Slot, Sobol};
+use crate::sampling::{Address, IndependentSampler, Sampler, SamplerKind, Slot, Sobol};
 
-/// What sets the numbers of a walk from a light apart from those of the pixel's own.
+/// Separates the random numbers of light subpaths from those of the pixel.
 const LIGHT_STREAM: u64 = 1 << 63;
 
-/// What an image's samples are made of.
+/// Generator of the samples of an image.
 pub(super) struct Samples {
     camera: Camera,
-    options: Options,
+    options: IntegratorConfig,
     filter: FilterSampler,
 }
 
-/// The sample of a pixel.
+/// Sample of a pixel.
 pub(super) struct Sample<P> {
     /// Column and row in the full image.
     pub(super) pixel: [u32; 2],
-    /// The pixel's number in the full image.
+    /// Pixel index in the full image.
     pub(super) index: u64,
-    /// The ray through it.
+    /// Camera ray.
     pub(super) ray: Ray,
-    /// What is left of its numbers.
+    /// Sampler with the remaining random numbers.
     pub(super) numbers: P,
 }
 
-/// What is done with the numbers of a pass, of whatever kind they are.
+/// Computation on the samplers of a pass, generic over the sampler.
 pub(super) trait Work {
-    /// What comes of it.
+    /// Result.
     type Output;
-    /// Does it; `source` has the numbers of each pixel and of the walk from a light that belongs to it.
+    /// Runs the computation. `source` returns the sampler of each pixel and of its light subpath.
     fn run<P: Sampler>(self, source: impl Fn(u64) -> P + Sync) -> Self::Output;
 }
 
 impl Samples {
-    pub(super) fn new(camera: Camera, options: &Options) -> Self {
+    pub(super) fn new(camera: Camera, options: &IntegratorConfig) -> Self {
         Samples { camera, options: *options, filter: FilterSampler::new(options.filter) }
     }
 
-    /// Does `work` with the numbers of `pass`.
+    /// Runs `work` with the samplers of `pass`.
     pub(super) fn of_pass<W: Work>(&self, pass: u64, work: W) -> W::Output {
         let seed = Address::new(self.options.seed);
         match self.options.sampler {
             SamplerKind::Independent => {
                 let of_pass = seed.with(pass);
-                work.run(|pixel| Independent::new(of_pass.with(pixel)))
+                work.run(|pixel| IndependentSampler::new(of_pass.with(pixel)))
             }
             SamplerKind::Sobol => {
                 let replicates = u64::from(self.options.replicates);
@@ -59,7 +59,7 @@ impl Samples {
         }
     }
 
-    /// The sample of the rendered pixel number `at` of `layout`.
+    /// Returns the sample of the rendered pixel number `at` of `layout`.
     #[inline]
     pub(super) fn of_pixel<P: Sampler>(&self, layout: &Layout, at: usize, source: impl Fn(u64) -> P) -> Sample<P> {
         let pixel = layout.pixel(at);
@@ -69,13 +69,13 @@ impl Samples {
         Sample { pixel, index, ray, numbers }
     }
 
-    /// The numbers of the walk from a light that belongs to the pixel number `index`.
+    /// Returns the sampler of the light subpath of pixel number `index`.
     #[inline]
     pub(super) fn of_light<P: Sampler>(index: u64, source: impl Fn(u64) -> P) -> P {
         source(index | LIGHT_STREAM)
     }
 
-    /// The camera ray of one sample of a pixel.
+    /// Generates the camera ray of one sample of a pixel.
     #[inline]
     fn camera_ray(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> Ray {
         let offset = self.filter.sample(sampler.u2(0, Slot::Aux));

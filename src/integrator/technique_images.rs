@@ -1,62 +1,64 @@
-//! What each technique of bidirectional path tracing finds on its own: an image for every number of vertices s from the light and t
-//! from the camera, weighted and unweighted [Veach97 figure 10.4].
+//! Images of the individual techniques of bidirectional path tracing, for all numbers of vertices s from the light and
+//! t from the camera, weighted and unweighted [Veach97 figure 10.4].
 //!
-//! Use them to see what techniques are good at and whether they are right. The weighted images sum to the picture of the same passes
-//! (samples are at the same addresses), in the mean where that plays roulette on connections; without weights all of one path length show the same light, each with its own noise.
-//! Every connection is traced: roulette by what it is worth in the picture would spoil what it is worth without weights.
-//! Limits: [`Options::clamp`] is not applied; a value that is not finite is left out by itself and not with its whole sample; what
-//! no technique of a length can find is in none of its images.
+//! They show the strengths of techniques and serve to validate them. The weighted images sum to the render of the same
+//! passes, since samples use the same addresses; with connection roulette in the render this holds in the mean. All
+//! unweighted images of one path length have the same expectation, each with its own noise. Every connection is traced,
+//! because roulette by weighted contribution would distort the unweighted images.
+//!
+//! Limits: [`IntegratorConfig::clamp`] is not applied. A nonfinite value is dropped alone, not with its whole sample.
+//! Light that no technique of a length can sample is in none of its images.
 
-use super::bidirectional::{Bidirectional, Found, Sink};
+use super::bidirectional::{Bidirectional, Sink, TechniqueSample};
 use super::camera_pass::{CHUNK, gather};
 use super::samples::{Sample, Samples, Work};
-use super::{InvalidSample, Options, PassReport, Prelude, prelude};
+use super::{IntegratorConfig, InvalidSample, PassReport, PilotEstimate, prelude};
 use crate::camera::Camera;
 use crate::film::{Film, Filter, Layout, PassFilm};
 use crate::parallel::Cancel;
-use crate::path::Tally;
+use crate::path::TraceStats;
 use crate::sampling::{Address, Sampler};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use rayon::prelude::*;
 
-/// What one technique found.
+/// Image of one technique.
 #[derive(Debug, Clone)]
 pub struct TechniqueImage {
     /// Vertices from the light.
     pub s: usize,
     /// Vertices from the camera.
     pub t: usize,
-    /// Its share of the picture.
+    /// MIS-weighted contribution to the render.
     pub weighted: Film,
-    /// What it finds without the others.
+    /// Unweighted estimate of the technique alone.
     pub unweighted: Film,
 }
 
 impl TechniqueImage {
-    /// Scattering events of its paths.
+    /// Number of scattering events of its paths.
     pub fn events(&self) -> usize {
         self.s + self.t - 2
     }
 }
 
-/// What the techniques found.
+/// Images of all techniques.
 #[derive(Debug, Clone)]
 pub struct TechniqueImages {
-    /// Shorter paths first, then by s.
+    /// Ordered by path length, then by s.
     pub images: Vec<TechniqueImage>,
     /// Rays traced and guards that fired.
     pub report: PassReport,
 }
 
 impl TechniqueImages {
-    /// The image of `s` vertices from the light and `t` from the camera, if its technique takes part.
+    /// Returns the image of `s` light vertices and `t` camera vertices, if the technique is enabled.
     pub fn get(&self, s: usize, t: usize) -> Option<&TechniqueImage> {
         self.images.iter().find(|image| (image.s, image.t) == (s, t))
     }
 
-    /// Memory that it takes to make the images of [`technique_images`], in bytes per pixel.
-    pub fn bytes_per_pixel(options: &Options, deepest: u32) -> usize {
+    /// Returns the memory required by [`technique_images`], in bytes per pixel.
+    pub fn bytes_per_pixel(options: &IntegratorConfig, deepest: u32) -> usize {
         let layout = Layout::new(1, 1, None, &[]);
         let pass = layout.channels() * (size_of::<f32>() + size_of::<i64>());
         let images = 2 * techniques(options, deepest).count();
@@ -64,31 +66,32 @@ impl TechniqueImages {
     }
 }
 
-/// The techniques of paths of at most `deepest` scattering events that take part.
-fn techniques(options: &Options, deepest: u32) -> impl Iterator<Item = (usize, usize)> {
+/// Enumerates the enabled techniques of paths with at most `deepest` scattering events.
+fn techniques(options: &IntegratorConfig, deepest: u32) -> impl Iterator<Item = (usize, usize)> {
     let (techniques, deepest) = (options.techniques, options.max_depth.map_or(deepest, |most| most.min(deepest)));
     let all = (0..=deepest as usize).flat_map(|events| (0..=events + 1).map(move |s| (s, events + 2 - s)));
     all.filter(move |&(s, t)| techniques.has(s, t))
 }
 
-/// The images of all techniques of bidirectional path tracing over `passes` of the picture that `camera` takes of `scene`, for paths of at
-/// most `deepest` scattering events; `None` if it was cancelled. As a film's, sums are kept by replicate (pass mod
-/// [`Options::replicates`]) and do not depend on order or threads.
+/// Renders the images of all techniques of bidirectional path tracing over `passes`, for paths of at most `deepest`
+/// scattering events; `None` if it was cancelled. Like those of a film, sums are kept by replicate (pass mod
+/// [`IntegratorConfig::replicates`]) and do not depend on order or threads.
 pub fn technique_images(
     scene: &Scene,
     camera: &Camera,
-    options: &Options,
+    options: &IntegratorConfig,
     layout: &Layout,
     passes: impl IntoIterator<Item = u64>,
     deepest: u32,
     cancel: &Cancel,
 ) -> Option<TechniqueImages> {
-    let options = Options { max_depth: Some(options.max_depth.map_or(deepest, |most| most.min(deepest))), ..*options };
+    let options =
+        IntegratorConfig { max_depth: Some(options.max_depth.map_or(deepest, |most| most.min(deepest))), ..*options };
     let units = prelude(scene, camera, &options, layout).units;
     let layout = Layout::new(layout.width, layout.height, Some(layout.crop), &[]);
     let recorder = Recorder {
         samples: Samples::new(camera.clone(), &options),
-        method: Bidirectional::new(scene, camera, &options, &Prelude::default()),
+        method: Bidirectional::new(scene, camera, &options, &PilotEstimate::default()),
         layout: layout.clone(),
         options,
     };
@@ -103,7 +106,7 @@ pub fn technique_images(
     Some(found)
 }
 
-/// Where the light of one pass is collected, by technique: weighted and not.
+/// Films of one pass by technique: weighted and unweighted.
 struct Shelf {
     names: Vec<(usize, usize)>,
     films: Vec<[PassFilm; 2]>,
@@ -115,14 +118,14 @@ impl Shelf {
         Shelf { names: names.to_vec(), films: names.iter().map(|_| [film(), film()]).collect() }
     }
 
-    /// Where the light of a technique goes.
+    /// Returns the films of a technique.
     #[inline]
     fn of(&self, s: usize, t: usize) -> Option<&[PassFilm; 2]> {
         let at = self.names.iter().position(|&name| name == (s, t))?;
         Some(&self.films[at])
     }
 
-    /// Moves what was collected to the images.
+    /// Commits the pass to the images and clears the films.
     fn commit(&mut self, pass: u64, images: &mut [TechniqueImage]) {
         for (films, image) in self.films.iter_mut().zip(images) {
             for (film, sum) in films.iter_mut().zip([&mut image.weighted, &mut image.unweighted]) {
@@ -134,15 +137,15 @@ impl Shelf {
     }
 }
 
-/// What all passes share.
+/// State shared by all passes.
 struct Recorder<'a> {
     samples: Samples,
     method: Bidirectional<'a>,
     layout: Layout,
-    options: Options,
+    options: IntegratorConfig,
 }
 
-/// One pass in work.
+/// State of a running pass.
 struct Pass<'p, 'a> {
     all: &'p Recorder<'a>,
     pass: u64,
@@ -165,7 +168,7 @@ impl Pass<'_, '_> {
     /// Renders the pixels of a range.
     fn chunk<P: Sampler>(&self, pixels: std::ops::Range<usize>, source: &impl Fn(u64) -> P) -> PassReport {
         let Recorder { samples, method, layout, options } = self.all;
-        let (mut report, mut tally) = (PassReport::default(), Tally::default());
+        let (mut report, mut tally) = (PassReport::default(), TraceStats::default());
         let address = Address::new(options.seed).with(self.pass);
         for at in pixels {
             let Sample { pixel, index, ray, mut numbers } = samples.of_pixel(layout, at, source);
@@ -181,20 +184,20 @@ impl Pass<'_, '_> {
     }
 }
 
-/// A sample whose light is told apart by technique.
+/// A sink that separates a sample by technique.
 struct Recording<'a> {
     shelf: &'a Shelf,
-    options: &'a Options,
-    /// Of the pixel, on the film.
+    options: &'a IntegratorConfig,
+    /// Centre of the pixel on the film.
     centre: [f32; 2],
     /// Address of the rounding.
     key: Address,
-    /// Whether all that was found was finite.
+    /// Whether all contributions were finite.
     valid: bool,
 }
 
 impl Recording<'_> {
-    /// Adds to the images of a technique: a box around the centre of a pixel is the pixel.
+    /// Adds to the images of a technique. A box filter around the centre of a pixel covers that pixel alone.
     #[inline]
     fn record(&mut self, [s, t]: [usize; 2], filter: Filter, film: [f32; 2], [weighted, unweighted]: [Spectrum; 2]) {
         let Some(films) = self.shelf.of(s, t) else { return };
@@ -211,13 +214,13 @@ impl Recording<'_> {
 
 impl Sink for Recording<'_> {
     #[inline]
-    fn add(&mut self, Found { s, t, value, weight, .. }: Found) {
+    fn add(&mut self, TechniqueSample { s, t, value, weight, .. }: TechniqueSample) {
         self.record([s, t], Filter::Box, self.centre, [value * weight as f32, value]);
     }
 
     #[inline]
-    fn splat(&mut self, film: [f32; 2], Found { s, value, weight, .. }: Found) {
-        // Splats are per walk from a light, and a pass has as many as pixels.
+    fn splat(&mut self, film: [f32; 2], TechniqueSample { s, value, weight, .. }: TechniqueSample) {
+        // Splats are normalised per light subpath; a pass has one for each pixel.
         let per_walk = (self.options.pixels() as f32).recip();
         self.record([s, 1], self.options.filter, film, [value * weight as f32 * per_walk, value * per_walk]);
     }

@@ -1,4 +1,4 @@
-//! Whole files or none: every output goes through here, so a kill at any time leaves the old file whole.
+//! Atomic file writes. Every output goes through here, so that a kill at any time leaves the old file intact.
 
 use crate::error::{Error, Kind, Result};
 use std::fs::{File, OpenOptions};
@@ -9,11 +9,12 @@ use tempfile::{NamedTempFile, TempPath};
 const PREFIX: &str = ".etendue-";
 const SUFFIX: &str = ".tmp";
 
-/// Writes a file by `fill` under no name or a temporary one in the same folder, syncs it, renames it to `path` and syncs the folder.
-/// A symbolic link at `path` stays, and the file that it leads to is written, there already or not.
+/// Writes a file by `fill` without a name, or under a temporary name in the same folder, syncs it, renames it to `path`
+/// and syncs the folder. A symbolic link at `path` is kept, and its target is written, whether or not it exists.
 ///
 /// # Errors
-/// [`Kind::Output`] with the path if a step fails; the temporary file is then removed and an old file at `path` untouched.
+/// [`Kind::Output`] with the path if a step fails. The temporary file is then removed, and an old file at `path` is
+/// left untouched.
 pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     if path.file_name().is_none() {
         return Err(Error::new(Kind::Output, format!("cannot write {}: it names no file", path.display())));
@@ -21,19 +22,19 @@ pub fn write_atomically(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<
     target(path).and_then(|path| replace(&path, fill)).map_err(|cause| Error::write(path, cause))
 }
 
-/// As many links as Linux follows in a path.
+/// Maximum number of symbolic links in a path, as in Linux.
 const MOST_LINKS: usize = 40;
 
-/// Where a file at `path` is in the end, through all symbolic links, even if it is not there yet.
+/// Resolves all symbolic links at `path`, even if the final target does not exist.
 ///
 /// # Errors
-/// Links that lead nowhere but to each other.
+/// The links form a cycle or are too many.
 pub fn target(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_path_buf();
     for _ in 0..MOST_LINKS {
         match std::fs::read_link(&place) {
             Ok(to) => place = place.parent().unwrap_or(Path::new("")).join(to),
-            // It is no link, or not there.
+            // Not a link, or not there.
             Err(_) => return Ok(place),
         }
     }
@@ -62,20 +63,21 @@ fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::R
     sync_folder(folder)
 }
 
-/// A file under a temporary name, with the mode of any other new file.
+/// Creates a file under a temporary name, with the mode of any other new file.
 fn create(folder: &Path) -> io::Result<NamedTempFile> {
-    // Given a mode, the umask applies; without one, temporary files are private.
+    // With an explicit creation mode the umask applies. By default, temporary files are private.
     let create = |name: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(name);
     tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, create)
 }
 
-/// Gives a file without a name a temporary one.
+/// Links an unnamed file to a temporary name.
 fn name(mut file: File, folder: &Path) -> io::Result<TempPath> {
-    let linked = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |name| unnamed::link(&file, name));
+    let linked =
+        tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).make_in(folder, |name| unnamed::link(&file, name));
     if let Ok(linked) = linked {
         return Ok(linked.into_temp_path());
     }
-    // Some file systems have files without names and cannot name them.
+    // Some file systems support unnamed files but cannot link them.
     let mut copy = create(folder)?;
     file.rewind()?;
     io::copy(&mut file, copy.as_file_mut())?;
@@ -83,7 +85,7 @@ fn name(mut file: File, folder: &Path) -> io::Result<TempPath> {
     Ok(copy.into_temp_path())
 }
 
-/// Files without names, which a kill leaves no trace of.
+/// Unnamed files, of which a kill leaves no trace.
 #[cfg(target_os = "linux")]
 mod unnamed {
     use rustix::fs::{AtFlags, CWD, Mode, OFlags, linkat, open};
@@ -92,19 +94,19 @@ mod unnamed {
     use std::os::fd::AsRawFd;
     use std::path::Path;
 
-    /// A file in `folder`; `None` where its file system has none without a name.
+    /// Creates an unnamed file in `folder`; `None` if its file system does not support this.
     pub(super) fn create(folder: &Path) -> Option<File> {
         let mode = Mode::from_raw_mode(0o666);
         open(folder, OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC, mode).ok().map(File::from)
     }
 
-    /// Names it.
+    /// Links the file to `name`.
     pub(super) fn link(file: &File, name: &Path) -> io::Result<()> {
         Ok(linkat(CWD, format!("/proc/self/fd/{}", file.as_raw_fd()), CWD, name, AtFlags::SYMLINK_FOLLOW)?)
     }
 }
 
-/// Elsewhere all files have names.
+/// Other systems have no unnamed files.
 #[cfg(not(target_os = "linux"))]
 mod unnamed {
     use std::fs::File;
@@ -123,7 +125,7 @@ mod unnamed {
 #[cfg(unix)]
 fn sync_folder(folder: &Path) -> io::Result<()> {
     match File::open(folder)?.sync_all() {
-        // Some network file systems cannot sync a folder; the rename is then as durable as it gets.
+        // Some network file systems cannot sync a folder. The rename is then as durable as possible.
         Err(e) if matches!(e.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Ok(()),
         synced => synced,
     }
@@ -158,11 +160,16 @@ mod tests {
     #[test]
     fn says_where_it_cannot_write() {
         let missing = write_atomically(Path::new("no/such/folder/a.bin"), |_| Ok(())).unwrap_err();
-        assert!(missing.kind == Kind::Output && missing.chain().contains("no/such/folder/a.bin"), "{}", missing.chain());
+        assert!(
+            missing.kind == Kind::Output && missing.chain().contains("no/such/folder/a.bin"),
+            "{}",
+            missing.chain()
+        );
         assert_eq!(write_atomically(Path::new("/"), |_| Ok(())).unwrap_err().kind, Kind::Output);
     }
 
-    /// While it is written there is nothing in the folder that a kill could leave behind; without such files, one temporary name.
+    /// During writing the folder contains nothing that a kill could leave behind; without unnamed files, one temporary
+    /// name.
     #[test]
     fn has_no_name_while_it_is_written() {
         let folder = tempfile::tempdir().unwrap();
@@ -173,7 +180,7 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"new");
     }
 
-    /// A file that has been removed cannot be named again.
+    /// A removed file cannot be linked again.
     #[test]
     fn what_cannot_be_named_is_copied() {
         let folder = tempfile::tempdir().unwrap();
@@ -191,7 +198,7 @@ mod tests {
         let at = |name: &str| folder.path().join(name);
         fs::create_dir(at("store")).unwrap();
         fs::write(at("store/old"), "old").unwrap();
-        // Relative and through another link; to what is not there; in a circle.
+        // Relative and through another link; to a missing file; in a cycle.
         symlink("store/old", at("inner")).unwrap();
         symlink("inner", at("outer")).unwrap();
         symlink(at("store/new"), at("dangling")).unwrap();
@@ -199,7 +206,8 @@ mod tests {
         for (link, file) in [("outer", "store/old"), ("dangling", "store/new")] {
             write_atomically(&at(link), |f| f.write_all(b"written")).unwrap();
             assert!(
-                fs::symlink_metadata(at(link)).unwrap().is_symlink() && !fs::symlink_metadata(at(file)).unwrap().is_symlink()
+                fs::symlink_metadata(at(link)).unwrap().is_symlink()
+                    && !fs::symlink_metadata(at(file)).unwrap().is_symlink()
             );
             assert_eq!(fs::read(at(file)).unwrap(), b"written");
         }

@@ -1,6 +1,6 @@
-//! Environment maps from files: OpenEXR and Radiance pictures in latitude-longitude layout, by the ending of their name.
+//! Environment maps in latitude-longitude layout. The file name's ending selects the format, OpenEXR or Radiance.
 //!
-//! Which channels of an EXR file are taken is `layers`'s choice.
+//! `layers` selects the channels of an EXR file.
 
 mod layers;
 
@@ -11,29 +11,29 @@ use crate::texture::RadianceMap;
 use glam::{DMat3, DVec3};
 use std::path::Path;
 
-/// A map, and what was done to make it one.
+/// An environment map, with notes about its conversion.
 #[derive(Debug)]
 pub struct LoadedMap {
     /// The map.
     pub map: RadianceMap,
-    /// What was chosen or changed, a sentence each.
+    /// Choices and changes made while loading, one sentence each.
     pub warnings: Vec<String>,
-    /// What could not be kept, a sentence each: `--strict` refuses it.
+    /// Losses, one sentence each. `--strict` rejects them.
     pub lost: Vec<String>,
 }
 
-/// Whether files of this name are read by [`load`].
+/// Whether [`load`] supports files with this ending.
 pub fn is_supported(path: &Path) -> bool {
     ending(path).is_some()
 }
 
-/// Reads the map in `path`, from the layer or part with the name `layer` if one is given. Colours become linear Rec. 709. Negative
-/// texels become 0, and infinite ones the largest finite value: of 16-bit numbers where the file stores these, of the picture
-/// otherwise.
+/// Reads the map in `path`, from the layer or part `layer` if given. Colours are converted to linear Rec. 709. Negative
+/// lanes become 0. Infinite lanes become the largest finite value: of 16-bit floats if the file stores these, else of
+/// the picture.
 ///
 /// # Errors
-/// A scene error with the path if the file cannot be read, is damaged, lacks colours or the layer, or has texels that are not
-/// numbers or beyond [`RadianceMap::BRIGHTEST`].
+/// A scene error with the path if the file cannot be read, is damaged, lacks colours or the layer, or has texels that
+/// are NaN or beyond [`RadianceMap::BRIGHTEST`].
 pub fn load(path: &Path, layer: Option<&str>) -> Result<LoadedMap> {
     let refuse = |what: String| Error::scene(format!("cannot read {}: {what}", path.display()));
     let file = std::fs::metadata(path).map_err(|cause| Error::read(path, cause))?;
@@ -69,16 +69,16 @@ fn ending(path: &Path) -> Option<Ending> {
     }
 }
 
-/// Texels as a file has them.
+/// Texels in the primaries of the file.
 struct Picture {
     width: u32,
     height: u32,
     texels: Vec<[f32; 3]>,
-    /// From these numbers to linear Rec. 709.
+    /// Matrix from the file's primaries to linear Rec. 709.
     to_rec_709: DMat3,
-    /// The largest number that the file can store, if it is small enough to stand for infinity.
+    /// The largest finite value of the file's number format, if it is small enough to replace infinity.
     largest: Option<f32>,
-    /// What was chosen.
+    /// A note about the selected layer.
     said: Option<String>,
 }
 
@@ -90,7 +90,7 @@ impl From<HdrImage> for Picture {
 }
 
 impl Picture {
-    /// Replaces what is infinite, and says so if there was any.
+    /// Replaces infinite values. Returns a note if there were any.
     fn clamp_infinite(&mut self) -> std::result::Result<Option<String>, String> {
         let bright = |texel: &&mut [f32; 3]| texel.contains(&f32::INFINITY);
         let count = self.texels.iter_mut().filter(bright).count();
@@ -108,7 +108,7 @@ impl Picture {
         Ok(Some(format!("{count} texels are infinite and count as {largest}: their light is lost in part")))
     }
 
-    /// Makes colours linear Rec. 709.
+    /// Converts the colours to linear Rec. 709.
     fn convert(&mut self) {
         if self.to_rec_709 == DMat3::IDENTITY {
             return;
@@ -119,7 +119,7 @@ impl Picture {
         }
     }
 
-    /// Makes negative texels black, and says how many those were.
+    /// Clamps negative lanes to 0. Returns the number of texels changed.
     fn check(&mut self) -> std::result::Result<usize, String> {
         let wrong = |texel: &&[f32; 3]| !texel.iter().all(|lane| lane.abs() <= RadianceMap::BRIGHTEST);
         let count = self.texels.iter().filter(wrong).count();
@@ -136,8 +136,8 @@ impl Picture {
     }
 }
 
-/// The colour in single precision. Where a lane is below the rounding of what it is the difference of, it is 0: a colour on the
-/// edge of the gamut is not outside of it.
+/// Rounds a colour to single precision. A lane below the rounding error of the conversion becomes 0, so that a colour
+/// on the gamut boundary does not fall outside.
 fn rounded(color: DVec3, from: [f32; 3]) -> [f32; 3] {
     let largest = from.into_iter().fold(0.0, |a: f32, b| a.max(b.abs()));
     let rounding = f64::from(largest) * 4.0 * f64::from(f32::EPSILON);

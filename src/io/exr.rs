@@ -1,8 +1,9 @@
-//! OpenEXR: one-part 32-bit float images with named channels, the picture of record. Colour is in `R`, `G`, `B` (, `A`), all
-//! else in `name.channel`; a crop is the data window inside the display window of the full image.
+//! OpenEXR output: single-part 32-bit float images with named channels, the picture of record. Colour is in `R`, `G`,
+//! `B` (, `A`), everything else in `name.channel`. A crop is the data window inside the display window of the full
+//! image.
 //!
-//! The reader takes foreign files too (half and integer channels, tiles, several parts of one size); not deep or
-//! subsampled ones, nor compression that the `exr` crate lacks (DWAA, DWAB).
+//! The reader also accepts foreign files: half and integer channels, tiles, several parts of one size. It rejects deep
+//! and subsampled images, and compression that the `exr` crate lacks (DWAA, DWAB).
 
 use super::atomic::write_atomically;
 use crate::error::{Error, Kind, Result};
@@ -17,7 +18,7 @@ mod read;
 
 pub use read::{ExrImage, read};
 
-/// A channel and its values, row by row in the data window.
+/// A channel with its values, row by row in the data window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
     /// The channel's name: `R`, `stderr.R`, `depth.Z`.
@@ -31,17 +32,18 @@ pub struct Layer {
 pub enum Attribute {
     /// UTF-8 text.
     Text(String),
-    /// A number.
+    /// A floating-point number.
     Float(f32),
-    /// A whole number.
+    /// An integer.
     Int(i32),
 }
 
-/// Writes an image of `width` × `height` of which `crop` (or everything) is there, ZIP-compressed, with Rec. 709 primaries.
+/// Writes an image of `width` × `height` with the data window `crop` (`None` for the full image), ZIP-compressed, with
+/// Rec. 709 primaries.
 ///
 /// # Errors
-/// [`Kind::Output`] with the path if the file cannot be written, [`Kind::Internal`] if a layer has not as many values
-/// as the data window has pixels, a name is empty or comes twice, or the crop is not inside the image.
+/// [`Kind::Output`] with the path if the file cannot be written. [`Kind::Internal`] if the number of a layer's values
+/// is not that of the pixels in the data window, a name is empty or duplicate, or the crop is not inside the image.
 pub fn write(
     path: &Path,
     width: u32,
@@ -55,8 +57,8 @@ pub fn write(
     write_atomically(path, |file| image.write().to_unbuffered(file).map_err(into_io))
 }
 
-/// The hash of an image's pixels: size, crop, and the channels by name with their f32 in little-endian order. It does not
-/// depend on the order of the layers, so that it can be computed from a film and from its file alike.
+/// Hashes an image's pixels: size, crop, and the channels sorted by name, with little-endian f32 values. The hash is
+/// independent of the layer order, so that a film and its file give the same one.
 pub fn hash_pixels(width: u32, height: u32, crop: Option<Crop>, layers: &[Layer]) -> String {
     let crop = crop.unwrap_or(Crop { x0: 0, y0: 0, x1: width, y1: height });
     let mut hasher = blake3::Hasher::new();
@@ -91,7 +93,8 @@ fn image(
         return Err(format!("crop {crop:?} of an image of {width}×{height}"));
     }
     let size = Vec2((crop.x1 - crop.x0) as usize, (crop.y1 - crop.y0) as usize);
-    let mut own = openexr::LayerAttributes { layer_position: Vec2(crop.x0 as i32, crop.y0 as i32), ..Default::default() };
+    let mut own =
+        openexr::LayerAttributes { layer_position: Vec2(crop.x0 as i32, crop.y0 as i32), ..Default::default() };
     for (name, value) in attributes {
         if own.other.insert(text(name)?, encoded(value)).is_some() {
             return Err(format!("attribute {name} comes twice"));
@@ -118,7 +121,10 @@ const REC_709: ::exr::meta::attribute::Chromaticities = ::exr::meta::attribute::
     white: Vec2(0.3127, 0.3290),
 };
 
-fn channels(layers: &[Layer], size: Vec2<usize>) -> std::result::Result<openexr::AnyChannels<openexr::FlatSamples>, String> {
+fn channels(
+    layers: &[Layer],
+    size: Vec2<usize>,
+) -> std::result::Result<openexr::AnyChannels<openexr::FlatSamples>, String> {
     let mut names = BTreeSet::new();
     let mut list = Vec::with_capacity(layers.len());
     for layer in layers {
@@ -136,7 +142,7 @@ fn channels(layers: &[Layer], size: Vec2<usize>) -> std::result::Result<openexr:
     Ok(openexr::AnyChannels::sort(list.into_iter().collect()))
 }
 
-/// A name in UTF-8, which is what other programs write.
+/// Encodes a name in UTF-8, as other programs do.
 fn text(name: &str) -> std::result::Result<Text, String> {
     let is_valid = !name.is_empty() && name.len() < 256 && !name.contains('\0');
     is_valid.then(|| Text::from_slice_unchecked(name.as_bytes())).ok_or_else(|| format!("{name:?} is not a name"))

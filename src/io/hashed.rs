@@ -1,18 +1,18 @@
-//! Hashing what passes: files that carry the hash of all that is before it.
+//! Hashing reader and writer, for files that end with the hash of all preceding bytes.
 
 use std::io::{self, Read, Write};
 
-/// A reader or writer that hashes what passes through.
+/// A reader or writer that hashes all bytes it transfers.
 #[derive(Debug)]
 pub(crate) struct Hashed<T> {
-    /// What is read from or written to.
+    /// The underlying reader or writer.
     pub(crate) inner: T,
     /// The hash so far.
     pub(crate) hasher: blake3::Hasher,
 }
 
 impl<T> Hashed<T> {
-    /// Nothing has passed yet.
+    /// Starts with an empty hash.
     pub(crate) fn new(inner: T) -> Self {
         Hashed { inner, hasher: blake3::Hasher::new() }
     }

@@ -1,9 +1,9 @@
-//! Radiance pictures (`.hdr`): shared-exponent colours, run-length encoded by scanline or, in old files, by colour.
+//! Radiance pictures (`.hdr`): shared-exponent colours, run-length encoded per component or, in old files, per colour.
 //!
-//! Our own, since the `image` crate's decoder refuses files that begin with `#?RGBE` and overflows on runs of runs of length 0.
-//! Scanlines may run in any of the eight orientations, and colours be RGB, of Rec. 709 unless `PRIMARIES` says otherwise, or XYZ.
-//! Limits: what `EXPOSURE` and `COLORCORR` say was done to the picture is not undone, as in other readers. Reference: the file
-//! formats page of Radiance's manual.
+//! This is our own decoder. The one of the `image` crate rejects files that begin with `#?RGBE`, and overflows on
+//! consecutive runs of length 0. All eight scanline orientations are supported. Colours may be XYZ or RGB, the latter
+//! with Rec. 709 primaries unless `PRIMARIES` says otherwise. Limits: `EXPOSURE` and `COLORCORR` are not undone, as in
+//! other readers. Reference: the file formats page of Radiance's manual.
 
 use super::primaries::{Primaries, xyz_to_rec_709};
 use crate::error::{Error, Kind, Result};
@@ -11,11 +11,11 @@ use glam::DMat3;
 use std::fs;
 use std::path::Path;
 
-/// The most texels a byte of the file can stand for: 127 in four runs of two bytes each, one run a component.
+/// Maximum number of texels per byte of the file: 127 in four runs of two bytes each, one run per component.
 const TEXELS_A_BYTE: u64 = 16;
-/// As many texels as this are believed without asking, since runs of old files have no such bound.
+/// Limit of texels accepted regardless of the file's size, since runs of old files have no such bound.
 const BELIEVED_TEXELS: u64 = 1 << 24;
-/// Widths that the newer encoding is used for.
+/// Scanline lengths for which the newer encoding is used.
 const ENCODED_WIDTHS: std::ops::Range<usize> = 8..0x8000;
 
 /// A decoded picture.
@@ -27,14 +27,14 @@ pub struct HdrImage {
     pub height: u32,
     /// Linear colours, row by row from the top, in the primaries of the file.
     pub texels: Vec<[f32; 3]>,
-    /// What turns them into linear Rec. 709.
+    /// Matrix from the file's primaries to linear Rec. 709.
     pub to_rec_709: DMat3,
 }
 
 /// Reads a picture.
 ///
 /// # Errors
-/// [`Kind::Scene`] with the path if the file cannot be read, is damaged or of a kind that this reader does not take.
+/// [`Kind::Scene`] with the path if the file cannot be read, is damaged, or is of an unsupported kind.
 pub fn read(path: &Path) -> Result<HdrImage> {
     let bytes = fs::read(path).map_err(|cause| Error::read(path, cause))?;
     decode(&bytes).map_err(|what| Error::new(Kind::Scene, format!("cannot read {}: {what}", path.display())))
@@ -63,7 +63,7 @@ fn decode(bytes: &[u8]) -> Decoded<HdrImage> {
     Ok(HdrImage { width, height, texels: order.upright(texels), to_rec_709 })
 }
 
-/// Reads the header and its empty line, and says what its colours are to linear Rec. 709.
+/// Reads the header up to its empty line. Returns the matrix from the file's colours to linear Rec. 709.
 fn header(input: &mut Input<'_>) -> Decoded<DMat3> {
     let (mut xyz, mut primaries) = (false, Primaries::REC_709);
     loop {
@@ -88,20 +88,20 @@ fn header(input: &mut Input<'_>) -> Decoded<DMat3> {
     if xyz { Ok(xyz_to_rec_709()) } else { Ok(of_rgb()?) }
 }
 
-/// In which order the texels come.
+/// Order of the texels in the file.
 #[derive(Clone, Copy)]
 struct Order {
-    /// Scanlines, and texels in each.
+    /// Number of scanlines; `length` is the number of texels in each.
     scanlines: u32,
     length: u32,
     /// Whether scanlines are columns.
     columns: bool,
-    /// Whether they come from the far end, the right or the bottom, and whether texels in them do.
+    /// Whether scanlines start from the far end (right or bottom), and whether their texels do.
     from_end: [bool; 2],
 }
 
 impl Order {
-    /// From the line that states the size: an axis with its direction for scanlines and one for the texels in them.
+    /// Parses the resolution line: an axis with its direction for the scanlines, and one for their texels.
     fn parse(line: &str) -> Decoded<Self> {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         let side = |text: &str| text.parse().ok().filter(|&side: &u32| side > 0);
@@ -127,7 +127,7 @@ impl Order {
         if self.columns { [self.scanlines, self.length] } else { [self.length, self.scanlines] }
     }
 
-    /// The texels row by row from the top.
+    /// Reorders the texels row by row from the top.
     fn upright(self, texels: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
         if !self.columns && self.from_end == [false; 2] {
             return texels;
@@ -149,7 +149,7 @@ fn color(&[r, g, b, exponent]: &[u8; 4]) -> [f32; 3] {
     [r, g, b].map(|mantissa| f32::from(mantissa) * unit)
 }
 
-/// What is left of the file.
+/// The rest of the file.
 struct Input<'a>(&'a [u8]);
 
 impl<'a> Input<'a> {
@@ -184,7 +184,7 @@ impl<'a> Input<'a> {
         (0..4).try_for_each(|component| self.component(component, out))
     }
 
-    /// One component of a scanline in runs: a count and a value, or a smaller count and as many values.
+    /// Decodes one component of a scanline. A run is a count and a value, or a smaller count and as many values.
     fn component(&mut self, component: usize, out: &mut [[u8; 4]]) -> Decoded<()> {
         let mut at = 0;
         while at < out.len() {
@@ -204,8 +204,8 @@ impl<'a> Input<'a> {
         Ok(())
     }
 
-    /// A scanline of colours from `first` on. A colour with mantissas 1, 1, 1 repeats the one before it, its exponent times;
-    /// each further one in a row counts 256 times as much.
+    /// Decodes a scanline of colours, beginning with `first`. A colour with mantissas 1, 1, 1 repeats its predecessor,
+    /// as often as its exponent says. Each further one in a row counts 256 times as much.
     fn colors(&mut self, first: [u8; 4], out: &mut [[u8; 4]]) -> Decoded<()> {
         let (mut at, mut next, mut shift) = (0, Some(first), 0);
         while at < out.len() {
@@ -239,7 +239,7 @@ mod tests {
         decode(&picture(size, data)).unwrap().texels
     }
 
-    /// 2⁻⁸ times 2^(exponent − 128) is the unit of a mantissa.
+    /// The unit of a mantissa is 2⁻⁸ times 2^(exponent − 128).
     #[test]
     fn colors_are_mantissas_times_a_shared_power_of_two() {
         let data = [128, 64, 0, 129, 255, 1, 2, 136, 9, 9, 9, 0];
@@ -261,7 +261,7 @@ mod tests {
         assert_eq!((row[258], row[259]), ([5.0, 6.0, 7.0], [8.0, 9.0, 10.0]));
     }
 
-    /// The same 2 × 3 picture, its texels numbered from the top left, in the order of each orientation.
+    /// The same 2 × 3 picture in every orientation, its texels numbered from the top left.
     #[test]
     fn every_orientation_is_the_same_picture() {
         let numbered = |order: [u8; 6]| order.map(|i| [i, 0, 0, 136]).concat();
@@ -305,7 +305,7 @@ mod tests {
         }
     }
 
-    /// Runs of runs of length 0 end, and damage never panics.
+    /// Consecutive runs of length 0 terminate, and damage never panics.
     #[test]
     fn damage_does_not_panic() {
         assert!(decode(&picture("-Y 1 +X 8", &[[9, 9, 9, 9], [1, 1, 1, 0]].concat().repeat(50))).is_ok());

@@ -1,4 +1,4 @@
-//! Files: what étendue reads and writes.
+//! File formats that étendue reads and writes.
 
 pub mod atomic;
 pub mod environment;

@@ -1,18 +1,18 @@
-//! Report pages: one HTML file with everything in it, for `file://`, phones and dark mode alike. The parts (boxes of facts,
-//! tables, plots, pictures to compare) are composed by whoever reports; [`Page`] is the frame around them.
+//! Report pages: one self-contained HTML file that works from `file://`, on phones and in dark mode. Callers compose
+//! the parts (boxes of facts, tables, plots, picture comparisons); [`Page`] is the frame around them.
 //!
-//! A page loads nothing: its content security policy forbids what is not in the file. Without scripts all but the slider
-//! works.
+//! A page loads nothing: its content security policy forbids external resources. Without scripts everything but the
+//! slider works.
 
 mod picture;
 mod plot;
 
-pub use picture::{MOST_SIDE, Picture, compare, gallery, ramp, reduced};
+pub use picture::{FigurePicture, MOST_SIDE, compare, gallery, ramp, reduced};
 pub use plot::{Plot, Series, key};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// A page in the making.
+/// A page under construction.
 pub struct Page {
     title: String,
     body: Vec<Markup>,
@@ -23,7 +23,7 @@ const SCRIPT: &str = include_str!("page/page.js");
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
 impl Page {
-    /// A page with a title and a paragraph under it.
+    /// Creates a page with a title and a lead paragraph.
     pub fn new(title: &str, lead: &str) -> Page {
         Page { title: title.into(), body: vec![html! { h1 { (title) } p { (lead) } }] }
     }
@@ -33,7 +33,7 @@ impl Page {
         self.body.push(html! { section { h2 { (heading) } (content) } });
     }
 
-    /// The whole file.
+    /// Returns the whole file.
     pub fn html(&self) -> String {
         let style = format!("{CSS}{}", plot::css());
         let page = html! {
@@ -58,12 +58,12 @@ impl Page {
     }
 }
 
-/// A box of names and values: a machine, a reference, settings.
+/// Formats a box of names and values: a machine, a reference, settings.
 pub fn facts<'a>(rows: impl IntoIterator<Item = (&'a str, String)>) -> Markup {
     html! { dl.facts { @for (name, value) in rows { dt { (name) } dd { (value) } } } }
 }
 
-/// A table that scrolls by itself where the page is narrow. The first cell of a row names it.
+/// Formats a table that scrolls on its own where the page is narrow. The first cell of each row is its heading.
 pub fn table(caption: &str, head: &[String], rows: &[Vec<String>]) -> Markup {
     html! {
         p.caption { (caption) }
@@ -94,11 +94,12 @@ mod tests {
         let mut page = Page::new(evil, evil);
         page.section(evil, &facts([(evil, evil.to_string())]));
         page.section("t", &table(evil, &[evil.into()], &[vec![evil.into(), evil.into()]]));
-        let series = [Series { label: evil.into(), hue: 0, dash: 0, curve: vec![[1.0, 2.0], [2.0, 1.0]], band: Vec::new() }];
+        let series =
+            [Series { label: evil.into(), hue: 0, dash: 0, curve: vec![[1.0, 2.0], [2.0, 1.0]], band: Vec::new() }];
         let plot = Plot { title: evil, x: evil, y: evil, series: &series, guide: None };
         page.section("p", &plot.draw());
         page.section("k", &key(&series));
-        let picture = Picture::of_bytes(evil, 1, 1, &[0, 0, 0]).unwrap();
+        let picture = FigurePicture::of_bytes(evil, 1, 1, &[0, 0, 0]).unwrap();
         page.section("c", &compare("x", &[picture.clone(), picture]));
         let text = page.html();
         assert!(!text.contains("<script>alert"), "{text}");

@@ -1,4 +1,4 @@
-//! 8-bit PNG for looking at; the picture of record is the EXR.
+//! 8-bit PNG for viewing. The picture of record is the EXR.
 
 use super::atomic::write_atomically;
 use crate::error::{Error, Kind, Result};
@@ -7,10 +7,10 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::Path;
 
-/// How linear values become display values.
+/// Tone curve from linear to display values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Curve {
+pub enum ToneCurve {
     /// The sRGB transfer function of IEC 61966-2-1; values above 1 clip.
     #[default]
     Srgb,
@@ -18,14 +18,14 @@ pub enum Curve {
     Filmic,
 }
 
-impl Curve {
-    /// The display value in [0, 1] of a linear value; NaN gives 0.
+impl ToneCurve {
+    /// Returns the display value in [0, 1] of a linear value; NaN gives 0.
     pub fn apply(self, linear: f32) -> f32 {
         let x = linear.max(0.0);
         match self {
-            Curve::Srgb => srgb(x),
-            // Beyond 1e6 the curve is clipped at 1 and its squares would overflow.
-            Curve::Filmic => srgb(filmic(x.min(1e6))),
+            ToneCurve::Srgb => srgb(x),
+            // From 1e6 on the curve is clipped at 1, and its squares could overflow.
+            ToneCurve::Filmic => srgb(filmic(x.min(1e6))),
         }
     }
 }
@@ -39,26 +39,33 @@ fn srgb(x: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// A picture of linear Rec. 709 values, row by row. With `alpha` the colour is taken as multiplied by it (as a film's means are) and
-/// divided out, since PNG stores it so.
+/// A picture of linear Rec. 709 values, row by row. With `alpha` the colours are premultiplied (as a film's means are).
+/// Writing divides by alpha, since PNG stores straight alpha.
 #[derive(Debug, Clone, Copy)]
-pub struct Picture<'a> {
-    /// Columns.
+pub struct PngPicture<'a> {
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
-    /// Three values a pixel.
+    /// Colours, three values per pixel.
     pub rgb: &'a [f32],
-    /// One value a pixel.
+    /// Alpha, one value per pixel.
     pub alpha: Option<&'a [f32]>,
 }
 
-/// Writes a picture, `exposure` in stops applied first, with `labels`: keywords and what they say, in Latin-1.
+/// Writes a picture after applying `exposure` in stops. `labels` are keywords with their text, in Latin-1.
 ///
 /// # Errors
-/// [`Kind::Output`] with the path if the file cannot be written, [`Kind::Internal`] if there are not width × height pixels.
-pub fn write(path: &Path, picture: Picture<'_>, exposure: f32, curve: Curve, labels: &[(&str, &str)]) -> Result<()> {
-    let Picture { width, height, rgb, alpha } = picture;
+/// [`Kind::Output`] with the path if the file cannot be written, [`Kind::Internal`] if there are not width × height
+/// pixels.
+pub fn write(
+    path: &Path,
+    picture: PngPicture<'_>,
+    exposure: f32,
+    curve: ToneCurve,
+    labels: &[(&str, &str)],
+) -> Result<()> {
+    let PngPicture { width, height, rgb, alpha } = picture;
     let pixels = width as usize * height as usize;
     if rgb.len() != 3 * pixels || alpha.is_some_and(|a| a.len() != pixels) {
         return Err(Error::new(Kind::Internal, format!("{} does not have {width}×{height} pixels", path.display())));
@@ -67,7 +74,7 @@ pub fn write(path: &Path, picture: Picture<'_>, exposure: f32, curve: Curve, lab
     save(path, [width, height], &bytes, color, labels)
 }
 
-/// Writes display colours as they are, one a pixel.
+/// Writes 8-bit display colours unchanged, one per pixel.
 ///
 /// # Errors
 /// As [`write`].
@@ -104,7 +111,7 @@ fn pack(
     writer.finish()
 }
 
-/// What the label `keyword` of a picture says; `None` if there is no such label, or no whole picture.
+/// Reads the label `keyword` of a picture; `None` if it is missing, or if the picture is incomplete.
 pub fn label(path: &Path, keyword: &str) -> Option<String> {
     let mut reader = Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
     let labels = &reader.info().uncompressed_latin1_text;
@@ -112,20 +119,20 @@ pub fn label(path: &Path, keyword: &str) -> Option<String> {
     reader.finish().ok().map(|()| text)
 }
 
-/// The same without alpha, as the bytes of a file.
+/// Encodes a picture without alpha as the bytes of a PNG file.
 ///
 /// # Errors
 /// [`Kind::Internal`] if there are not width × height pixels.
-pub fn bytes(width: u32, height: u32, rgb: &[f32], exposure: f32, curve: Curve) -> Result<Vec<u8>> {
+pub fn bytes(width: u32, height: u32, rgb: &[f32], exposure: f32, curve: ToneCurve) -> Result<Vec<u8>> {
     display_bytes(width, height, &encode(rgb, None, exposure.exp2(), curve).0)
 }
 
-/// The display colours of linear Rec. 709 values, one a pixel, `exposure` in stops.
-pub fn colors(rgb: &[f32], exposure: f32, curve: Curve) -> Vec<[u8; 3]> {
+/// Converts linear Rec. 709 values to display colours, one per pixel; `exposure` is in stops.
+pub fn colors(rgb: &[f32], exposure: f32, curve: ToneCurve) -> Vec<[u8; 3]> {
     encode(rgb, None, exposure.exp2(), curve).0.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
 }
 
-/// A picture of eight-bit display values, row by row, as the bytes of a file.
+/// Encodes 8-bit display values, row by row, as the bytes of a PNG file.
 ///
 /// # Errors
 /// [`Kind::Internal`] if there are not width × height pixels.
@@ -140,7 +147,7 @@ pub fn display_bytes(width: u32, height: u32, rgb: &[u8]) -> Result<Vec<u8>> {
     Ok(file)
 }
 
-fn encode(rgb: &[f32], alpha: Option<&[f32]>, gain: f32, curve: Curve) -> (Vec<u8>, ColorType) {
+fn encode(rgb: &[f32], alpha: Option<&[f32]>, gain: f32, curve: ToneCurve) -> (Vec<u8>, ColorType) {
     let byte = |display: f32| (display * 255.0 + 0.5) as u8;
     let Some(alpha) = alpha else {
         return (rgb.iter().map(|&v| byte(curve.apply(v * gain))).collect(), ColorType::Rgb);
@@ -163,11 +170,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let rgb = [0.0, 0.5, 1.0, 0.214_041_14, f32::NAN, f32::INFINITY];
-        let picture = Picture { width: 2, height: 1, rgb: &rgb, alpha: None };
-        write(&path, picture, 0.0, Curve::Srgb, &[]).unwrap();
+        let picture = PngPicture { width: 2, height: 1, rgb: &rgb, alpha: None };
+        write(&path, picture, 0.0, ToneCurve::Srgb, &[]).unwrap();
         let read = image::open(&path).unwrap().into_rgb8();
         assert_eq!(read.as_raw(), &[0, 188, 255, 128, 0, 255]);
-        write(&path, Picture { alpha: Some(&[0.5, 0.0]), ..picture }, -1.0, Curve::Srgb, &[]).unwrap();
+        write(&path, PngPicture { alpha: Some(&[0.5, 0.0]), ..picture }, -1.0, ToneCurve::Srgb, &[]).unwrap();
         let read = image::open(&path).unwrap().into_rgba8();
         assert_eq!(read.as_raw(), &[0, 188, 255, 128, 0, 0, 0, 0]);
     }
@@ -176,8 +183,8 @@ mod tests {
     fn labels_are_those_of_whole_files() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let picture = Picture { width: 2, height: 1, rgb: &[0.5; 6], alpha: None };
-        write(&path, picture, 0.0, Curve::Srgb, &[("Software", "étendue"), ("key", "0123")]).unwrap();
+        let picture = PngPicture { width: 2, height: 1, rgb: &[0.5; 6], alpha: None };
+        write(&path, picture, 0.0, ToneCurve::Srgb, &[("Software", "étendue"), ("key", "0123")]).unwrap();
         assert_eq!(label(&path, "key").as_deref(), Some("0123"));
         assert_eq!(label(&path, "Software").as_deref(), Some("étendue"));
         assert_eq!(label(&path, "other"), None);
@@ -194,16 +201,19 @@ mod tests {
         assert!((filmic(0.5) - 0.616_307).abs() < 1e-6);
         let (mut last, mut x) = (0.0, 1e-4_f32);
         while x < 1e3 {
-            let y = Curve::Filmic.apply(x);
+            let y = ToneCurve::Filmic.apply(x);
             assert!((last..=1.0).contains(&y), "{x}");
             (last, x) = (y, x * 1.1);
         }
-        assert!((Curve::Filmic.apply(f32::INFINITY) - 1.0).abs() < f32::EPSILON && Curve::Filmic.apply(f32::NAN).to_bits() == 0);
+        assert!(
+            (ToneCurve::Filmic.apply(f32::INFINITY) - 1.0).abs() < f32::EPSILON
+                && ToneCurve::Filmic.apply(f32::NAN).to_bits() == 0
+        );
     }
 
     #[test]
     fn refuses_a_wrong_number_of_pixels() {
-        let picture = Picture { width: 2, height: 2, rgb: &[0.0; 9], alpha: None };
-        assert_eq!(write(Path::new("a.png"), picture, 0.0, Curve::Srgb, &[]).unwrap_err().kind, Kind::Internal);
+        let picture = PngPicture { width: 2, height: 2, rgb: &[0.0; 9], alpha: None };
+        assert_eq!(write(Path::new("a.png"), picture, 0.0, ToneCurve::Srgb, &[]).unwrap_err().kind, Kind::Internal);
     }
 }

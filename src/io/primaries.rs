@@ -1,23 +1,23 @@
-//! Which colours the numbers of a picture stand for, and the same colours in linear Rec. 709, whose white is D65.
+//! Colour primaries of a picture, and the conversion to linear Rec. 709 with its D65 white.
 //!
-//! Colours are taken as they are and not adapted to another white: radiance of one spectrum has one tristimulus value, whichever
-//! primaries a file writes it in. So what is neutral beside a white of 6000 K is a little red beside D65.
+//! There is no chromatic adaptation. Radiance of one spectrum has one tristimulus value, in whichever primaries a file
+//! stores it. A colour that is neutral relative to a white of 6000 K is therefore slightly red relative to D65.
 
 use glam::{DMat3, DVec3};
 
-/// Chromaticities x, y of red, green, blue and white.
+/// CIE x, y chromaticities of red, green, blue and white.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Primaries(pub [f64; 8]);
 
-/// How far chromaticities of four decimals may lie from what they mean.
+/// Rounding of chromaticities with four decimals.
 const HALF_A_DIGIT: f64 = 0.5e-4;
 
 impl Primaries {
-    /// Those of Rec. 709 and sRGB.
+    /// Primaries of Rec. 709 and sRGB.
     pub const REC_709: Primaries = Primaries([0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290]);
 
-    /// What turns numbers in these primaries into linear Rec. 709; the identity exactly if they are the same. `None` if there are
-    /// no colours with such primaries: a luminance of 0 or less, or three of them on a line.
+    /// Returns the matrix from these primaries to linear Rec. 709: exactly the identity if they are the same. `None` if
+    /// the primaries are degenerate: a white luminance of 0 or less, or three collinear primaries.
     pub fn to_rec_709(self) -> Option<DMat3> {
         if self.0.iter().zip(Self::REC_709.0).all(|(a, b)| (a - b).abs() <= HALF_A_DIGIT) {
             return Some(DMat3::IDENTITY);
@@ -25,7 +25,7 @@ impl Primaries {
         Some(xyz_to_rec_709() * self.to_xyz()?)
     }
 
-    /// What turns numbers in these primaries into XYZ; white has luminance 1.
+    /// Returns the matrix from these primaries to XYZ; white has luminance 1.
     fn to_xyz(self) -> Option<DMat3> {
         let at = |i: usize| DVec3::new(self.0[i], self.0[i + 1], 1.0 - self.0[i] - self.0[i + 1]);
         let primaries = DMat3::from_cols(at(0), at(2), at(4));
@@ -35,7 +35,7 @@ impl Primaries {
     }
 }
 
-/// From XYZ to linear Rec. 709.
+/// Returns the matrix from XYZ to linear Rec. 709.
 pub fn xyz_to_rec_709() -> DMat3 {
     Primaries::REC_709.to_xyz().map_or(DMat3::IDENTITY, |m| m.inverse())
 }
@@ -44,7 +44,7 @@ pub fn xyz_to_rec_709() -> DMat3 {
 mod tests {
     use super::*;
 
-    /// Rec. 709 to XYZ as IEC 61966-2-1 prints it, in four decimals.
+    /// Matrix from Rec. 709 to XYZ as printed in IEC 61966-2-1, with four decimals.
     #[test]
     fn white_and_primaries_are_those_of_the_standard() {
         let matrix = Primaries::REC_709.to_xyz().unwrap();

@@ -1,6 +1,6 @@
-//! Emitting triangles: constant radiance, or a texture, over each.
+//! Emitting triangles with constant or textured radiance.
 
-use super::{EmissionNumbers, Emitted, End, LightSample};
+use super::{EmitterPoint, LeRandom, LeSample, LightSample};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Hit, Local, Triangle, leave};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
@@ -10,38 +10,37 @@ use glam::{Vec2, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Radiance over a triangle.
+/// Emission of a triangle.
 #[derive(Debug, Clone)]
 pub struct Emission {
     /// Radiance, or the factor of the texture.
     pub radiance: Spectrum,
-    /// A texture and its coordinates at the corners.
+    /// Texture, and texture coordinates at the corners.
     pub texture: Option<Box<(Arc<Texture>, [Vec2; 3])>>,
     /// Factors at the corners, if they differ.
     pub corners: Option<Box<[Spectrum; 3]>>,
-    /// Whether the back emits as the front does.
+    /// Whether the back emits like the front.
     pub two_sided: bool,
-    /// Whether it is seen and lights nothing (KHR_materials_unlit): it is never sampled, and found only from the camera, directly and by
-    /// mirrors and clear glass.
+    /// Whether the emission is visible but does not illuminate (KHR_materials_unlit). It is never sampled, and only
+    /// camera rays hit it, directly or by mirrors and clear glass.
     pub only_seen: bool,
-    /// Where alpha leaves something to emit, if not everywhere.
+    /// Alpha over the triangle, unless it is 1 everywhere.
     pub coverage: Option<Box<Coverage>>,
 }
 
-/// Alpha over a triangle. A ray that hits the triangle has passed the test of alpha already; a point that is sampled on it has
-/// not.
+/// Alpha over a triangle. A ray hit has already passed the alpha test; a point sampled on the triangle has not.
 #[derive(Debug, Clone)]
 pub struct Coverage {
     /// Alpha factor at the corners.
     pub corners: [f32; 3],
-    /// A texture whose alpha multiplies it, and its coordinates at the corners.
+    /// Texture whose alpha multiplies the factor, and texture coordinates at the corners.
     pub texture: Option<(Arc<Texture>, [Vec2; 3])>,
-    /// Alpha below this is 0 and from it on 1 (mask); `None` for blending.
+    /// Alpha below the cutoff is 0 and otherwise 1 (mask); `None` for blending.
     pub cutoff: Option<f32>,
 }
 
 impl Coverage {
-    /// Whether alpha leaves nothing anywhere.
+    /// Whether alpha is 0 everywhere.
     fn is_nothing(&self) -> bool {
         let most = self.corners.into_iter().fold(0.0, f32::max);
         let textured = self.texture.as_ref().map_or(1.0, |(t, uvs)| t.extremes(uvs.iter().copied()).max[3]);
@@ -63,18 +62,23 @@ impl Coverage {
     }
 }
 
-/// The value between those of three corners.
+/// Interpolates between three corners.
 fn mix<V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>>(corners: &[V; 3], [u, v]: [f32; 2]) -> V {
     corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v
 }
 
 impl Emission {
-    /// No light at all.
-    pub const NONE: Emission =
-        Emission { radiance: Spectrum::ZERO, texture: None, corners: None, two_sided: false, only_seen: false, coverage: None };
+    /// No emission.
+    pub const NONE: Emission = Emission {
+        radiance: Spectrum::ZERO,
+        texture: None,
+        corners: None,
+        two_sided: false,
+        only_seen: false,
+        coverage: None,
+    };
 
-    /// Whether it sends out nothing anywhere on its triangle: the factor or all texels that it touches are black, or alpha leaves
-    /// nothing.
+    /// Whether the triangle emits nothing: the factor or all texels within it are black, or alpha is 0.
     pub fn is_black(&self) -> bool {
         let dark = |textured: &(Arc<Texture>, [Vec2; 3])| {
             let [r, g, b, _] = textured.0.extremes(textured.1.into_iter()).max;
@@ -84,7 +88,7 @@ impl Emission {
         dark || self.coverage.as_ref().is_some_and(|c| c.is_nothing())
     }
 
-    /// Radiance at a point.
+    /// Returns the radiance at a point.
     #[inline]
     fn at(&self, barycentric: [f32; 2]) -> Spectrum {
         let mut radiance = self.radiance;
@@ -98,8 +102,8 @@ impl Emission {
     }
 }
 
-/// A triangle that emits, uniformly sampled over its area. It emits from the front (counter-clockwise winding), and from the
-/// back if its material is double-sided.
+/// An emitting triangle, sampled uniformly over its area. It emits from the front (counter-clockwise winding), and also
+/// from the back if its material is double-sided.
 #[derive(Debug)]
 pub struct AreaLight {
     triangle: Triangle,
@@ -111,13 +115,13 @@ pub struct AreaLight {
 }
 
 impl AreaLight {
-    /// The light on `triangle`, whose front is the side of its winding times `winding` (±1). `mean_texture` is the texture's
-    /// mean colour, white without one.
+    /// Creates the light on `triangle`, whose front is the side of its winding times `winding` (±1). `mean_texture` is
+    /// the mean colour of the texture, white without one.
     pub fn new(triangle: Triangle, winding: f64, emission: Emission, mean_texture: Spectrum) -> Self {
         Self::touched(triangle, Hit::NONE, winding, emission, mean_texture)
     }
 
-    /// [`AreaLight::new`], on the primitive `touched`, which another one touches.
+    /// Like [`AreaLight::new`], on the primitive `touched`, which is in contact with another one.
     pub fn touched(triangle: Triangle, touched: Hit, winding: f64, emission: Emission, mean_texture: Spectrum) -> Self {
         let normal = triangle.scaled_normal() * winding;
         let area = triangle.area() as f32;
@@ -126,22 +130,22 @@ impl AreaLight {
         AreaLight { triangle, touched, ng: normal.normalize_or_zero().as_vec3(), density, emission, mean_radiance }
     }
 
-    /// Radiance that leaves the point with `barycentric` along the unit direction `wo`.
+    /// Returns the radiance emitted at `barycentric` along the unit direction `wo`.
     #[inline]
     pub fn radiance(&self, barycentric: [f32; 2], wo: Vec3) -> Spectrum {
         if self.emission.two_sided || wo.dot(self.ng) > 0.0 { self.emission.at(barycentric) } else { Spectrum::ZERO }
     }
 
-    /// The density per solid angle, at a point in distance √`d2` along the unit direction `wi`, of what
-    /// [`AreaLight::sample_toward`] makes.
+    /// Returns the density per solid angle of [`AreaLight::sample_li`] for the unit direction `wi`, with the sampled
+    /// point at distance √`d2`.
     #[inline]
-    pub fn pdf_toward(&self, d2: f32, wi: Vec3) -> Pdf<SolidAngle> {
+    pub fn pdf_li(&self, d2: f32, wi: Vec3) -> Pdf<SolidAngle> {
         self.density.to_solid_angle(d2, wi.dot(self.ng).abs())
     }
 
-    /// A point on the light, seen from `p`; `None` if it shows its dark side or has no area.
+    /// Samples a point on the light from `p`; `None` if `p` is on its dark side or the light has no area.
     #[inline]
-    pub fn sample_toward(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+    pub fn sample_li(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let barycentric = warp::uniform_triangle(u);
         let (q, error) = self.triangle.point(barycentric);
         let to = q - p;
@@ -153,7 +157,7 @@ impl AreaLight {
         if planted(Defect::LampMeanInSample) && !radiance.is_black() {
             radiance = self.mean_radiance * coverage;
         }
-        let pdf = self.pdf_toward(d2, wi);
+        let pdf = self.pdf_li(d2, wi);
         if radiance.is_black() || pdf.value() <= 0.0 || d2 == 0.0 {
             return None;
         }
@@ -161,12 +165,12 @@ impl AreaLight {
             wi,
             radiance,
             density: Density::Smooth(pdf),
-            end: End::Surface { p: q, error, ng: self.ng, touched: self.touched },
+            end: EmitterPoint::Surface { p: q, error, ng: self.ng, touched: self.touched },
         })
     }
 
-    /// See [`super::Light::emit`].
-    pub(super) fn emit(&self, u: &EmissionNumbers) -> Option<Emitted> {
+    /// See [`super::Light::sample_le`].
+    pub(super) fn sample_le(&self, u: &LeRandom) -> Option<LeSample> {
         let barycentric = warp::uniform_triangle(u.position);
         let (p, error) = self.triangle.point(barycentric);
         let (normal, sides) = match self.emission.two_sided {
@@ -179,19 +183,19 @@ impl AreaLight {
         // The cosine is in the density of the direction.
         let power = self.emission.at(barycentric) * (coverage * sides * std::f32::consts::PI / self.density.value());
         let ray = leave(p, error, self.ng, self.touched, w);
-        (self.density.value() > 0.0).then_some(Emitted {
-            end: End::Surface { p, error, ng: self.ng, touched: self.touched },
+        (self.density.value() > 0.0).then_some(LeSample {
+            end: EmitterPoint::Surface { p, error, ng: self.ng, touched: self.touched },
             ray,
             power,
         })
     }
 
-    /// Density per area of where [`AreaLight::emit`] begins.
+    /// Returns the density per area of the origin in [`AreaLight::sample_le`].
     pub(super) fn area_pdf(&self) -> f64 {
         f64::from(self.density.value())
     }
 
-    /// Density per solid angle of the direction of [`AreaLight::emit`].
+    /// Returns the density per solid angle of the direction in [`AreaLight::sample_le`].
     pub(super) fn emission_pdf(&self, w: Vec3) -> f64 {
         let cos = f64::from(w.dot(self.ng));
         let half = if planted(Defect::TwoSidedWhole) { 1.0 } else { 0.5 };
@@ -199,18 +203,19 @@ impl AreaLight {
         (if planted(Defect::EmissionPdfUniform) { 0.5 } else { cos }) / PI
     }
 
-    /// The factor of its radiance, mean over the lanes: textures darken.
+    /// Returns the radiance factor, mean over lanes. Textures only reduce it.
     pub(super) fn largest_radiance(&self) -> f64 {
         f64::from(self.emission.radiance.mean())
     }
 
-    /// Whether it is seen and lights nothing: see [`Emission::only_seen`].
+    /// Whether the light is visible but does not illuminate: see [`Emission::only_seen`].
     #[inline]
     pub fn is_only_seen(&self) -> bool {
         self.emission.only_seen
     }
 
-    /// π times area times mean radiance, for each emitting side; 0 for what lights nothing, so that nobody samples it.
+    /// Returns π × area × mean radiance × number of emitting sides. 0 for an emitter that does not illuminate, so that
+    /// it is never sampled.
     pub fn power(&self) -> f64 {
         if self.emission.only_seen && !planted(Defect::UnlitIsLamp) {
             return 0.0;

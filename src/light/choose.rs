@@ -1,13 +1,13 @@
-//! Which light to sample: by power, with a floor.
+//! Selection of lights: by power, with a uniform floor.
 
-use super::{Environment, Light, Receiver};
+use super::{Environment, Light, LightSampleContext};
 use crate::sampling::{Discrete, Distribution, Pdf};
 
-/// Share of the choice that is uniform over all lights with power: a weak lamp close by must not be lost beside a strong one,
-/// nor rounded away in the table.
+/// Uniform share of the selection among lights with nonzero power. It keeps a nearby weak lamp sampled beside a strong
+/// one, and above rounding in the table.
 const FLOOR: f64 = 0.05;
 
-/// All lights of a scene, and the choice among them.
+/// All lights of a scene, with their selection probabilities.
 #[derive(Debug, Default)]
 pub struct Lights {
     lights: Vec<Light>,
@@ -16,7 +16,8 @@ pub struct Lights {
 }
 
 impl Lights {
-    /// The choice among `lights` of a scene with bounding radius `radius`. Lights without power are never chosen.
+    /// Creates the distribution over `lights` of a scene with bounding radius `radius`. Lights without power are never
+    /// chosen.
     pub fn new(lights: Vec<Light>, radius: f32) -> Self {
         let powers: Vec<f64> = lights.iter().map(|l| l.power(radius)).collect();
         let shining = powers.iter().filter(|&&p| p > 0.0).count();
@@ -26,12 +27,12 @@ impl Lights {
         Lights { lights, by_power, environment }
     }
 
-    /// Every light, in the order they were given.
+    /// Returns all lights in their original order.
     pub fn all(&self) -> &[Light] {
         &self.lights
     }
 
-    /// The light that rays find which leave the scene, and its index; `None` if there is none.
+    /// Returns the environment light and its index; `None` if there is none.
     #[inline]
     pub fn environment(&self) -> Option<(usize, &Environment)> {
         let index = self.environment?;
@@ -39,27 +40,27 @@ impl Lights {
         Some((index, environment))
     }
 
-    /// A light for the point `at`, by its index, and the probability of having chosen it; `None` if there is no light.
+    /// Selects a light for the receiver `at`. Returns its index and selection probability; `None` if there is no light.
     #[inline]
-    pub fn choose(&self, _at: &Receiver, u: f32) -> Option<(usize, Pdf<Discrete>)> {
+    pub fn choose(&self, _at: &LightSampleContext, u: f32) -> Option<(usize, Pdf<Discrete>)> {
         Some(self.by_power.as_ref()?.sample(u))
     }
 
-    /// A light to emit from: its index, and the probability of having chosen it; `None` if there is no light.
+    /// Selects a light for emission. Returns its index and selection probability; `None` if there is no light.
     #[inline]
     pub fn choose_emitter(&self, u: f32) -> Option<(usize, Pdf<Discrete>)> {
         Some(self.by_power.as_ref()?.sample(u))
     }
 
-    /// The probability that [`Lights::choose_emitter`] takes light `i`.
+    /// Returns the probability that [`Lights::choose_emitter`] selects light `i`.
     #[inline]
     pub fn emitter_pmf(&self, i: usize) -> Pdf<Discrete> {
         self.by_power.as_ref().map_or(Pdf::new(0.0), |d| d.pmf(i))
     }
 
-    /// The probability that [`Lights::choose`] takes light `i` for the point `at`.
+    /// Returns the probability that [`Lights::choose`] selects light `i` for the receiver `at`.
     #[inline]
-    pub fn pmf(&self, _at: &Receiver, i: usize) -> Pdf<Discrete> {
+    pub fn pmf(&self, _at: &LightSampleContext, i: usize) -> Pdf<Discrete> {
         self.by_power.as_ref().map_or(Pdf::new(0.0), |d| d.pmf(i))
     }
 }
@@ -78,7 +79,7 @@ mod tests {
 
     #[test]
     fn weak_lights_keep_a_probability_and_dark_ones_none() {
-        let at = Receiver { p: Vec3::ZERO, ng: Vec3::Z };
+        let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Z };
         let lights = lamps(&[1e6, 1e-6, 0.0]);
         let pmf: Vec<f32> = (0..3).map(|i| lights.pmf(&at, i).value()).collect();
         assert!(pmf[0] > 0.9 && pmf[1] > 0.02, "{pmf:?}");

@@ -1,70 +1,71 @@
-//! Rays of light as they leave their lights, for walks that begin there.
+//! Emission sampling: rays that start light subpaths.
 //!
-//! Positions are uniform over a light's area and directions follow the cosine, so that rays carry the same but for textures and the
-//! falloff of spots. Light from infinity enters through a disk as wide as the scene, which touches it on the side that the light
-//! comes from.
+//! Positions are uniform over the area of a light and directions cosine-distributed, so that rays carry equal power
+//! except for textures and spot falloff. Light from infinity enters through a disk with the scene radius, tangent to
+//! the bounding sphere on the side of the light.
 
-use super::{End, Light};
+use super::{EmitterPoint, Light};
 use crate::geometry::{Frame, Ray};
 use crate::sampling::warp;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// A ball around everything that light may fall on.
+/// Bounding sphere of everything that light can reach.
 #[derive(Debug, Clone, Copy)]
-pub struct Ball {
-    /// Its centre.
+pub struct BoundingSphere {
+    /// Centre.
     pub centre: Vec3,
-    /// Its radius.
+    /// Radius.
     pub radius: f32,
 }
 
-/// What chooses a ray; each number uniform.
+/// Random numbers of a ray, each uniform.
 #[derive(Debug, Clone, Copy)]
-pub struct EmissionNumbers {
-    /// Front or back.
+pub struct LeRandom {
+    /// Selects front or back.
     pub side: f32,
-    /// Where it leaves.
+    /// Selects the origin.
     pub position: [f32; 2],
-    /// Where to.
+    /// Selects the direction.
     pub direction: [f32; 2],
 }
 
-/// A ray of light.
+/// A sampled light ray.
 #[derive(Debug, Clone, Copy)]
-pub struct Emitted {
-    /// What it leaves.
-    pub end: End,
-    /// The ray, with a unit direction.
+pub struct LeSample {
+    /// Emitter endpoint.
+    pub end: EmitterPoint,
+    /// Ray with a unit direction.
     pub ray: Ray,
-    /// Watts that it stands for: radiance times cosine over the density of position and direction.
+    /// Power in watts: radiance times cosine over the density of position and direction.
     pub power: Spectrum,
 }
 
-/// With which densities a light emits a ray, one after the other.
+/// Densities of emission sampling, conditional in this order.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EmissionDensity {
-    /// Of where it leaves, per area, or of the direction of light from infinity, per solid angle; 1 where there is no choice.
-    pub end: f64,
-    /// Of the direction, per solid angle, or of the place where light from infinity enters, per area perpendicular to it.
-    pub ray: f64,
+pub struct LePdf {
+    /// Density of the origin per area, or of the direction of light from infinity per solid angle; 1 where there is no
+    /// choice.
+    pub position: f64,
+    /// Density of the direction per solid angle, or of the entry point of light from infinity per perpendicular area.
+    pub direction: f64,
 }
 
 impl Light {
-    /// The densities with which [`Light::emit`] makes a ray in the unit direction `w`, from wherever on the light.
-    pub fn emission_density(&self, ball: &Ball, w: Vec3) -> EmissionDensity {
+    /// Returns the densities of [`Light::sample_le`] for the unit direction `w`, from any point of the light.
+    pub fn pdf_le(&self, ball: &BoundingSphere, w: Vec3) -> LePdf {
         let end = match self {
             Light::Point(_) | Light::Spot(_) | Light::Directional(_) => 1.0,
             Light::Area(light) => light.area_pdf(),
             Light::Environment(light) => f64::from(light.along(-w).1.value()),
         };
-        EmissionDensity { end, ray: self.ray_density(ball, w) }
+        LePdf { position: end, direction: self.ray_density(ball, w) }
     }
 
-    /// [`EmissionDensity::ray`] alone, for which an environment is not looked up.
+    /// Returns [`LePdf::direction`] alone, without a lookup of the environment.
     #[inline]
-    pub fn ray_density(&self, ball: &Ball, w: Vec3) -> f64 {
+    pub fn ray_density(&self, ball: &BoundingSphere, w: Vec3) -> f64 {
         match self {
             Light::Point(_) => f64::from(warp::uniform_sphere_pdf().value()),
             Light::Spot(light) => light.emission_pdf(w),
@@ -73,32 +74,32 @@ impl Light {
         }
     }
 
-    /// A ray of this light into `ball`; `None` where it is dark.
+    /// Samples a ray of this light into `ball`; `None` if it carries no light.
     #[inline]
-    pub fn emit(&self, ball: &Ball, u: &EmissionNumbers) -> Option<Emitted> {
+    pub fn sample_le(&self, ball: &BoundingSphere, u: &LeRandom) -> Option<LeSample> {
         let emitted = match self {
-            Light::Point(light) => Some(light.emit(u.direction)),
-            Light::Spot(light) => light.emit(u.direction),
-            Light::Directional(light) => Some(light.emit(ball, u.position)),
-            Light::Area(light) => light.emit(u),
-            Light::Environment(light) => light.emit(ball, u),
+            Light::Point(light) => Some(light.sample_le(u.direction)),
+            Light::Spot(light) => light.sample_le(u.direction),
+            Light::Directional(light) => Some(light.sample_le(ball, u.position)),
+            Light::Area(light) => light.sample_le(u),
+            Light::Environment(light) => light.sample_le(ball, u),
         };
         emitted.filter(|emitted| !emitted.power.is_black())
     }
 }
 
-impl Ball {
-    /// Density per area of the disk through which light from infinity enters.
+impl BoundingSphere {
+    /// Returns the density per area on the disk through which light from infinity enters.
     pub(super) fn disk_pdf(&self) -> f64 {
         (std::f64::consts::PI * f64::from(self.radius).powi(2)).recip()
     }
 
-    /// Light of `irradiance` on a surface perpendicular to it, from infinity along the unit vector `toward`.
-    pub(super) fn lit(&self, toward: Vec3, irradiance: Spectrum, position: [f32; 2]) -> Emitted {
+    /// Samples a ray from infinity along the unit vector `toward`, with `irradiance` on a perpendicular surface.
+    pub(super) fn lit(&self, toward: Vec3, irradiance: Spectrum, position: [f32; 2]) -> LeSample {
         let frame = Frame::around(toward);
         let disk = warp::concentric_disk(position);
         let origin = self.centre + (frame.s * disk.x + frame.t * disk.y + toward) * self.radius;
         let power = irradiance * (PI * self.radius * self.radius);
-        Emitted { end: End::Infinity, ray: Ray::new(origin, -toward), power }
+        LeSample { end: EmitterPoint::Distant, ray: Ray::new(origin, -toward), power }
     }
 }

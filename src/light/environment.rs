@@ -1,22 +1,22 @@
-//! Light from outside the scene, one kind a file. Rays that leave the scene find it, light sampling finds it by the same
-//! density, and it may be hidden from the camera (the integrators' business).
+//! Light from outside the scene, one kind a file. Rays that leave the scene evaluate it, and light sampling uses the
+//! same density. Integrators may hide it from the camera.
 
-use super::{Ball, EmissionNumbers, Emitted, LatLong, LightSample, Sky};
+use super::{BoundingSphere, ConstantEnvironment, EnvironmentMap, LeRandom, LeSample, LightSample};
 use crate::sampling::{Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
-/// What surrounds the scene.
+/// Environment light.
 #[derive(Debug)]
 pub enum Environment {
-    /// The same radiance from every direction.
-    Uniform(Sky),
-    /// A picture of all directions; boxed, since lights by the million share the enum.
-    Map(Box<LatLong>),
+    /// Uniform radiance.
+    Uniform(ConstantEnvironment),
+    /// Radiance map; boxed, since scenes with millions of lights share the enum.
+    Map(Box<EnvironmentMap>),
 }
 
 impl Environment {
-    /// A direction toward it; `None` where rounding led to a direction without light.
+    /// Samples a direction; `None` where rounding led to a direction without light.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
         match self {
@@ -25,8 +25,8 @@ impl Environment {
         }
     }
 
-    /// The radiance that a ray finds which leaves the scene in the unit direction `w`, and the density with which
-    /// [`Environment::sample`] would have made `w`.
+    /// Returns the radiance along a ray that leaves the scene in the unit direction `w`, and the density of `w` under
+    /// [`Environment::sample`].
     #[inline]
     pub fn along(&self, w: Vec3) -> (Spectrum, Pdf<SolidAngle>) {
         match self {
@@ -35,13 +35,14 @@ impl Environment {
         }
     }
 
-    /// See [`super::Light::emit`].
-    pub(super) fn emit(&self, ball: &Ball, u: &EmissionNumbers) -> Option<Emitted> {
+    /// See [`super::Light::sample_le`].
+    pub(super) fn sample_le(&self, ball: &BoundingSphere, u: &LeRandom) -> Option<LeSample> {
         let sample = self.sample(u.direction)?;
         Some(ball.lit(sample.wi, sample.radiance / sample.density.value(), u.position))
     }
 
-    /// What enters a sphere of `radius`, mean over the lanes; a map's rows being taken as linear in the height, as its density is.
+    /// Returns the power into a sphere of `radius`, mean over lanes. For a map, rows are interpolated linearly in
+    /// height, as in its density.
     pub fn power(&self, radius: f32) -> f64 {
         match self {
             Environment::Uniform(sky) => sky.power(radius),
@@ -49,7 +50,7 @@ impl Environment {
         }
     }
 
-    /// The largest radiance from any direction, mean over the lanes.
+    /// Returns the largest radiance over all directions, mean over lanes.
     pub(super) fn largest_radiance(&self) -> f64 {
         match self {
             Environment::Uniform(sky) => f64::from(sky.radiance.mean()),
@@ -57,7 +58,7 @@ impl Environment {
         }
     }
 
-    /// Bytes held.
+    /// Returns the memory held, in bytes.
     pub fn bytes(&self) -> usize {
         match self {
             Environment::Uniform(_) => 0,

@@ -1,7 +1,7 @@
 //! Lights. One kind a file; to add one, write it and give it a variant in [`Light`].
 //!
-//! Every light answers the same two questions for a point that it may illuminate: sample a direction toward yourself, and
-//! with which density would you have sampled this one. Which light is asked is [`Lights`]'s choice.
+//! Every light implements two operations for a receiver: it samples a direction toward itself, and it evaluates the
+//! density of a given direction. [`Lights`] selects the light.
 
 mod area;
 mod choose;
@@ -13,37 +13,37 @@ mod sky;
 
 pub use area::{AreaLight, Coverage, Emission};
 pub use choose::Lights;
-pub use emit::{Ball, EmissionDensity, EmissionNumbers, Emitted};
+pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
 pub use environment::Environment;
-pub use lat_long::LatLong;
+pub use lat_long::EnvironmentMap;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
-pub use sky::Sky;
+pub use sky::ConstantEnvironment;
 
 use crate::geometry::{Hit, SurfacePoint};
 use crate::sampling::Density;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
-/// A point that light may fall on, as far as the choice of a light may look at it.
+/// Receiver of light, with the data on which the selection of a light may depend.
 #[derive(Debug, Clone, Copy)]
-pub struct Receiver {
+pub struct LightSampleContext {
     /// Position.
     pub p: Vec3,
     /// Geometric normal.
     pub ng: Vec3,
 }
 
-impl From<&SurfacePoint> for Receiver {
+impl From<&SurfacePoint> for LightSampleContext {
     #[inline]
     fn from(point: &SurfacePoint) -> Self {
-        Receiver { p: point.p, ng: point.ng }
+        LightSampleContext { p: point.p, ng: point.ng }
     }
 }
 
-/// Where the segment to a light ends.
+/// Endpoint of a segment to a light.
 #[derive(Debug, Clone, Copy)]
-pub enum End {
-    /// At a point on a surface with geometric normal `ng`, known within `error`.
+pub enum EmitterPoint {
+    /// A point on a surface with geometric normal `ng`, known within `error`.
     Surface {
         /// The point.
         p: Vec3,
@@ -51,57 +51,57 @@ pub enum End {
         error: f32,
         /// Its unit normal.
         ng: Vec3,
-        /// Its primitive, if another one touches it; [`Hit::NONE`] otherwise.
+        /// Its primitive, if in contact with another one; [`Hit::NONE`] otherwise.
         touched: Hit,
     },
-    /// At a point in space.
+    /// A point in space.
     Point(Vec3),
-    /// Nowhere: outside the scene.
-    Infinity,
+    /// At infinity, outside the scene.
+    Distant,
 }
 
-/// A direction toward a light.
+/// A sampled direction toward a light.
 #[derive(Debug, Clone, Copy)]
 pub struct LightSample {
-    /// Unit direction from the illuminated point to the light.
+    /// Unit direction from the receiver to the light.
     pub wi: Vec3,
     /// Smooth: radiance along `wi`. Dirac: irradiance on a surface perpendicular to it.
     pub radiance: Spectrum,
     /// Density of `wi` for this light; Dirac lights have probability 1.
     pub density: Density,
-    /// The other end of the segment that must be free.
-    pub end: End,
+    /// Endpoint of the shadow ray.
+    pub end: EmitterPoint,
 }
 
 /// A light source.
 #[derive(Debug)]
 pub enum Light {
-    /// A point.
+    /// A point light.
     Point(PointLight),
-    /// A cone from a point.
+    /// A spot light.
     Spot(SpotLight),
     /// Parallel light from infinity.
     Directional(DirectionalLight),
     /// An emitting triangle.
     Area(AreaLight),
-    /// What surrounds the scene.
+    /// The environment.
     Environment(Environment),
 }
 
 impl Light {
-    /// A direction from `at` toward this light; `None` if it cannot illuminate `at` that way.
+    /// Samples a direction from `at` toward this light; `None` if the sample cannot illuminate `at`.
     #[inline]
-    pub fn sample_toward(&self, at: &Receiver, u: [f32; 2]) -> Option<LightSample> {
+    pub fn sample_li(&self, at: &LightSampleContext, u: [f32; 2]) -> Option<LightSample> {
         match self {
-            Light::Point(light) => light.sample_toward(at.p),
-            Light::Spot(light) => light.sample_toward(at.p),
+            Light::Point(light) => light.sample_li(at.p),
+            Light::Spot(light) => light.sample_li(at.p),
             Light::Directional(light) => Some(light.sample()),
-            Light::Area(light) => light.sample_toward(at.p, u),
+            Light::Area(light) => light.sample_li(at.p, u),
             Light::Environment(light) => light.sample(u),
         }
     }
 
-    /// Power in watts (mean over the lanes) that it sends into a scene of bounding radius `radius`.
+    /// Returns the power in watts (mean over lanes) emitted into a scene of bounding radius `radius`.
     pub fn power(&self, radius: f32) -> f64 {
         match self {
             Light::Point(light) => light.power(),
@@ -112,7 +112,8 @@ impl Light {
         }
     }
 
-    /// The largest radiance (mean over the lanes) that a ray finds on it, by magnitude; `None` where none can find it.
+    /// Returns the approximate largest radiance (mean over lanes) along a ray that hits the light; `None` for Dirac
+    /// lights.
     pub fn largest_radiance(&self) -> Option<f64> {
         match self {
             Light::Area(light) => (!light.is_only_seen()).then(|| light.largest_radiance()),
@@ -121,13 +122,13 @@ impl Light {
         }
     }
 
-    /// Whether it is seen and lights nothing.
+    /// Whether the light is visible but does not illuminate.
     #[inline]
     pub fn is_only_seen(&self) -> bool {
         matches!(self, Light::Area(light) if light.is_only_seen())
     }
 
-    /// Whether a scattered ray can never find it.
+    /// Whether BSDF sampling can never hit the light.
     pub fn is_dirac(&self) -> bool {
         matches!(self, Light::Point(_) | Light::Spot(_) | Light::Directional(_))
     }

@@ -1,6 +1,6 @@
-//! Lights without extent: point, spot, directional (KHR_lights_punctual). Only light sampling finds them.
+//! Punctual lights: point, spot, directional (KHR_lights_punctual). Only light sampling reaches them.
 
-use super::{Ball, Emitted, End, LightSample};
+use super::{BoundingSphere, EmitterPoint, LeSample, LightSample};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Local, Ray};
 use crate::sampling::{Density, Pdf, SolidAngle, warp};
@@ -8,19 +8,19 @@ use crate::spectrum::Spectrum;
 use glam::Vec3;
 use std::f64::consts::PI;
 
-/// Radiates `intensity` in every direction.
+/// Point light of equal `intensity` in every direction.
 #[derive(Debug, Clone, Copy)]
 pub struct PointLight {
-    /// Where it is.
+    /// Position.
     pub position: Vec3,
-    /// Watts per steradian and lane, in scene units (scaled with the square of the scene's scale).
+    /// Intensity in watts per steradian and lane, in scene units (scaled with the square of the scene's scale).
     pub intensity: Spectrum,
 }
 
 impl PointLight {
-    /// The direction from `p` to the light; `None` in the light itself.
+    /// Returns the direction from `p` to the light; `None` if `p` is at the light.
     #[inline]
-    pub fn sample_toward(&self, p: Vec3) -> Option<LightSample> {
+    pub fn sample_li(&self, p: Vec3) -> Option<LightSample> {
         let to = self.position - p;
         let d2 = to.length_squared();
         if d2 == 0.0 {
@@ -28,21 +28,21 @@ impl PointLight {
         }
         let falloff = if planted(Defect::PointLightLinear) { d2.sqrt() } else { d2 };
         let (wi, radiance) = (to / d2.sqrt(), self.intensity / falloff);
-        Some(LightSample { wi, radiance, density: Density::Delta(1.0), end: End::Point(self.position) })
+        Some(LightSample { wi, radiance, density: Density::Delta(1.0), end: EmitterPoint::Point(self.position) })
     }
 
-    /// See [`super::Light::emit`].
-    pub(super) fn emit(&self, u: [f32; 2]) -> Emitted {
+    /// See [`super::Light::sample_le`].
+    pub(super) fn sample_le(&self, u: [f32; 2]) -> LeSample {
         self.emit_along(warp::uniform_sphere(u), warp::uniform_sphere_pdf())
     }
 
-    /// A ray in a direction that was made with density `pdf`.
-    fn emit_along(&self, direction: Vec3, pdf: Pdf<SolidAngle>) -> Emitted {
+    /// Returns a ray in a direction sampled with density `pdf`.
+    fn emit_along(&self, direction: Vec3, pdf: Pdf<SolidAngle>) -> LeSample {
         let ray = Ray::new(self.position, direction);
-        Emitted { end: End::Point(self.position), ray, power: self.intensity / pdf.value() }
+        LeSample { end: EmitterPoint::Point(self.position), ray, power: self.intensity / pdf.value() }
     }
 
-    /// 4π times the mean intensity.
+    /// Returns 4π times the mean intensity.
     pub fn power(&self) -> f64 {
         4.0 * PI * f64::from(self.intensity.mean())
     }
@@ -59,47 +59,48 @@ pub struct SpotLight {
 }
 
 impl SpotLight {
-    /// A spot at `point` along the unit `axis`, angles in radians with `inner` < `outer` ≤ π/2.
+    /// Creates a spot at `point` along the unit `axis`, angles in radians with `inner` < `outer` ≤ π/2.
     pub fn new(point: PointLight, axis: Vec3, inner: f32, outer: f32) -> Self {
-        // glTF's own floor for the difference, so that equal angles are a sharp edge and not a division by zero.
+        // glTF's own lower bound of the difference: equal angles give a sharp edge instead of a division by zero.
         const LEAST_DIFFERENCE: f32 = 1e-3;
         let (cos_inner, cos_outer) = (inner.cos(), outer.cos());
         SpotLight { point, axis, cos_outer, slope: (cos_inner - cos_outer).max(LEAST_DIFFERENCE).recip() }
     }
 
-    /// The square of a linear ramp in the cosine, as KHR_lights_punctual recommends [glTF20].
+    /// Returns the square of a linear ramp in the cosine, as KHR_lights_punctual recommends [glTF20].
     #[inline]
     fn falloff(&self, cos: f32) -> f32 {
         let x = ((cos - self.cos_outer) * self.slope).clamp(0.0, 1.0);
         if planted(Defect::SpotEdgeLinear) { x } else { x * x }
     }
 
-    /// The direction from `p` to the light; `None` outside the cone.
+    /// Returns the direction from `p` to the light; `None` outside the cone.
     #[inline]
-    pub fn sample_toward(&self, p: Vec3) -> Option<LightSample> {
-        let mut sample = self.point.sample_toward(p)?;
+    pub fn sample_li(&self, p: Vec3) -> Option<LightSample> {
+        let mut sample = self.point.sample_li(p)?;
         let falloff = self.falloff(-sample.wi.dot(self.axis));
         sample.radiance *= falloff;
         (falloff > 0.0).then_some(sample)
     }
 
-    /// See [`super::Light::emit`]: uniform over the cone; `None` if it is too narrow for numbers of 24 bits.
-    pub(super) fn emit(&self, u: [f32; 2]) -> Option<Emitted> {
+    /// See [`super::Light::sample_le`]. Uniform over the cone; `None` if it is too narrow for random numbers of 24
+    /// bits.
+    pub(super) fn sample_le(&self, u: [f32; 2]) -> Option<LeSample> {
         let widest = 1.0 - self.cos_outer;
         let height = u[0] * widest;
         let w = Frame::around(self.axis).to_world(Local::from(warp::cap(height, u[1])));
         (widest > 0.0).then(|| {
             let emitted = self.point.emit_along(w, warp::cap_pdf(widest));
-            Emitted { power: emitted.power * self.falloff(1.0 - height), ..emitted }
+            LeSample { power: emitted.power * self.falloff(1.0 - height), ..emitted }
         })
     }
 
-    /// Density per solid angle of [`SpotLight::emit`].
+    /// Returns the density per solid angle of [`SpotLight::sample_le`].
     pub(super) fn emission_pdf(&self, w: Vec3) -> f64 {
         if w.dot(self.axis) >= self.cos_outer { f64::from(warp::cap_pdf(1.0 - self.cos_outer).value()) } else { 0.0 }
     }
 
-    /// Intensity integrated over the cone: 2π (1 − cos inner) and a third of the ramp's share.
+    /// Returns the intensity integrated over the cone: 2π (1 − cos inner) plus a third of the ramp's share.
     pub fn power(&self) -> f64 {
         let ramp = f64::from(self.slope.recip());
         let inner = 1.0 - f64::from(self.cos_outer) - ramp;
@@ -112,23 +113,28 @@ impl SpotLight {
 pub struct DirectionalLight {
     /// Unit direction toward the light.
     pub toward: Vec3,
-    /// Watts per square metre and lane on a perpendicular surface.
+    /// Irradiance in watts per square metre and lane on a perpendicular surface.
     pub irradiance: Spectrum,
 }
 
 impl DirectionalLight {
-    /// The one direction.
+    /// Returns the single direction toward the light.
     #[inline]
     pub fn sample(&self) -> LightSample {
-        LightSample { wi: self.toward, radiance: self.irradiance, density: Density::Delta(1.0), end: End::Infinity }
+        LightSample {
+            wi: self.toward,
+            radiance: self.irradiance,
+            density: Density::Delta(1.0),
+            end: EmitterPoint::Distant,
+        }
     }
 
-    /// See [`super::Light::emit`].
-    pub(super) fn emit(&self, ball: &Ball, position: [f32; 2]) -> Emitted {
+    /// See [`super::Light::sample_le`].
+    pub(super) fn sample_le(&self, ball: &BoundingSphere, position: [f32; 2]) -> LeSample {
         ball.lit(self.toward, self.irradiance, position)
     }
 
-    /// What it sends through the disk of the scene's `radius`.
+    /// Returns the power through a disk of the scene's `radius`.
     pub fn power(&self, radius: f32) -> f64 {
         PI * f64::from(radius).powi(2) * f64::from(self.irradiance.mean())
     }

@@ -1,39 +1,39 @@
-//! Metropolis and Hastings's chain over any states.
+//! Metropolis–Hastings chain over arbitrary states.
 
 use super::Numbers;
 use crate::defects::{Defect, planted};
 
-/// A state of a chain.
+/// State of a chain.
 pub trait State {
-    /// Logarithm of the density that chains sample, up to a constant; −∞ where it is 0.
+    /// Returns the logarithm of the target density, up to a constant; −∞ where it is 0.
     fn log_target(&self) -> f64;
 }
 
-/// A way to propose states.
+/// Proposal kernel.
 pub trait Kernel<S> {
-    /// How gladly it is taken at `x`, relative to the others of a mixture; 0 where it cannot do anything.
+    /// Unnormalised selection probability of this kernel at `x`; 0 where it is not applicable.
     fn suitability(&self, x: &S) -> f64;
 
-    /// Proposes the state `y`, which holds any state before. What is returned is the logarithm of the density with which the kernel would
-    /// propose `x` at `y` over that of `y` at `x`; `None` if there is no proposal, and `y` then means nothing.
+    /// Writes the proposal to `y`, which holds any earlier state. Returns the logarithm of the proposal density of `x`
+    /// from `y` over that of `y` from `x`. `None` if there is no proposal; `y` is then unspecified.
     fn propose(&self, x: &S, y: &mut S, numbers: &mut Numbers) -> Option<f64>;
 }
 
-/// What became of the proposals of a kernel.
+/// Proposal counts of a kernel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct KernelCounts {
-    /// How often it was taken.
+    /// Times the kernel was selected.
     pub taken: u64,
-    /// How often it made a proposal with a target above 0.
+    /// Proposals with a target above 0.
     pub proposed: u64,
-    /// How often that was accepted.
+    /// Accepted proposals.
     pub accepted: u64,
-    /// Proposals whose acceptance was no number: rejected.
+    /// Proposals with a NaN acceptance probability, which are rejected.
     pub nonfinite: u64,
 }
 
 impl KernelCounts {
-    /// Adds those of another chain.
+    /// Adds the counts of another chain.
     pub fn absorb(&mut self, other: &KernelCounts) {
         self.taken += other.taken;
         self.proposed += other.proposed;
@@ -42,23 +42,23 @@ impl KernelCounts {
     }
 }
 
-/// Kernels, each taken with the probability of its share of all suitabilities at the state.
+/// Mixture of kernels, each selected with a probability proportional to its suitability at the current state.
 pub struct Mixture<'k, S> {
     kernels: Vec<Box<dyn Kernel<S> + Sync + 'k>>,
 }
 
 impl<'k, S> Mixture<'k, S> {
-    /// Of these.
+    /// Creates the mixture of `kernels`.
     pub fn new(kernels: Vec<Box<dyn Kernel<S> + Sync + 'k>>) -> Self {
         Mixture { kernels }
     }
 
-    /// How many.
+    /// Number of kernels.
     pub fn len(&self) -> usize {
         self.kernels.len()
     }
 
-    /// Whether there is none.
+    /// Whether the mixture is empty.
     pub fn is_empty(&self) -> bool {
         self.kernels.is_empty()
     }
@@ -67,14 +67,14 @@ impl<'k, S> Mixture<'k, S> {
         self.kernels.iter().map(|kernel| kernel.suitability(x))
     }
 
-    /// Logarithm of the probability of taking kernel `index` at `x`.
+    /// Returns the logarithm of the probability of selecting kernel `index` at `x`.
     pub fn log_share(&self, index: usize, x: &S) -> f64 {
         let total: f64 = self.suitabilities(x).sum();
         (self.kernels[index].suitability(x) / total).ln()
     }
 }
 
-/// A chain: its state, and how much of the present one is to be deposited yet.
+/// A chain: its state, and the pending deposit weight of the current state.
 pub struct Chain<S> {
     x: S,
     y: S,
@@ -83,30 +83,31 @@ pub struct Chain<S> {
 }
 
 impl<S: State> Chain<S> {
-    /// At `x`, whose target is above 0; `y` is room for proposals.
+    /// Starts a chain at `x`, with a target above 0. `y` is storage for proposals.
     pub fn new(x: S, y: S) -> Self {
         debug_assert!(x.log_target() > f64::NEG_INFINITY, "a chain begins where the target is 0");
         Chain { x, y, weight: 0.0, counts: Vec::new() }
     }
 
-    /// Where it is.
+    /// Current state.
     pub fn state(&self) -> &S {
         &self.x
     }
 
-    /// Its states, the present one and what was proposed last.
+    /// Returns the current state and the storage of the last proposal.
     pub fn into_states(self) -> (S, S) {
         (self.x, self.y)
     }
 
-    /// What became of proposals so far, by kernel.
+    /// Proposal counts so far, by kernel.
     pub fn counts(&self) -> &[KernelCounts] {
         &self.counts
     }
 
-    /// One step. States are given to `deposit` with the expected value of their weight: what is accepted with probability a counts a where
-    /// it is proposed, and the state before it 1 − a, whatever becomes of it [Veach97 §11.3.1]. In all each step deposits a weight of 1; that of
-    /// a state where the chain stays is kept until it leaves, or [`Chain::flush`].
+    /// Advances the chain by one step. Deposits use expected values: a proposal with acceptance probability a deposits
+    /// weight a, and the current state 1 − a, whether or not the proposal is accepted [Veach97 §11.3.1]. The weights of
+    /// a step sum to 1. The weight of the current state accumulates until the chain leaves it, or until
+    /// [`Chain::flush`].
     pub fn step(&mut self, kernels: &Mixture<S>, numbers: &mut Numbers, mut deposit: impl FnMut(&S, f64)) {
         self.counts.resize(kernels.len(), KernelCounts::default());
         let Some(index) = numbers.choose(kernels.suitabilities(&self.x)) else {
@@ -129,13 +130,13 @@ impl<S: State> Chain<S> {
         }
     }
 
-    /// Deposits what is left.
+    /// Deposits the pending weight.
     pub fn flush(&mut self, mut deposit: impl FnMut(&S, f64)) {
         deposit(&self.x, self.weight);
         self.weight = 0.0;
     }
 
-    /// The probability of accepting `y`.
+    /// Returns the probability of accepting `y`.
     fn acceptance(&mut self, kernels: &Mixture<S>, index: usize, log_ratio: f64) -> f64 {
         let log_y = self.y.log_target();
         if log_y == f64::NEG_INFINITY {

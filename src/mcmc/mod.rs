@@ -1,10 +1,10 @@
-//! Markov chains that sample a density known up to a factor: states, kernels that propose new ones, the chain that accepts or rejects
-//! them. It knows nothing of light: what a state is and what it is worth is its user's.
+//! Markov chain Monte Carlo for a density known up to a factor: states, proposal kernels, and the Metropolis–Hastings
+//! chain. Independent of light transport: the caller defines states and targets.
 //!
-//! To sample something, give its state a [`State::log_target`] and write a [`Kernel`] or several: each leaves the target as it is on its
-//! own, so that any [`Mixture`] does. A chain's numbers are functions of its address, whoever runs it. Where states are points of a unit
-//! cube whose dimension is not known before, [`primary`] has them and the kernels for them. What a chain's numbers say of the error of
-//! an estimate is nothing that can be trusted: that comes from independent chains.
+//! To sample a density, give its state a [`State::log_target`] and write one or more [`Kernel`]s. Each must leave the
+//! target invariant, so that any [`Mixture`] does. The random numbers of a chain are functions of its address and do
+//! not depend on threads. [`primary`] provides states and kernels for a unit cube of unknown dimension. Error estimates
+//! from a single chain are not reliable; use independent chains.
 
 mod chain;
 mod numbers;

@@ -1,8 +1,8 @@
-//! The random numbers of one step of a chain.
+//! Random numbers of one step of a chain.
 
 use crate::sampling::{Address, unit_f64};
 
-/// Independent numbers, one after the other, from an address: those of another step do not move if this one takes more.
+/// Sequence of independent random numbers at an address. The number of draws in one step does not affect other steps.
 #[derive(Debug, Clone)]
 pub struct Numbers {
     address: Address,
@@ -10,31 +10,31 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// The numbers that `address` has.
+    /// Creates the sequence of `address`.
     pub fn new(address: Address) -> Self {
         Numbers { address, taken: 0 }
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     #[inline]
     pub fn bits(&mut self) -> u64 {
         self.taken += 1;
         self.address.bits(self.taken)
     }
 
-    /// A number in [0, 1).
+    /// Returns a uniform random number in [0, 1).
     #[inline]
     pub fn uniform(&mut self) -> f64 {
         unit_f64(self.bits())
     }
 
-    /// A whole number below `n`, which is not 0.
+    /// Returns a uniform random integer below `n`, which is not 0.
     #[inline]
     pub fn below(&mut self, n: usize) -> usize {
         ((self.uniform() * n as f64) as usize).min(n - 1)
     }
 
-    /// An index, each with the probability of its share in `weights`; `None` if they sum to nothing.
+    /// Samples an index with probability proportional to its weight; `None` if the weights sum to zero.
     #[inline]
     pub fn choose(&mut self, weights: impl Iterator<Item = f64> + Clone) -> Option<usize> {
         let total: f64 = weights.clone().sum();
@@ -50,7 +50,7 @@ impl Numbers {
         chosen
     }
 
-    /// A stream of its own for something that addresses its numbers.
+    /// Returns the address of a separate random stream.
     #[inline]
     pub fn address(&mut self) -> Address {
         Address::new(self.bits())

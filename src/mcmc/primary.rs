@@ -1,49 +1,52 @@
-//! Primary sample space: the unit cube of the numbers that a sampler takes, as many as it asks for [Kelemen02].
+//! Primary sample space: the unit cube of a sampler's random numbers, with as many dimensions as it uses [Kelemen02].
 //!
-//! A point has a coordinate for each address that was asked for while it was evaluated, and no other. Which addresses those are must be
-//! decided by the numbers themselves, as it is where control flow follows them: then coordinates that a point does not use are uniform
-//! and independent of all else, and may be drawn anew at each step in place of being kept and moved along. So a proposal moves what the
-//! present point uses, and draws what it does not; nothing needs to be brought up to date, or restored if it is rejected.
+//! A point has a coordinate for each address used in its evaluation, and no other. Coordinates are created lazily.
+//! Unused ones are resampled each step. This is valid since control flow depends only on coordinates already used:
+//! unused coordinates are then uniform and independent of all others. A proposal perturbs the coordinates that the
+//! current point uses, and draws new ones where it does not. No coordinate needs a lazy update, or a restore after
+//! rejection.
 
 use super::SmallStep;
 use crate::defects::{Defect, planted};
 use crate::sampling::{Address, SLOTS, Sampler, Slot, unit_f32};
 use std::collections::BTreeMap;
 
-/// What a number is for. Each stream has its own addresses, so that a longer walk from one end leaves the other's alone.
+/// Purpose of a random number. Each stream has its own addresses, so that a longer subpath from one end does not shift
+/// the random numbers of the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(usize)]
-pub enum Stream {
-    /// The walk from one end, with what is sampled at its vertices.
+pub enum PrimaryStream {
+    /// Camera subpath, including samples at its vertices.
     Camera,
-    /// The walk from the other.
+    /// Light subpath.
     Light,
-    /// How both are joined.
+    /// Connection of the two.
     Connection,
 }
 
 const STREAMS: usize = 3;
 
-/// Addresses below this are kept side by side, which long walks never leave; others, as those of roulette on connections, by themselves.
+/// Addresses below this bound are stored in an array, which ordinary walks never leave. Others, such as those of
+/// connection roulette, are stored in a map.
 const SIDE_BY_SIDE: u64 = 1 << 16;
 
-/// How a proposal comes from the present point.
+/// Kind of proposal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step {
-    /// Every coordinate anew.
+    /// Resamples every coordinate.
     Large,
-    /// Each moved a little.
+    /// Perturbs each coordinate.
     Small(SmallStep),
 }
 
-/// A coordinate and the evaluation that used it last.
+/// A coordinate and the epoch of the evaluation that last used it.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cell {
     value: u32,
     epoch: u32,
 }
 
-/// The coordinates of one stream, at whatever addresses they are.
+/// Coordinates of one stream, by address.
 #[derive(Debug, Clone, Default)]
 struct Cells {
     near: Vec<Cell>,
@@ -55,7 +58,7 @@ impl Cells {
         if index < SIDE_BY_SIDE { self.near.get(index as usize) } else { self.far.get(&index) }
     }
 
-    /// The cell of an address, made if it is new.
+    /// Returns the cell of an address, created on first use.
     fn at(&mut self, index: u64) -> &mut Cell {
         if index >= SIDE_BY_SIDE {
             return self.far.entry(index).or_default();
@@ -68,18 +71,18 @@ impl Cells {
     }
 }
 
-/// A point: the numbers that its evaluation took.
+/// Point in primary sample space: the random numbers used in its evaluation.
 #[derive(Debug, Clone, Default)]
-pub struct Point {
+pub struct PrimaryPoint {
     streams: [Cells; STREAMS],
     epoch: u32,
 }
 
-impl Point {
-    /// Forgets everything.
+impl PrimaryPoint {
+    /// Invalidates all coordinates.
     pub fn clear(&mut self) {
         if self.epoch == u32::MAX {
-            *self = Point::default();
+            *self = PrimaryPoint::default();
         }
         self.epoch += 1;
         self.streams.iter_mut().for_each(|cells| cells.far.clear());
@@ -89,31 +92,32 @@ impl Point {
         self.streams[stream].get(index).filter(|cell| cell.epoch == self.epoch).map(|cell| cell.value)
     }
 
-    /// Gives the coordinate at an address a value, before the evaluation that asks for it with [`Point::draw`].
-    pub fn set(&mut self, stream: Stream, bounce: u32, slot: Slot, value: u32) {
+    /// Sets the coordinate at an address, before the evaluation that uses it with [`PrimaryPoint::draw`].
+    pub fn set(&mut self, stream: PrimaryStream, bounce: u32, slot: Slot, value: u32) {
         let epoch = self.epoch;
         *self.streams[stream as usize].at(index(bounce, slot)) = Cell { value, epoch };
     }
 
-    /// The number of coordinates.
+    /// Number of coordinates.
     pub fn dimension(&self) -> usize {
         let cells = self.streams.iter().flat_map(|cells| cells.near.iter().chain(cells.far.values()));
         cells.filter(|cell| cell.epoch == self.epoch).count()
     }
 
-    /// Samplers, one a stream, whose numbers make this the point that `step` leads to from `from`, with `address` for what is random.
-    pub fn propose<'a>(&'a mut self, from: &'a Point, step: Step, address: Address) -> [Source<'a>; STREAMS] {
+    /// Returns one sampler per stream. Evaluation with these samplers makes this point the proposal of `step` from
+    /// `from`, with randomness from `address`.
+    pub fn propose<'a>(&'a mut self, from: &'a PrimaryPoint, step: Step, address: Address) -> [Source<'a>; STREAMS] {
         self.clear();
         self.sources(Some((from, step)), address)
     }
 
-    /// Samplers that draw from `address` what was not [`Point::set`]: stream i has the numbers of an
-    /// [`Independent`](crate::sampling::Independent) sampler at `address.with(i)`.
+    /// Returns samplers that draw coordinates from `address` unless they were [`PrimaryPoint::set`]. Stream i has the
+    /// random numbers of an [`IndependentSampler`](crate::sampling::IndependentSampler) at `address.with(i)`.
     pub fn draw(&mut self, address: Address) -> [Source<'_>; STREAMS] {
         self.sources(None, address)
     }
 
-    fn sources<'a>(&'a mut self, from: Option<(&'a Point, Step)>, address: Address) -> [Source<'a>; STREAMS] {
+    fn sources<'a>(&'a mut self, from: Option<(&'a PrimaryPoint, Step)>, address: Address) -> [Source<'a>; STREAMS] {
         let epoch = self.epoch;
         let mut streams = 0..;
         self.streams.each_mut().map(|cells| {
@@ -123,22 +127,23 @@ impl Point {
     }
 }
 
-/// The place of an address in its stream: no bounce is too high for it.
+/// Index of an address in its stream, valid for any bounce.
 fn index(bounce: u32, slot: Slot) -> u64 {
     u64::from(bounce) * u64::from(SLOTS) + slot as u64
 }
 
-/// The numbers of one stream of a [`Point`] in the making.
+/// Sampler of one stream of a [`PrimaryPoint`] under evaluation.
 pub struct Source<'a> {
     cells: &'a mut Cells,
     epoch: u32,
-    from: Option<(&'a Point, Step)>,
+    from: Option<(&'a PrimaryPoint, Step)>,
     stream: usize,
     address: Address,
 }
 
 impl Source<'_> {
-    /// The coordinate at `index`, made if it has not been asked for before: `new` where it is drawn.
+    /// Returns the coordinate at `index`. On first use it is perturbed from the current point, or set to `new` if
+    /// drawn.
     #[inline]
     fn coordinate(&mut self, index: u64, new: u32) -> u32 {
         let cell = self.cells.at(index);
@@ -169,6 +174,7 @@ impl Sampler for Source<'_> {
     fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2] {
         let first = index(bounce, slot);
         let bits = self.address.bits(first);
-        [(first, (bits >> 32) as u32), (first + 1, bits as u32)].map(|(index, new)| unit_f32(self.coordinate(index, new)))
+        [(first, (bits >> 32) as u32), (first + 1, bits as u32)]
+            .map(|(index, new)| unit_f32(self.coordinate(index, new)))
     }
 }

@@ -1,11 +1,11 @@
-//! Choosing the first states of chains among weighted samples.
+//! Selection of initial chain states among weighted samples.
 
-/// `count` indices into `weights`, each with a probability proportional to its weight and in all as often as that asks for, to less
-/// than one: equally spaced positions in the cumulated weights, moved together by `offset` in [0, 1). `None` if the weights sum to
-/// nothing.
+/// Systematic resampling. Returns `count` indices into `weights`, each with a probability proportional to its weight.
+/// The multiplicity of an index differs from its expectation by less than one: positions are equally spaced in the
+/// cumulative weights, with a common `offset` in [0, 1). `None` if the weights sum to zero.
 ///
-/// With the mean of the weights as the weight of each chosen sample, sums over the chosen have the expectation of weighted sums over
-/// all, whatever the number of samples.
+/// With the mean of `weights` as the weight of each chosen sample, sums over the chosen samples have the expectation of
+/// weighted sums over all, for any number of samples.
 pub fn stratified(weights: &[f64], count: usize, offset: f64) -> Option<Vec<usize>> {
     let total: f64 = weights.iter().sum();
     if total <= 0.0 {
@@ -19,7 +19,7 @@ pub fn stratified(weights: &[f64], count: usize, offset: f64) -> Option<Vec<usiz
             chosen.push(index);
         }
     }
-    // Rounding may leave the last position beyond the sum.
+    // Rounding may place the last position beyond the sum.
     let last = weights.iter().rposition(|&weight| weight > 0.0)?;
     chosen.resize(count, last);
     Some(chosen)

@@ -1,19 +1,20 @@
-//! Symmetric steps on the unit circle. Positions are whole numbers of 2⁻³²: addition modulo 1 is exact, and 1 is not reached.
+//! Symmetric steps on the unit circle. Positions are integers in units of 2⁻³²: addition modulo 1 is exact, and 1 is
+//! never reached.
 
 use crate::defects::{Defect, planted};
 
-/// How far a coordinate moves.
+/// Distribution of small steps of a coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SmallStep {
-    /// Between `least` and `most` on either side, the logarithm of the length uniform [Kelemen02 §4.1]: mostly near and
-    /// sometimes far.
+    /// Step length between `least` and `most`, log-uniform, in either direction [Kelemen02 §4.1]: mostly short,
+    /// sometimes long.
     Exponential {
         /// Shortest step.
         least: f64,
         /// Longest step.
         most: f64,
     },
-    /// A normal distribution of this standard deviation, wrapped.
+    /// Normal distribution, wrapped.
     Gaussian {
         /// Standard deviation.
         sigma: f64,
@@ -24,10 +25,10 @@ pub enum SmallStep {
 const CIRCLE: f64 = 4_294_967_296.0;
 
 impl SmallStep {
-    /// What [Kelemen02] found good: between 1/1024 and 1/64.
+    /// Range recommended by [Kelemen02]: between 1/1024 and 1/64.
     pub const KELEMEN: SmallStep = SmallStep::Exponential { least: 1.0 / 1024.0, most: 1.0 / 64.0 };
 
-    /// `x` moved as 64 random `bits` say.
+    /// Moves `x` by a step drawn from 64 random `bits`.
     #[inline]
     pub fn apply(self, x: u32, bits: u64) -> u32 {
         let (a, b) = ((bits >> 32) as u32, bits as u32);
@@ -37,8 +38,10 @@ impl SmallStep {
                 let length = most * ((least / most).ln() * unit(a)).exp();
                 if b & 1 == 0 { length } else { -length }
             }
-            // Box and Muller's.
-            SmallStep::Gaussian { sigma } => sigma * (-2.0 * unit(a).ln()).sqrt() * (std::f64::consts::TAU * unit(b)).cos(),
+            // Box–Muller transform.
+            SmallStep::Gaussian { sigma } => {
+                sigma * (-2.0 * unit(a).ln()).sqrt() * (std::f64::consts::TAU * unit(b)).cos()
+            }
         };
         let step = (step * CIRCLE).round() as i64;
         if planted(Defect::StepsStopAtEdges) {

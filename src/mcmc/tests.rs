@@ -1,17 +1,17 @@
-//! Chains against targets whose moments are known.
+//! Chains on targets with known moments.
 
-use super::primary::{Point, Source, Step, Stream};
+use super::primary::{PrimaryPoint, PrimaryStream, Source, Step};
 use super::*;
-use crate::sampling::{Address, Independent, Sampler, Slot};
+use crate::sampling::{Address, IndependentSampler, Sampler, Slot};
 use crate::stats::Moments;
 
-/// Independent chains of each test, and their steps.
+/// Number of independent chains in each test, and steps of each.
 const CHAINS: u64 = 400;
 const STEPS: u64 = 2000;
 /// Two-sided normal level 6e-7 for each statistic: means of independent chains.
 const BOUND: f64 = 5.0;
 
-/// A number with an unnormalised density on the real line.
+/// A real number with an unnormalised density.
 #[derive(Default)]
 struct Number {
     x: f64,
@@ -32,7 +32,7 @@ struct Uneven<F> {
 
 impl<F: Fn(f64) -> f64> Kernel<Number> for Uneven<F> {
     fn suitability(&self, x: &Number) -> f64 {
-        // Taken more gladly far away.
+        // Selected more often far from the origin.
         1.0 + x.x.abs().min(3.0)
     }
 
@@ -44,7 +44,7 @@ impl<F: Fn(f64) -> f64> Kernel<Number> for Uneven<F> {
     }
 }
 
-/// Proposes from a fixed distribution, whatever the state.
+/// Independence kernel: proposes from a fixed distribution.
 struct Anywhere<F> {
     target: F,
     width: f64,
@@ -62,9 +62,10 @@ impl<F: Fn(f64) -> f64> Kernel<Number> for Anywhere<F> {
     }
 }
 
-/// Mean of `statistic` over the steps of each chain, deposited by expected values; z against `want`.
+/// Returns z of the mean of `statistic` over the steps of all chains against `want`, with expected-value deposits.
 fn z_of<F: Fn(f64) -> f64 + Copy + Sync>(target: F, statistic: fn(f64) -> f64, want: f64) -> f64 {
-    let mixture = Mixture::new(vec![Box::new(Uneven { target, reach: 1.0 }), Box::new(Anywhere { target, width: 12.0 })]);
+    let mixture =
+        Mixture::new(vec![Box::new(Uneven { target, reach: 1.0 }), Box::new(Anywhere { target, width: 12.0 })]);
     let mean_of = |id: u64| {
         let address = Address::new(5).with(id);
         let mut chain = Chain::new(Number { x: 0.3, log_target: target(0.3) }, Number::default());
@@ -111,17 +112,20 @@ fn a_mixture_keeps_the_shares_of_its_parts() {
 #[test]
 fn forbidden_places_are_not_visited() {
     let target = |x: f64| if (0.0..1.0).contains(&x) { 0.0 } else { f64::NEG_INFINITY };
-    assert_moments(target, &[(|x| x, 0.5), (|x| x * x, 1.0 / 3.0), (|x| f64::from(u8::from(!(0.0..1.0).contains(&x))) + x, 0.5)]);
+    assert_moments(
+        target,
+        &[(|x| x, 0.5), (|x| x * x, 1.0 / 3.0), (|x| f64::from(u8::from(!(0.0..1.0).contains(&x))) + x, 0.5)],
+    );
 }
 
-/// Any address has a number, the one that independent sampling gives it: those of roulette on connections lie beyond all bounces, and
-/// 12 slots a bounce do not wrap around at 2³².
+/// Every address has a coordinate, equal to the one of independent sampling. Those of connection roulette lie beyond
+/// all bounces, and 12 slots per bounce must not wrap around at 2³².
 #[test]
 fn coordinates_at_the_highest_bounces_are_their_own() {
-    let (mut point, address) = (Point::default(), Address::new(3));
+    let (mut point, address) = (PrimaryPoint::default(), Address::new(3));
     point.clear();
     let bounces = [0, 1, 5_461, 5_462, 16_384, 1 << 30, (1 << 30) + (3 << 16) + 2, 357_913_942, u32::MAX];
-    let mut expected = Independent::new(address.with(Stream::Camera as u64));
+    let mut expected = IndependentSampler::new(address.with(PrimaryStream::Camera as u64));
     let [mut camera, ..] = point.draw(address);
     for bounce in bounces {
         let (found, wanted) = (camera.u2(bounce, Slot::Direction), expected.u2(bounce, Slot::Direction));
@@ -133,10 +137,10 @@ fn coordinates_at_the_highest_bounces_are_their_own() {
     assert_eq!(point.dimension(), 0);
 }
 
-/// A point of primary sample space whose value asks for more numbers in half of the space.
+/// Primary sample whose evaluation uses more random numbers in half of the space.
 #[derive(Default)]
 struct Branching {
-    point: Point,
+    point: PrimaryPoint,
     log_target: f64,
     values: [f64; 2],
 }
@@ -149,7 +153,7 @@ impl State for Branching {
 
 struct Branches(Step);
 
-/// f = a where a < 1/2, and b a otherwise; both are 0 without the second number.
+/// f = a where a < 1/2, and b a otherwise; both are 0 without the second random number.
 fn evaluate([mut first, mut second, _]: [Source; 3]) -> [f64; 2] {
     let a = f64::from(first.u1(0, Slot::Lobe));
     let b = if a < 0.5 { 0.0 } else { f64::from(second.u2(3, Slot::Direction)[1]) };
@@ -189,7 +193,7 @@ fn numbers_that_come_and_go_keep_the_target() {
             let address = Address::new(11).with(id);
             let mut x = Branching::default();
             x.point.clear();
-            x.point.set(Stream::Camera, 0, Slot::Lobe, 1 << 30);
+            x.point.set(PrimaryStream::Camera, 0, Slot::Lobe, 1 << 30);
             let values = evaluate(x.point.draw(address));
             x.set(values);
             assert_eq!(x.values, [0.25, 0.0]);
@@ -206,7 +210,7 @@ fn numbers_that_come_and_go_keep_the_target() {
         }
         for (moments, want) in moments.iter().zip([0.6, 0.6 * 7.0 / 9.0, 0.6 * 2.0 / 3.0]) {
             let estimate = moments.estimate().expect("many chains");
-            // The weight kept when the warming ends is counted a little early: less than a step in a thousand.
+            // The weight pending at the end of burn-in is counted slightly early: less than one step in a thousand.
             let slack = 1e-3;
             let off = (estimate.value - want).abs();
             assert!(off < BOUND * estimate.standard_error + slack, "{small:?}: {} for {want}", estimate.value);
@@ -226,7 +230,7 @@ fn equally_spaced_choices_are_fair() {
         }
     }
     for (found, weight) in chosen.iter().zip(weights) {
-        // Each of the boundaries of an interval is crossed at one offset, known to 1/n.
+        // Each boundary of an interval is crossed at one offset, known to 1/n.
         assert!((found - weight * count as f64 / 5.0).abs() <= 2.0 / f64::from(n), "{chosen:?}");
     }
     assert!(stratified(&[0.0, 0.0], 2, 0.5).is_none());
@@ -235,7 +239,9 @@ fn equally_spaced_choices_are_fair() {
 #[test]
 fn small_steps_are_as_long_as_they_say() {
     let lengths = |small: SmallStep| -> Vec<f64> {
-        (0..100_000).map(|i| f64::from(small.apply(7, Address::new(3).bits(i)).wrapping_sub(7) as i32) / 2f64.powi(32)).collect()
+        (0..100_000)
+            .map(|i| f64::from(small.apply(7, Address::new(3).bits(i)).wrapping_sub(7) as i32) / 2f64.powi(32))
+            .collect()
     };
     let kelemen = lengths(SmallStep::KELEMEN);
     assert!(kelemen.iter().all(|x| (1.0 / 1024.0 - 1e-9..=1.0 / 64.0 + 1e-9).contains(&x.abs())));
@@ -244,7 +250,7 @@ fn small_steps_are_as_long_as_they_say() {
         (estimate.value - want) / estimate.standard_error
     };
     assert!(z(kelemen.clone(), 0.0).abs() < BOUND);
-    // The mean logarithm of a log-uniform length is that of its ends.
+    // The mean logarithm of a log-uniform length is the mean of those of its ends.
     assert!(z(kelemen.iter().map(|x| x.abs().log2()).collect(), -8.0).abs() < BOUND);
     let gaussian = lengths(SmallStep::Gaussian { sigma: 0.01 });
     assert!(z(gaussian.clone(), 0.0).abs() < BOUND);

@@ -1,4 +1,4 @@
-//! Numbers: the scalar types that transport code is generic over, and neighbours of floats.
+//! Numeric types: the scalar trait of generic transport code, and neighbouring floats.
 
 mod scalar;
 mod ulp;

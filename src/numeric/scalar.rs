@@ -1,10 +1,11 @@
-//! The scalar that BSDFs and path evaluators are generic over: `f32` renders, `f64` referees, jets differentiate.
+//! Scalar type of generic BSDF and path evaluation code: `f32` for rendering, `f64` for reference values, jets for
+//! derivatives.
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
 
-/// A real number with the functions that light transport uses. Branches compare values only, so that a derivative type
-/// follows the branch its value takes.
+/// A real number with the functions of light transport. Branches compare values only, so that a derivative type follows
+/// the branch of its value.
 pub trait Scalar:
     Copy
     + Debug

@@ -1,6 +1,7 @@
-//! Neighbouring floating-point numbers (std's `next_up` and `next_down` are younger than our minimum Rust version).
+//! Neighbouring floating-point numbers (std's `next_up` and `next_down` are newer than the minimum supported Rust
+//! version).
 
-/// The least f32 above the finite number `x`.
+/// Returns the least f32 above the finite number `x`.
 #[inline]
 pub fn next_up(x: f32) -> f32 {
     if x == 0.0 {
@@ -12,7 +13,7 @@ pub fn next_up(x: f32) -> f32 {
     }
 }
 
-/// The greatest f32 below the finite number `x`.
+/// Returns the greatest f32 below the finite number `x`.
 #[inline]
 pub fn next_down(x: f32) -> f32 {
     -next_up(-x)

@@ -1,60 +1,60 @@
-//! The edges between two walks, and between a walk and an end: what they carry, and their weight. Whether they are free is asked
-//! last, since that traces a ray.
+//! Connections between two subpaths, and between a subpath and an endpoint: their contribution and MIS weight.
+//! Visibility is tested last, since it traces a ray.
 
 use super::Vertex;
-use super::mis::Weights;
+use super::mis::MisStrategy;
 use crate::bsdf::{Scattering, Shading};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Hit, Ray, SurfacePoint};
-use crate::light::{End, LightSample, Receiver};
+use crate::light::{EmitterPoint, LightSample, LightSampleContext};
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
-/// What a technique finds, if nothing is in the way.
+/// Contribution of a technique before the visibility test.
 #[derive(Debug, Clone, Copy)]
 pub struct Connection {
-    /// f(x̄) over the density of the technique, transmittance of the segment apart.
+    /// f(x̄) divided by the density of the technique, without the transmittance of the segment.
     pub value: Spectrum,
-    /// The technique's share.
+    /// MIS weight of the technique.
     pub weight: f64,
-    /// Probability with which roulette let both walks come here: the value is over it.
+    /// Probability that both subpaths survived roulette. `value` is already divided by it.
     pub survival: f32,
-    /// What must be free.
+    /// Segment to test for visibility.
     pub segment: Ray,
 }
 
-/// A connection with the camera.
+/// A connection to the camera.
 #[derive(Debug, Clone, Copy)]
 pub struct Splat {
-    /// What it finds, per pixel of film area and walk from a light.
+    /// Contribution per pixel of film area and light subpath.
     pub connection: Connection,
-    /// Where on the film, in pixels.
+    /// Raster position, in pixels.
     pub film: [f32; 2],
 }
 
-/// A sampled light for the vertex `z` of a walk from the camera.
+/// Next-event estimation at the vertex `z` of a camera subpath.
 pub fn next_event(
     scene: &Scene,
-    weights: &Weights,
+    weights: &MisStrategy,
     z: &Vertex,
     shading: &Shading,
     sampler: &mut impl Sampler,
 ) -> Option<Connection> {
     let bounce = z.sums.index - 1;
-    let receiver = Receiver::from(&z.point);
+    let receiver = LightSampleContext::from(&z.point);
     let (index, pmf) = scene.lights().choose(&receiver, sampler.u1(bounce, Slot::LightPick))?;
     let light = &scene.lights().all()[index];
-    let sample = light.sample_toward(&receiver, sampler.u2(bounce, Slot::LightPoint))?;
+    let sample = light.sample_li(&receiver, sampler.u2(bounce, Slot::LightPoint))?;
     let Scattering { f_cos, pdf } = shading.scattering(sample.wi)?;
     let pmf = f64::from(pmf.value());
     let emission = light.ray_density(scene.ball(), -sample.wi);
     let ratio = f64::from(scene.lights().emitter_pmf(index).value()) / pmf;
     let d2 = match sample.end {
-        End::Surface { p, .. } | End::Point(p) => f64::from(p.distance_squared(z.point.p)),
-        End::Infinity => 1.0,
+        EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p) => f64::from(p.distance_squared(z.point.p)),
+        EmitterPoint::Distant => 1.0,
     };
     let made = ratio * emission * f64::from(sample.wi.dot(z.point.ng).abs()) / d2;
     let hit = match sample.density {
@@ -70,25 +70,31 @@ pub fn next_event(
     })
 }
 
-/// The segment that must be free for `sample` to arrive at `point`, where a walk came in `bodies`.
+/// Returns the shadow ray from `point` to the light `sample`; `bodies` are those in which the walk arrived.
 #[inline]
 pub fn toward_light(scene: &Scene, point: &SurfacePoint, bodies: Bodies, sample: &LightSample) -> Ray {
     Ray { bodies: scene.bodies_toward(point, bodies, sample.wi), ..toward_end(point, &sample.end, sample.wi) }
 }
 
-/// The segment between `point` and the `end` of a path, which lies in the direction `wi`.
+/// Returns the segment from `point` to the endpoint `end` in the direction `wi`.
 #[inline]
-pub fn toward_end(point: &SurfacePoint, end: &End, wi: Vec3) -> Ray {
+pub fn toward_end(point: &SurfacePoint, end: &EmitterPoint, wi: Vec3) -> Ray {
     match *end {
-        End::Surface { p, error, ng, touched } => point.segment(p, error, ng, touched),
-        End::Point(p) => point.segment(p, 0.0, point.ng, Hit::NONE),
-        End::Infinity => point.spawn(wi),
+        EmitterPoint::Surface { p, error, ng, touched } => point.segment(p, error, ng, touched),
+        EmitterPoint::Point(p) => point.segment(p, 0.0, point.ng, Hit::NONE),
+        EmitterPoint::Distant => point.spawn(wi),
     }
 }
 
-/// The vertex `y` of a walk from a light and `z` of one from the camera.
+/// Connects the vertex `y` of a light subpath to the vertex `z` of a camera subpath.
 #[inline]
-pub fn connect(scene: &Scene, weights: &Weights, y: &Vertex, z: &Vertex, z_shading: &Shading) -> Option<Connection> {
+pub fn connect(
+    scene: &Scene,
+    weights: &MisStrategy,
+    y: &Vertex,
+    z: &Vertex,
+    z_shading: &Shading,
+) -> Option<Connection> {
     let to = y.point.p - z.point.p;
     let d2 = to.length_squared();
     let wi = to / d2.sqrt();
@@ -107,19 +113,21 @@ pub fn connect(scene: &Scene, weights: &Weights, y: &Vertex, z: &Vertex, z_shadi
     Some(Connection { value, weight: weights.connection(light, camera), survival: y.survival * z.survival, segment })
 }
 
-/// The vertex `y` of a walk from a light and the camera; `None` where it is not seen.
-pub fn splat(scene: &Scene, weights: &Weights, camera: &Camera, y: &Vertex) -> Option<Splat> {
-    let seen = camera.seen(y.point.p)?;
-    if scene.culled(&y.point, -seen.toward) {
+/// Connects the vertex `y` of a light subpath to the camera; `None` if `y` is outside the field of view or culled.
+pub fn splat(scene: &Scene, weights: &MisStrategy, camera: &Camera, y: &Vertex) -> Option<Splat> {
+    let seen = camera.sample_wi(y.point.p)?;
+    if scene.culled(&y.point, -seen.wi) {
         return None;
     }
     let shading = y.shading()?;
-    let at_y = shading.scattering(seen.toward)?;
-    let magnification = if planted(Defect::SplatsWithoutMagnification) { 1.0 } else { seen.magnification };
-    let density = f64::from(seen.magnification) * f64::from(seen.toward.dot(y.point.ng).abs());
-    let reverse = f64::from(shading.reverse_pdf(seen.toward).value());
-    let segment = Ray { bodies: y.bodies_toward(scene, seen.toward), ..y.point.segment(seen.eye, 0.0, y.point.ng, Hit::NONE) };
-    let value = y.beta * at_y.f_cos * magnification;
-    let connection = Connection { value, weight: weights.splat(&y.sums, density, reverse), survival: y.survival, segment };
+    let at_y = shading.scattering(seen.wi)?;
+    let importance = if planted(Defect::SplatsWithoutMagnification) { 1.0 } else { seen.importance };
+    let density = f64::from(seen.importance) * f64::from(seen.wi.dot(y.point.ng).abs());
+    let reverse = f64::from(shading.reverse_pdf(seen.wi).value());
+    let segment =
+        Ray { bodies: y.bodies_toward(scene, seen.wi), ..y.point.segment(seen.eye, 0.0, y.point.ng, Hit::NONE) };
+    let value = y.beta * at_y.f_cos * importance;
+    let connection =
+        Connection { value, weight: weights.splat(&y.sums, density, reverse), survival: y.survival, segment };
     Some(Splat { connection, film: seen.film })
 }

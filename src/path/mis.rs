@@ -1,55 +1,62 @@
-//! Weights of multiple importance sampling over all techniques that make a path: a partition of unity from density ratios.
+//! Multiple importance sampling weights over all techniques that can sample a path: a partition of unity computed from
+//! density ratios.
 //!
-//! **Fast**, by [`Weights`] and [`Sums`]: each vertex of a walk carries two numbers, with which the densities of all techniques that
-//! split the path before it are known up to what comes after, so that a connection costs two sums of two products
-//! [Georgiev12]. The definition that referees them is [`super::full`]'s.
+//! **Recursive evaluation**, by [`MisStrategy`] and [`PartialMis`]: each subpath vertex stores two partial sums. They
+//! determine the density ratios of all techniques that split the path before it, up to factors of the edges that
+//! follow. A connection then costs two sums of two products [Georgiev12]. The reference evaluation by definition is in
+//! [`super::full`].
 //!
-//! For the vertices x₀ x₁ … of a walk, with pᵢ the density that made xᵢ and rᵢ the one that a walk the other way would have made it
-//! with, both per area, the sum over the techniques that split the path at or before xᵢ, relative to one behind it, is
-//! rᵢ/pᵢ (cᵢ + rᵢ₋₁/pᵢ₋₁ (cᵢ₋₁ + …)), where cᵢ says whether the edge between xᵢ₋₁ and xᵢ can be connected. Of rᵢ and rᵢ₋₁ only the parts
-//! before xᵢ are known at xᵢ: rᵢ₋₁ = q g, with q the density per solid angle at xᵢ, known when the walk or the connection leaves xᵢ, and
-//! g = C(xᵢ₋₁) / d². So the sum is rᵢ (a + q b). Every ratio is raised to the heuristic's power first.
+//! Let x₀ x₁ … be the vertices of a subpath. Let pᵢ be the forward density of xᵢ and rᵢ its reverse density, both per
+//! area. The sum of density ratios over the techniques that split the path at or before xᵢ, relative to a technique
+//! that splits after it, is rᵢ/pᵢ (cᵢ + rᵢ₋₁/pᵢ₋₁ (cᵢ₋₁ + …)). Here cᵢ is 1 if the edge between xᵢ₋₁ and xᵢ can be
+//! connected, and 0 otherwise. At xᵢ, the factors rᵢ and rᵢ₋₁ are only partly known: rᵢ₋₁ = q g, with q the density per
+//! solid angle at xᵢ and g = C(xᵢ₋₁) / d². q is known when the walk or the connection leaves xᵢ. So the sum is
+//! rᵢ (a + q b), with a in [`PartialMis::vc`] and b in [`PartialMis::vc_prev`]. Every ratio is raised to the power of
+//! the heuristic first.
 //!
-//! Roulette and the transmittance of edges are left out of all densities: weights remain functions of the path. Reference: [Veach97 §10.2].
+//! Densities include neither roulette nor the transmittance of edges, so that weights are functions of the path.
+//! Reference: [Veach97 §10.2].
 
 use crate::defects::{Defect, planted};
 use crate::sampling::Heuristic;
 use glam::Vec3;
 
-/// A kind of technique, as the command line, `render.toml` and reports name it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+/// Kind of technique, as named on the command line, in `render.toml` and in reports.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Technique {
-    /// Walks from the camera find light by chance (s = 0).
+    /// Camera subpaths hit an emitter (s = 0).
     Hit,
-    /// Lights are sampled by what they fall on (s = 1).
+    /// Next-event estimation (s = 1).
     NextEvent,
-    /// Vertices of both walks are connected (s, t ≥ 2).
+    /// Connections between vertices of both subpaths (s, t ≥ 2).
     Connect,
-    /// Vertices of walks from lights are connected with the camera (t = 1).
+    /// Connections of light subpath vertices to the camera (t = 1).
     Splat,
 }
 
-/// Which kinds of techniques take part; the others leave every weight.
+/// The enabled kinds of techniques. Disabled ones are left out of all weights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Techniques {
-    /// s = 0: walks from the camera find light.
+    /// s = 0: camera subpaths hit emitters.
     pub hit: bool,
-    /// s = 1: a light is sampled by the vertex that it falls on.
+    /// s = 1: next-event estimation.
     pub next_event: bool,
-    /// s, t ≥ 2: a vertex of a walk from a light is connected with one of a walk from the camera.
+    /// s, t ≥ 2: connections between a light subpath and a camera subpath.
     pub connect: bool,
-    /// t = 1: a vertex of a walk from a light is connected with the camera.
+    /// t = 1: connections of light subpath vertices to the camera.
     pub splat: bool,
 }
 
 impl Techniques {
-    /// All there are.
+    /// All techniques.
     pub const ALL: Techniques = Techniques { hit: true, next_event: true, connect: true, splat: true };
-    /// Light tracing. What the camera sees without scattering belongs to s = 0 in any case.
+    /// Light tracing. Directly visible emission always belongs to s = 0.
     pub const LIGHT: Techniques = Techniques { hit: false, next_event: false, connect: false, splat: true };
 
-    /// All but some.
+    /// All techniques except those in `left_out`.
     pub fn without(left_out: &[Technique]) -> Self {
         let has = |technique| !left_out.contains(&technique);
         Techniques {
@@ -60,7 +67,8 @@ impl Techniques {
         }
     }
 
-    /// Whether the technique of `s` vertices from a light and `t` from the camera takes part. Paths of one edge belong to s = 0.
+    /// Whether the technique with `s` light vertices and `t` camera vertices is enabled. Paths of one edge belong to
+    /// s = 0.
     pub fn has(&self, s: usize, t: usize) -> bool {
         match (s, t) {
             (0, 2) => true,
@@ -73,33 +81,35 @@ impl Techniques {
     }
 }
 
-/// What the weights of a render have in common.
+/// MIS parameters shared by a whole render.
 #[derive(Debug, Clone, Copy)]
-pub struct Weights {
-    /// What takes part.
+pub struct MisStrategy {
+    /// Enabled techniques.
     pub techniques: Techniques,
-    /// How techniques share a path.
+    /// Heuristic that combines the techniques.
     pub heuristic: Heuristic,
-    /// Walks from lights for each walk from the camera through a pixel's area of film: as many as a pass has.
+    /// Light subpaths per camera subpath through a pixel's area of film: the number of light subpaths in a pass.
     pub light_walks: f64,
 }
 
-/// What a vertex xᵢ of a walk knows of the techniques that split the path before it: see the module's head.
+/// Partial MIS sums at a vertex xᵢ of a subpath, over the techniques that split the path before it: see the module's
+/// head.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Sums {
-    /// Of the technique that splits at the edge to xᵢ, over rᵢ. It does not say yet whether connections take part, since at a light the
-    /// same edge is next-event estimation's.
-    pub a: f64,
-    /// Of all that split before, over rᵢ q.
-    pub b: f64,
-    /// Number of the vertex in its walk, from 0.
+pub struct PartialMis {
+    /// dVC-like term of the technique that splits at the edge to xᵢ: the density ratio without the factor rᵢ, which is
+    /// supplied when xᵢ is connected. The factor that enables [`Techniques::connect`] is also applied later, since at a
+    /// light the same edge belongs to next-event estimation.
+    pub vc: f64,
+    /// Sum of the techniques that split earlier, without the factors rᵢ q.
+    pub vc_prev: f64,
+    /// Index of the vertex in its subpath, from 0.
     pub index: u32,
 }
 
-/// Where an edge of a walk begins.
+/// Origin of a subpath edge.
 #[derive(Debug, Clone, Copy)]
-pub enum Start {
-    /// At a point of a surface.
+pub enum EdgeOrigin {
+    /// On a surface.
     Surface {
         /// The point.
         p: Vec3,
@@ -108,42 +118,42 @@ pub enum Start {
     },
     /// At a point in space.
     Point(Vec3),
-    /// At the camera or at infinity: what is known is the density per area perpendicular to the edge where it ends.
-    Far,
+    /// At the camera or at infinity. The known density is per area perpendicular to the edge, at its end.
+    Distant,
 }
 
-/// An edge of a walk whose end is not known yet.
+/// Subpath edge with an end not yet found.
 #[derive(Debug, Clone, Copy)]
-pub struct Link {
-    /// Of the vertex where it begins.
-    pub before: Sums,
-    /// Density of its direction; of what else, see [`Start::Far`].
+pub struct MisEdge {
+    /// Partial sums of the vertex at its origin.
+    pub before: PartialMis,
+    /// Forward density of its direction; for a different measure see [`EdgeOrigin::Distant`].
     pub forward: f64,
-    /// Density of the direction that the walk came from, for a walk the other way: q of `before`.
+    /// Reverse density of the direction of arrival: q of `before`.
     pub reverse: f64,
-    /// Factor of the technique that splits at this edge: 0 if it cannot, 1 between surfaces.
+    /// Factor of the technique that splits at this edge: 0 if it is impossible, 1 between surfaces.
     pub split: f64,
-    /// Factor of the one that splits at the edge before.
+    /// Factor of the technique that splits at the previous edge.
     pub split_before: f64,
-    /// Where it begins.
-    pub start: Start,
+    /// Origin of the edge.
+    pub start: EdgeOrigin,
 }
 
-/// |w·ng| in f64.
-/// The squared distance of two vertices. Where surfaces coincide it may be 0; it is in densities of both ways along the edge, which it must
-/// leave finite, and cancels.
+/// Squared distance of two vertices, clamped above 0, since surfaces may coincide. It cancels between the forward and
+/// reverse densities along the edge, both of which must stay finite.
 #[inline]
 fn squared_distance(a: Vec3, b: Vec3) -> f64 {
     f64::from(a.distance_squared(b).max(f32::MIN_POSITIVE))
 }
 
+/// |w·ng| in f64.
 #[inline]
 fn cosine(w: Vec3, ng: Vec3) -> f64 {
     f64::from(w.dot(ng).abs())
 }
 
-impl Weights {
-    /// A ratio of densities to the heuristic's power.
+impl MisStrategy {
+    /// Raises a density ratio to the power of the heuristic.
     #[inline]
     pub fn power(&self, ratio: f64) -> f64 {
         match self.heuristic {
@@ -152,119 +162,143 @@ impl Weights {
         }
     }
 
-    /// Factor of a technique that takes part or not.
+    /// Returns 1 for an enabled technique and 0 for a disabled one.
     #[inline]
     fn factor(on: bool) -> f64 {
         f64::from(u8::from(on))
     }
 
-    /// The edge from the camera. Its density is the magnification where it ends, in pixels of film per perpendicular area.
+    /// Returns the edge from the camera. Its density is the magnification at its end, in pixels of film per
+    /// perpendicular area.
     #[inline]
-    pub fn from_camera(&self) -> Link {
+    pub fn from_camera(&self) -> MisEdge {
         let walks = if planted(Defect::SplatsCountedOnce) { 1.0 } else { self.light_walks };
         let split = Self::factor(self.techniques.splat) * self.power(walks);
-        let before = Sums::default();
-        Link { before, forward: 0.0, reverse: 0.0, split, split_before: 0.0, start: Start::Far }
+        let before = PartialMis::default();
+        MisEdge { before, forward: 0.0, reverse: 0.0, split, split_before: 0.0, start: EdgeOrigin::Distant }
     }
 
-    /// The edge from a light with emission densities `end` and `ray`, the light's probability in `end`; `direct` is that by which a
-    /// receiver would choose the same end. A walk from the camera finds the light unless it `is_dirac`.
+    /// Returns the edge from a light with emission densities `end` (position, including the selection probability of
+    /// the light) and `ray` (direction). `direct` is the density with which next-event estimation samples the same
+    /// endpoint. Camera subpaths can hit the light unless it `is_dirac`.
     #[inline]
-    pub fn from_light(&self, end: f64, ray: f64, direct: f64, is_dirac: bool, start: Start) -> Link {
+    pub fn from_light(&self, end: f64, ray: f64, direct: f64, is_dirac: bool, start: EdgeOrigin) -> MisEdge {
         let a = if is_dirac { 0.0 } else { Self::factor(self.techniques.hit) * self.power(end.recip()) };
         let split = Self::factor(self.techniques.next_event) * self.power(direct / end);
-        Link { before: Sums { a, b: 0.0, index: 0 }, forward: ray, reverse: 0.0, split, split_before: 1.0, start }
+        MisEdge {
+            before: PartialMis { vc: a, vc_prev: 0.0, index: 0 },
+            forward: ray,
+            reverse: 0.0,
+            split,
+            split_before: 1.0,
+            start,
+        }
     }
 
-    /// The edge that leaves a vertex with `sums` at `p` with `densities` forward and in reverse, through a Dirac component or not.
+    /// Returns the edge that leaves a vertex with partial sums `sums` at `p`. `densities` are forward and reverse;
+    /// `is_dirac` marks a Dirac component.
     #[inline]
-    pub fn from_vertex(&self, sums: Sums, [forward, reverse]: [f64; 2], is_dirac: bool, p: Vec3, ng: Vec3) -> Link {
+    pub fn from_vertex(
+        &self,
+        sums: PartialMis,
+        [forward, reverse]: [f64; 2],
+        is_dirac: bool,
+        p: Vec3,
+        ng: Vec3,
+    ) -> MisEdge {
         let split = Self::factor(!is_dirac || planted(Defect::DiracConnects));
         let reverse = if planted(Defect::ReversePdfForgotten) { forward } else { reverse };
-        Link {
+        MisEdge {
             before: sums,
             forward,
             reverse,
             split,
             split_before: split * self.inner(sums.index),
-            start: Start::Surface { p, ng },
+            start: EdgeOrigin::Surface { p, ng },
         }
     }
 
-    /// Factor of the technique that splits before vertex `index`, where it is no end's: ends have theirs in `a` already.
+    /// Factor of the technique that splits before vertex `index`, for an interior vertex. Endpoints include theirs in
+    /// `a`.
     #[inline]
     fn inner(&self, index: u32) -> f64 {
         if index < 2 { 1.0 } else { Self::factor(self.techniques.connect) }
     }
 
-    /// The sums at the point `p` of a surface that `link` has led to along the unit direction `w`.
+    /// Returns the partial sums at the surface point `p`, reached by `link` along the unit direction `w`.
     #[inline]
-    pub fn arrive(&self, link: &Link, p: Vec3, ng: Vec3, w: Vec3) -> Sums {
+    pub fn arrive(&self, link: &MisEdge, p: Vec3, ng: Vec3, w: Vec3) -> PartialMis {
         let cos = cosine(w, ng);
         let (made, back) = match link.start {
-            Start::Far => (link.forward * cos, 1.0),
-            Start::Point(from) => (link.forward * cos / squared_distance(from, p), 0.0),
-            Start::Surface { p: from, ng } => {
+            EdgeOrigin::Distant => (link.forward * cos, 1.0),
+            EdgeOrigin::Point(from) => (link.forward * cos / squared_distance(from, p), 0.0),
+            EdgeOrigin::Surface { p: from, ng } => {
                 let d2 = squared_distance(from, p);
                 (link.forward * cos / d2, cosine(w, ng) / d2)
             }
         };
-        self.extend(link, made, back)
+        self.push_vertex(link, made, back)
     }
 
-    /// The sums at infinity in the unit direction `w`.
+    /// Returns the partial sums at infinity in the unit direction `w`.
     #[inline]
-    pub fn leave(&self, link: &Link, w: Vec3) -> Sums {
+    pub fn escape(&self, link: &MisEdge, w: Vec3) -> PartialMis {
         let back = match link.start {
-            Start::Surface { ng, .. } if !planted(Defect::InfinityHasDistance) => cosine(w, ng),
+            EdgeOrigin::Surface { ng, .. } if !planted(Defect::InfinityHasDistance) => cosine(w, ng),
             _ => 1.0,
         };
-        self.extend(link, link.forward, back)
+        self.push_vertex(link, link.forward, back)
     }
 
-    /// With the density `made` of the new vertex, and the factor `back` that makes a density per area of one per solid angle at it.
+    /// Appends a vertex with forward density `made`. `back` converts a density per solid angle at the vertex to one per
+    /// area at the previous vertex.
     #[inline]
-    fn extend(&self, link: &Link, made: f64, back: f64) -> Sums {
-        let before = link.split_before * link.before.a + self.power(link.reverse) * link.before.b;
-        Sums { a: link.split * self.power(made.recip()), b: self.power(back / made) * before, index: link.before.index + 1 }
+    fn push_vertex(&self, link: &MisEdge, made: f64, back: f64) -> PartialMis {
+        let before = link.split_before * link.before.vc + self.power(link.reverse) * link.before.vc_prev;
+        PartialMis {
+            vc: link.split * self.power(made.recip()),
+            vc_prev: self.power(back / made) * before,
+            index: link.before.index + 1,
+        }
     }
 
-    /// The techniques that split before a vertex with `sums`, relative to one behind it: the other walk would make the vertex with
-    /// density `made` per area, and its direction from there with `reverse` per solid angle.
+    /// Returns the sum over the techniques that split before a vertex with `sums`, relative to one that splits after
+    /// it. The opposite subpath samples the vertex with density `made` per area, and the direction onward with
+    /// `reverse` per solid angle.
     #[inline]
-    pub fn earlier(&self, sums: &Sums, made: f64, reverse: f64) -> f64 {
-        self.power(made) * (self.inner(sums.index) * sums.a + self.power(reverse) * sums.b)
+    pub fn earlier(&self, sums: &PartialMis, made: f64, reverse: f64) -> f64 {
+        self.power(made) * (self.inner(sums.index) * sums.vc + self.power(reverse) * sums.vc_prev)
     }
 
-    /// The weight of light that a walk from the camera found at a vertex with `sums`: a receiver would have chosen its end with
-    /// density `direct`, and emission would have made it with `end` and the direction with `ray`.
+    /// Returns the MIS weight of emission hit by a camera subpath at a vertex with `sums`. `direct` is the next-event
+    /// density of the endpoint, `end` its emission density, and `ray` the emission density of the direction.
     #[inline]
-    pub fn hit(&self, sums: &Sums, direct: f64, end: f64, ray: f64) -> f64 {
+    pub fn hit(&self, sums: &PartialMis, direct: f64, end: f64, ray: f64) -> f64 {
         if sums.index < 2 {
             return 1.0;
         }
         let ratio = if planted(Defect::DirectPdfIsEmissions) { end * ray } else { direct };
-        let next_event = Self::factor(self.techniques.next_event) * self.power(ratio) * sums.a;
-        1.0 / (1.0 + next_event + self.power(end) * self.power(ray) * sums.b)
+        let next_event = Self::factor(self.techniques.next_event) * self.power(ratio) * sums.vc;
+        1.0 / (1.0 + next_event + self.power(end) * self.power(ray) * sums.vc_prev)
     }
 
-    /// The weight of a sampled light: `hit` is the density with which scattering would have found it over that of the sample, 0 for a
-    /// light without extent, and `earlier` what [`Weights::earlier`] says of the camera's walk.
+    /// Returns the MIS weight of a light sample. `hit` is the BSDF sampling density over that of the sample, 0 for a
+    /// Dirac light. `earlier` is [`MisStrategy::earlier`] of the camera subpath.
     #[inline]
     pub fn next_event(&self, hit: f64, earlier: f64) -> f64 {
         1.0 / (1.0 + Self::factor(self.techniques.hit) * self.power(hit) + earlier)
     }
 
-    /// The weight of a connection of two vertices, from what [`Weights::earlier`] says of both walks.
+    /// Returns the MIS weight of a vertex connection, given [`MisStrategy::earlier`] of both subpaths.
     #[inline]
     pub fn connection(&self, light: f64, camera: f64) -> f64 {
         1.0 / (1.0 + light + camera)
     }
 
-    /// The weight of a connection with the camera that sees the vertex with density `seen` per area, its direction to the light coming
-    /// back with `reverse`.
+    /// Returns the MIS weight of a connection to the camera. `seen` is the density per area with which camera rays
+    /// sample the vertex, `reverse` the density of the direction toward the light.
     #[inline]
-    pub fn splat(&self, sums: &Sums, seen: f64, reverse: f64) -> f64 {
+    pub fn splat(&self, sums: &PartialMis, seen: f64, reverse: f64) -> f64 {
         let walks = if planted(Defect::SplatsCountedOnce) { 1.0 } else { self.light_walks };
         1.0 / (1.0 + self.earlier(sums, seen / walks, reverse))
     }

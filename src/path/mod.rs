@@ -1,5 +1,5 @@
-//! Paths through a scene: walks that make their vertices one by one from either end, connections between them, the weights of all
-//! the ways to make a path, and the notation of all of path space.
+//! Paths through a scene: random walks that sample vertices from either end, connections between them, MIS weights over
+//! all techniques, and the notation of path space.
 
 mod connect;
 mod emitter;
@@ -10,10 +10,10 @@ mod walk;
 
 pub use connect::{Connection, Splat, connect, next_event, splat, toward_end, toward_light};
 pub use emitter::Emitter;
-pub use full::{Densities, Evaluation, FullPath, Node, Steps};
-pub use mis::{Sums, Technique, Techniques, Weights};
+pub use full::{Densities, Evaluation, FullPath, PathVertex, VertexPdfs};
+pub use mis::{MisStrategy, PartialMis, Technique, Techniques};
 pub use subpath::{Arrival, Subpath, Vertex};
-pub use walk::{Departure, Tally, Walk};
+pub use walk::{PreviousVertex, RandomWalk, TraceStats};
 
 #[doc = include_str!("notation.md")]
 pub mod notation {}

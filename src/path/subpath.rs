@@ -1,126 +1,130 @@
-//! A walk whose vertices can be connected: it carries what multiple importance sampling must know, in either direction.
+//! A subpath with connectible vertices. It carries the partial MIS sums, in either direction.
 //!
-//! Use it as `arrive`, connect the vertex, `depart`, and again.
+//! Usage: `arrive`, connect the vertex, `depart`, repeat.
 
 use super::Emitter;
-use super::mis::{Link, Start, Sums, Weights};
-use super::{Departure, Tally, Walk};
+use super::mis::{EdgeOrigin, MisEdge, MisStrategy, PartialMis};
+use super::{PreviousVertex, RandomWalk, TraceStats};
 use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Ray, SurfacePoint};
-use crate::light::{EmissionNumbers, End, Receiver};
+use crate::light::{EmitterPoint, LeRandom, LightSampleContext};
 use crate::sampling::{Discrete, Pdf, Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 use glam::Vec3;
 use std::borrow::Cow;
 
-/// A point of a surface that a walk has come to.
+/// Surface vertex of a subpath.
 pub struct Vertex<'a> {
-    /// Where.
+    /// Surface point.
     pub point: SurfacePoint,
-    /// How it scatters.
+    /// Scattering model.
     pub surface: Cow<'a, Surface>,
-    /// The unit direction to the vertex before.
+    /// Unit direction to the previous vertex.
     pub known: Vec3,
-    /// The walk's throughput up to here.
+    /// Throughput of the walk up to this vertex.
     pub beta: Spectrum,
-    /// See [`Walk::survival`].
+    /// See [`RandomWalk::survival`].
     pub survival: f32,
-    /// The bodies that the walk came through.
+    /// Bodies in which the walk arrived.
     pub bodies: Bodies,
-    /// What it knows of earlier techniques.
-    pub sums: Sums,
-    /// The end of the path that its walk goes toward.
-    pub toward: Transport,
+    /// Partial MIS sums of earlier techniques.
+    pub sums: PartialMis,
+    /// Transport mode of the walk.
+    pub mode: TransportMode,
 }
 
 impl Vertex<'_> {
-    /// Scattering from the direction that is known; `None` where the two normals have it on different sides.
+    /// Returns the BSDF for the known direction; `None` if it lies on different sides of the shading and geometric
+    /// normals.
     #[inline]
     pub fn shading(&self) -> Option<Shading<'_>> {
-        Shading::new(&self.point, &self.surface, self.known, self.toward)
+        Shading::new(&self.point, &self.surface, self.known, self.mode)
     }
 
-    /// Whether it scatters into directions that a walk did not choose.
+    /// Whether a smooth lobe exists, so that connections can carry light.
     #[inline]
     pub fn is_connectible(&self) -> bool {
         self.surface.lobes().intersects(Lobes::SMOOTH)
     }
 
-    /// The bodies of an edge that leaves along `w`.
+    /// Returns the bodies of an edge that leaves along `w`.
     #[inline]
     pub fn bodies_toward(&self, scene: &Scene, w: Vec3) -> Bodies {
         scene.bodies_toward(&self.point, self.bodies, w)
     }
 }
 
-/// How a subpath's edge ends. It is taken apart where it is made, so that it need not be small.
+/// End of a subpath edge. Callers destructure it at once, so that its size does not matter.
 #[allow(clippy::large_enum_variant)]
 pub enum Arrival<'a> {
     /// At a surface.
     Surface(Vertex<'a>),
-    /// Outside the scene, with what is known there.
-    Infinity(Sums),
+    /// Outside the scene, with the partial MIS sums.
+    Infinity(PartialMis),
 }
 
-/// A walk and what weights need of its current edge.
+/// A random walk with the MIS state of its current edge.
 pub struct Subpath<'a> {
     scene: &'a Scene,
-    weights: Weights,
-    /// The walk itself.
-    pub walk: Walk<'a>,
-    link: Link,
+    weights: MisStrategy,
+    /// The random walk.
+    pub walk: RandomWalk<'a>,
+    link: MisEdge,
 }
 
 impl<'a> Subpath<'a> {
-    /// Along the camera ray `ray`.
+    /// Starts a subpath along the camera ray `ray`.
     #[inline]
-    pub fn from_camera(scene: &'a Scene, weights: &Weights, ray: Ray) -> Self {
-        // The density is known where the edge ends: see `arrive`.
-        Subpath { scene, weights: *weights, walk: Walk::new(scene, ray), link: weights.from_camera() }
+    pub fn from_camera(scene: &'a Scene, weights: &MisStrategy, ray: Ray) -> Self {
+        // The density is known at the end of the edge: see `arrive`.
+        Subpath { scene, weights: *weights, walk: RandomWalk::new(scene, ray), link: weights.from_camera() }
     }
 
-    /// Along a ray of some light, and where it left that light; `None` where it is dark.
-    pub fn from_light(scene: &'a Scene, weights: &Weights, sampler: &mut impl Sampler) -> Option<(Self, Emitter)> {
+    /// Starts a subpath from a sampled light. Returns it with its emitter endpoint; `None` if the sample emits nothing.
+    pub fn from_light(scene: &'a Scene, weights: &MisStrategy, sampler: &mut impl Sampler) -> Option<(Self, Emitter)> {
         let (index, pmf) = scene.lights().choose_emitter(sampler.u1(0, Slot::LightPick))?;
         let light = &scene.lights().all()[index];
-        let numbers = EmissionNumbers {
+        let numbers = LeRandom {
             side: sampler.u1(0, Slot::Lobe),
             position: sampler.u2(0, Slot::LightPoint),
             direction: sampler.u2(0, Slot::Direction),
         };
-        let emitted = light.emit(scene.ball(), &numbers)?;
+        let emitted = light.sample_le(scene.ball(), &numbers)?;
         let power = emitted.power / pmf.value();
         let (start, receiver) = match emitted.end {
-            End::Surface { p, ng, .. } => (Start::Surface { p, ng }, Receiver { p, ng }),
-            End::Point(p) => (Start::Point(p), Receiver { p, ng: emitted.ray.direction }),
-            End::Infinity => (Start::Far, Receiver { p: emitted.ray.origin, ng: emitted.ray.direction }),
+            EmitterPoint::Surface { p, ng, .. } => (EdgeOrigin::Surface { p, ng }, LightSampleContext { p, ng }),
+            EmitterPoint::Point(p) => (EdgeOrigin::Point(p), LightSampleContext { p, ng: emitted.ray.direction }),
+            EmitterPoint::Distant => {
+                (EdgeOrigin::Distant, LightSampleContext { p: emitted.ray.origin, ng: emitted.ray.direction })
+            }
         };
-        let density = light.emission_density(scene.ball(), emitted.ray.direction);
-        // Along the surface of the light: one number in 2²³ leads there, and what has no density carries nothing.
-        if density.ray <= 0.0 && !planted(Defect::GrazingEmission) {
+        let density = light.pdf_le(scene.ball(), emitted.ray.direction);
+        // Tangential emission: about one random number in 2²³ yields it. It has no density and carries no light.
+        if density.direction <= 0.0 && !planted(Defect::GrazingEmission) {
             return None;
         }
-        let end = |pmf: Pdf<Discrete>| f64::from(pmf.value()) * density.end;
-        // What receivers choose by is known at the receiver: until choices depend on it any will do.
+        let end = |pmf: Pdf<Discrete>| f64::from(pmf.value()) * density.position;
+        // The selection probability of next-event estimation is evaluated at the receiver. Any receiver will do, as
+        // long as the choice does not depend on it.
         let direct = end(scene.lights().pmf(&receiver, index));
-        let link = weights.from_light(end(pmf), density.ray, direct, light.is_dirac(), start);
+        let link = weights.from_light(end(pmf), density.direction, direct, light.is_dirac(), start);
         let emitter = Emitter::of_emission(index, &emitted, &density);
-        let walk = Walk::from_light(scene, Emitter::ray(scene, &emitted), power);
+        let walk = RandomWalk::from_light(scene, Emitter::ray(scene, &emitted), power);
         Some((Subpath { scene, weights: *weights, walk, link }, emitter))
     }
 
-    /// Follows the edge to its end.
+    /// Traces the current edge to its end.
     #[inline]
-    pub fn arrive(&mut self, camera: &Camera, sampler: &mut impl Sampler, tally: &mut Tally) -> Arrival<'a> {
+    pub fn arrive(&mut self, camera: &Camera, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Arrival<'a> {
         let Some(mut point) = self.walk.arrive(sampler, tally) else {
-            return Arrival::Infinity(self.weights.leave(&self.link, self.walk.ray.direction));
+            return Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction));
         };
-        if let Departure::Camera = self.walk.departure {
-            self.link.forward = camera.seen(point.p).map_or(0.0, |seen| f64::from(seen.magnification));
+        if let PreviousVertex::Camera = self.walk.departure {
+            self.link.forward = camera.sample_wi(point.p).map_or(0.0, |seen| f64::from(seen.importance));
         }
         let ng = if planted(Defect::WeightsByShadingNormal) { point.frame.n } else { point.ng };
         let sums = self.weights.arrive(&self.link, point.p, ng, self.walk.ray.direction);
@@ -133,11 +137,12 @@ impl<'a> Subpath<'a> {
             survival: self.walk.survival,
             bodies: self.walk.ray.bodies,
             sums,
-            toward: self.walk.toward,
+            mode: self.walk.mode,
         })
     }
 
-    /// Leaves `vertex`, where it has arrived, through the component that is returned; `None` where nothing scatters.
+    /// Samples the BSDF at `vertex`, at which the walk has arrived. Returns the sampled component; `None` if nothing
+    /// scatters.
     #[inline]
     pub fn depart(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler) -> Option<Lobes> {
         let scatter = shading.sample(self.walk.scattering_numbers(&vertex.surface, sampler))?;
@@ -148,9 +153,15 @@ impl<'a> Subpath<'a> {
         Some(scatter.lobe)
     }
 
-    /// [`Subpath::depart`] and Russian roulette; `None` where the walk ends.
+    /// [`Subpath::depart`] followed by Russian roulette; `None` if the walk ends.
     #[inline]
-    pub fn go_on(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<Lobes> {
+    pub fn go_on(
+        &mut self,
+        vertex: &Vertex,
+        shading: &Shading,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Option<Lobes> {
         let lobe = self.depart(vertex, shading, sampler)?;
         self.walk.survives(sampler, tally).then_some(lobe)
     }

@@ -1,50 +1,54 @@
-//! A walk from the camera toward the lights or the other way: the state that is carried from vertex to vertex.
+//! A random walk from the camera toward the lights or from a light toward the camera: the state carried from vertex to
+//! vertex.
 //!
-//! Use it as `arrive`, look at the vertex, `depart`, `survives`, and again. Blended surfaces, what lets light straight
-//! through, boundaries that are not there and absorbing media are content of the edge between two vertices and never vertices themselves.
+//! Usage: `arrive`, process the vertex, `depart`, `survives`, repeat. Alpha-blended surfaces, straight transmission,
+//! boundaries hidden inside bodies of higher precedence, and absorbing media belong to the edge between two vertices
+//! and are never vertices themselves.
 
 use crate::accel::RayClass;
 use crate::bsdf::{ShadingSample, Surface};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Ray, SurfacePoint};
-use crate::light::{AreaLight, Receiver};
+use crate::light::{AreaLight, LightSampleContext};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::{Passage, Scene};
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 
-/// How many scattering and null events a path may have before it is taken for a defect of the scene and cut.
+/// Limit of scattering and null events of a path. Longer paths are cut and reported as a defect of the scene.
 const LONGEST: u32 = 1 << 14;
 
-/// Scattering events before roulette by depth begins: more than a path has that carries light anywhere but in a trap.
+/// Number of scattering events before roulette by depth begins. Only paths trapped by total reflection still carry
+/// significant light at this depth.
 const LASTING_FROM: u32 = 256;
 
-/// Scattering events before Russian roulette begins.
+/// Number of scattering events before Russian roulette begins.
 const ROULETTE_FROM: u32 = 2;
 
-/// A path survives roulette with this times its throughput. relMSE × rays on the Cornell box at 1, 2, 3, 4, 6, 10 is .95, .68,
-/// .66, .66, .68, .71: paths that are cut as soon as their throughput falls leave noise that costs more than it saves.
+/// Gain on the throughput in the survival probability of roulette. relMSE × rays on the Cornell box at 1, 2, 3, 4, 6,
+/// 10 is .95, .68, .66, .66, .68, .71: terminating paths as soon as their throughput falls adds more noise than it
+/// saves cost.
 const ROULETTE_GAIN: f32 = 3.0;
 
-/// Counts of what walks did.
+/// Counters of random walks.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Tally {
-    /// Rays from the camera, those beyond surfaces that it does not see or sees through included.
+pub struct TraceStats {
+    /// Rays from the camera, including continuations behind culled or blended surfaces.
     pub cameras: u64,
-    /// Rays from a scattering event or a light, counted where they are traced.
+    /// Rays from a scattering event or a light, counted when traced.
     pub bounces: u64,
-    /// Rays toward lights, those beyond blended surfaces included.
+    /// Shadow rays, including continuations behind blended surfaces.
     pub shadows: u64,
-    /// Hits that disagree with their triangle.
+    /// Hits that are inconsistent with their triangle.
     pub bad_hits: u64,
-    /// Paths that reached the emergency limit.
+    /// Paths that reached the emergency length limit.
     pub overlong: u64,
 }
 
-impl Tally {
-    /// Adds what other walks did.
-    pub fn absorb(&mut self, other: &Tally) {
+impl TraceStats {
+    /// Adds the counters of other walks.
+    pub fn absorb(&mut self, other: &TraceStats) {
         self.cameras += other.cameras;
         self.bounces += other.bounces;
         self.shadows += other.shadows;
@@ -53,52 +57,52 @@ impl Tally {
     }
 }
 
-/// Where the last edge of a walk began.
+/// Origin of the current edge of a walk.
 #[derive(Debug, Clone, Copy)]
-pub enum Departure {
-    /// At the camera.
+pub enum PreviousVertex {
+    /// The camera.
     Camera,
-    /// At a light.
+    /// A light.
     Light,
-    /// At a surface point, in a direction of this density.
-    Surface(Receiver, Density),
+    /// A surface point, with the density of the sampled direction.
+    Surface(LightSampleContext, Density),
 }
 
-/// The state of a walk.
-pub struct Walk<'a> {
+/// State of a random walk.
+pub struct RandomWalk<'a> {
     scene: &'a Scene,
-    /// The end that it goes to.
-    pub toward: Transport,
-    /// The current edge, in a unit direction.
+    /// Transport mode.
+    pub mode: TransportMode,
+    /// Current edge, with a unit direction.
     pub ray: Ray,
-    /// Product of all scattering values and transmittances over their densities.
+    /// Throughput: product of all scattering values and transmittances over their densities.
     pub beta: Spectrum,
-    /// Where the current edge began.
-    pub departure: Departure,
+    /// Origin of the current edge.
+    pub departure: PreviousVertex,
     /// Number of scattering events so far.
     pub depth: u32,
-    /// What numbers are addressed by: the vertex that is left, counted from 0; a light has the 0 of its own walk.
+    /// Address of random numbers: index of the departure vertex, from 0. A light has index 0 in its own subpath.
     pub bounce: u32,
-    /// Probability of having survived roulette, and of having met or passed what lets light straight through, so far: the throughput is
-    /// over it.
+    /// Probability of having survived roulette and all null-event decisions so far. The throughput is already divided
+    /// by it.
     pub survival: f32,
-    /// Whether it came from its beginning by Dirac components alone.
+    /// Whether all vertices so far scattered by Dirac components.
     pub straight: bool,
-    /// What takes out of the throughput that which roulette must not see: the emitted power, or the square of the refractive index
-    /// at the camera over the one here, since radiance is scaled by it and will be scaled back.
+    /// Factor that normalises the throughput for roulette. It removes the emitted power, or the squared ratio of
+    /// refractive indices between the camera and here, by which radiance is scaled temporarily.
     scale: f32,
 }
 
-impl<'a> Walk<'a> {
-    /// A walk along the camera ray `ray`, from within whatever contains its origin.
+impl<'a> RandomWalk<'a> {
+    /// Starts a walk along the camera ray `ray`, in the bodies that contain its origin.
     #[inline]
     pub fn new(scene: &'a Scene, ray: Ray) -> Self {
         let bodies = if planted(Defect::CameraInVacuum) { Bodies::NONE } else { scene.bodies_at(ray.origin) };
         let ray = Ray { bodies, ..ray };
-        let (beta, departure) = (Spectrum::ONE, Departure::Camera);
-        Walk {
+        let (beta, departure) = (Spectrum::ONE, PreviousVertex::Camera);
+        RandomWalk {
             scene,
-            toward: Transport::Light,
+            mode: TransportMode::Radiance,
             ray,
             beta,
             departure,
@@ -110,12 +114,12 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// A walk along a ray of light that stands for `power`, which is not black, in the bodies that the ray says.
+    /// Starts a walk along a ray emitted with `power`, which is not black, in the bodies given by the ray.
     pub fn from_light(scene: &'a Scene, ray: Ray, power: Spectrum) -> Self {
-        let (departure, scale) = (Departure::Light, power.max_lane().recip());
-        Walk {
+        let (departure, scale) = (PreviousVertex::Light, power.max_lane().recip());
+        RandomWalk {
             scene,
-            toward: Transport::Camera,
+            mode: TransportMode::Importance,
             ray,
             beta: power,
             departure,
@@ -127,10 +131,11 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Follows the current edge to the surface at its end; `None` where it leaves the scene. What lets light straight on (see
-    /// [`Passage`]) is met with a probability and passed otherwise; what the camera does not see is passed by its rays.
+    /// Traces the current edge to the surface at its end; `None` if it leaves the scene. Surfaces with straight
+    /// transmission (see [`Passage`]) are hit with a probability and passed otherwise. Camera rays pass surfaces that
+    /// the camera culls.
     #[inline(always)] // a call would copy the point through memory: a tenth of the time of a simple scene
-    pub fn arrive(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
+    pub fn arrive(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Option<SurfacePoint> {
         let mut point = self.trace(tally);
         if let Some(first) = &point {
             if self.scene.features().content() && self.scene.may_pass(first, self.ray.bodies) || self.unseen(first) {
@@ -142,12 +147,12 @@ impl<'a> Walk<'a> {
         point
     }
 
-    /// What the current edge meets first.
+    /// Traces the current edge to the first hit.
     #[inline(always)] // see `arrive`
-    fn trace(&self, tally: &mut Tally) -> Option<SurfacePoint> {
+    fn trace(&self, tally: &mut TraceStats) -> Option<SurfacePoint> {
         let class = match self.departure {
-            Departure::Camera => RayClass::Camera,
-            Departure::Light | Departure::Surface(..) => RayClass::Bounce(self.depth),
+            PreviousVertex::Camera => RayClass::Camera,
+            PreviousVertex::Light | PreviousVertex::Surface(..) => RayClass::Bounce(self.depth),
         };
         match class {
             RayClass::Camera => tally.cameras += 1,
@@ -157,26 +162,33 @@ impl<'a> Walk<'a> {
         self.scene.intersect(&self.ray)
     }
 
-    /// Whether the current edge is the camera's and does not see the surface at `point`.
+    /// Whether the current edge starts at the camera and culls the surface at `point`.
     #[inline]
     fn unseen(&self, point: &SurfacePoint) -> bool {
-        matches!(self.departure, Departure::Camera) && self.scene.culled(point, self.ray.direction)
+        matches!(self.departure, PreviousVertex::Camera) && self.scene.culled(point, self.ray.direction)
     }
 
-    /// The first surface from `point` on that the edge does not pass; the edge then begins behind those that it did.
+    /// Returns the first surface at or behind `point` that the edge does not pass. The edge is moved to start behind
+    /// the passed surfaces.
     #[cold]
-    fn past(&mut self, mut point: SurfacePoint, sampler: &mut impl Sampler, tally: &mut Tally) -> Option<SurfacePoint> {
+    fn past(
+        &mut self,
+        mut point: SurfacePoint,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Option<SurfacePoint> {
         let mut u = sampler.u1(self.bounce, Slot::Event);
         for _ in 0..LONGEST {
             let w = self.ray.direction;
-            let passage = if self.unseen(&point) { Passage::FREE } else { self.scene.passage(&point, w, self.ray.bodies) };
+            let passage =
+                if self.unseen(&point) { Passage::FREE } else { self.scene.passage(&point, w, self.ray.bodies) };
             let (met, chance) = (passage.met, passage.chance());
             if u < met {
                 self.beta *= passage.alpha / met;
                 self.survival *= met;
                 return Some(point);
             }
-            // What is left of u is uniform again: one number serves all surfaces of the edge.
+            // The rescaled u is uniform again, so that one random number serves all surfaces of the edge.
             if !planted(Defect::BlendsShareNumber) {
                 u = ((u - met) / chance).min(BELOW_ONE);
             }
@@ -199,14 +211,15 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether the walk sees what `light`, which it found on a surface, emits: what lights nothing is seen by those of the camera that
-    /// came by Dirac components alone.
+    /// Whether the walk may count the emission of `light`, which it hit. Emitters that do not illuminate are visible
+    /// only to camera walks with Dirac vertices alone.
     #[inline]
     pub fn sees(&self, light: &AreaLight) -> bool {
         self.straight || !light.is_only_seen() || planted(Defect::UnlitIsLamp)
     }
 
-    /// The numbers for scattering by `surface`. Models with one lobe do not look at the one that chooses among several.
+    /// Returns the random numbers for BSDF sampling on `surface`. Models with one lobe do not use the lobe selection
+    /// number.
     #[inline]
     pub fn scattering_numbers(&self, surface: &Surface, sampler: &mut impl Sampler) -> [f32; 3] {
         let lobe = if surface.is_single_lobe() { 0.0 } else { sampler.u1(self.bounce, Slot::Lobe) };
@@ -214,11 +227,11 @@ impl<'a> Walk<'a> {
         [lobe, u, v]
     }
 
-    /// Leaves `point` as `scatter` says.
+    /// Leaves `point` along the sampled direction of `scatter`.
     #[inline]
     pub fn depart(&mut self, point: &SurfacePoint, scatter: &ShadingSample) {
         self.beta *= scatter.weight;
-        if self.toward == Transport::Light {
+        if self.mode == TransportMode::Radiance {
             self.scale *= scatter.eta * scatter.eta;
         }
         self.straight &= scatter.density.is_delta();
@@ -226,16 +239,18 @@ impl<'a> Walk<'a> {
         self.bounce += 1;
         let bodies = self.scene.bodies_toward(point, self.ray.bodies, scatter.direction);
         let density = match self.departure {
-            Departure::Surface(_, before @ Density::Delta(_)) if planted(Defect::EmissionTwiceAfterDirac) => before,
+            PreviousVertex::Surface(_, before @ Density::Delta(_)) if planted(Defect::EmissionTwiceAfterDirac) => {
+                before
+            }
             _ => scatter.density,
         };
-        self.departure = Departure::Surface(Receiver::from(point), density);
+        self.departure = PreviousVertex::Surface(LightSampleContext::from(point), density);
         self.ray = Ray { bodies, time: self.ray.time, ..point.spawn(scatter.direction) };
     }
 
-    /// Russian roulette by the share of light that is left, and by depth. Whoever survives is scaled up.
+    /// Russian roulette by relative throughput and by depth. Survivors are scaled by 1/q.
     #[inline]
-    pub fn survives(&mut self, sampler: &mut impl Sampler, tally: &mut Tally) -> bool {
+    pub fn survives(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> bool {
         if self.depth >= LONGEST {
             tally.overlong += 1;
             return false;
@@ -263,11 +278,12 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Probability with which a path survives event `depth`, whatever it carries: it comes to event n with (N / n)⁴, N the event from which
-/// this holds. Paths that total reflection has trapped carry all their light, and only this ends them: after N / 3 more events on
-/// average; [`LONGEST`] is reached by one in 16 million of them. A power and not a constant probability q: what leaves a trap at event n
-/// is scaled by (n / N)⁴, so that its variance is finite wherever the share that is left falls exponentially, however slowly; scaled by
-/// q⁻ⁿ it is infinite in any room of an albedo above √q.
+/// Survival probability of event `depth`, independent of the throughput. A path reaches event n with probability
+/// (N / n)⁴, with N the event at which this roulette begins. Paths trapped by total reflection keep their throughput,
+/// and only this roulette ends them, after N / 3 more events on average. One in 16 million of them reaches [`LONGEST`].
+/// We use a power instead of a constant probability q: a path that leaves a trap at event n is scaled by (n / N)⁴, so
+/// that its variance is finite wherever the remaining throughput falls exponentially, at any rate. Scaling by q⁻ⁿ gives
+/// infinite variance in any room with an albedo above √q.
 #[inline]
 fn lasting(depth: u32) -> f32 {
     if depth <= LASTING_FROM { 1.0 } else { ((depth - 1) as f32 / depth as f32).powi(4) }

@@ -1,44 +1,46 @@
-//! Extra layers by the names that users know.
+//! EXR layers beyond colour (AOVs), under the names that users know.
 
 use crate::film::Plane;
 
 /// An extra layer of the EXR image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, clap::ValueEnum, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
 pub enum Aov {
-    /// Reflectance at the first hit that is not a mirror or glass.
+    /// Albedo at the first hit that is not a mirror or glass.
     Albedo,
-    /// Shading normal there, world space.
+    /// Shading normal at that hit, in world space.
     Normal,
     /// Distance from the camera along the ray in scene units.
     Depth,
     /// Position in the file's world space.
     Position,
-    /// Number of the instance at the pixel's centre, from 0; −1 where there is none.
+    /// Index of the instance at the pixel's centre, from 0; −1 where there is none.
     Instance,
-    /// Number of the material at the pixel's centre, from 0; −1 where there is none.
+    /// Index of the material at the pixel's centre, from 0; −1 where there is none.
     Material,
-    /// How many samples of the pixel were not finite.
+    /// Number of non-finite samples of the pixel.
     Invalid,
-    /// 1 where most of the light was brought by a single chain of a Metropolis method: nothing is known of its error.
+    /// 1 where a single chain of a Metropolis method brought most of the light: the error is unknown there.
     ErrorUnknown,
 }
 
-/// Where a layer comes from.
+/// Source of a layer's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
     /// A plane of the film.
     Plane(Plane),
-    /// The instances seen through the pixel centres.
+    /// Instance indices at the pixel centres.
     InstanceIds,
-    /// The materials seen through the pixel centres.
+    /// Material indices at the pixel centres.
     MaterialIds,
-    /// The tiles that one chain owns.
+    /// Mask of the tiles that owe most of their light to one chain.
     OwnedTiles,
 }
 
 impl Aov {
-    /// Where the layer comes from.
+    /// Returns the source of the layer's values.
     pub(super) fn source(self) -> Source {
         match self {
             Aov::Albedo => Source::Plane(Plane::Albedo),
@@ -52,7 +54,7 @@ impl Aov {
         }
     }
 
-    /// The names of the layer's channels in the EXR file.
+    /// Returns the names of the layer's channels in the EXR file.
     pub(super) fn channels(self) -> &'static [&'static str] {
         match self {
             Aov::Albedo => &["albedo.R", "albedo.G", "albedo.B"],

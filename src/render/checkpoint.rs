@@ -1,4 +1,4 @@
-//! Films saved while rendering, so that a kill costs a minute at most.
+//! Periodic checkpoints of the film, so that a kill costs at most one minute of work by default.
 
 use super::Provenance;
 use super::film_file::{self, FilmFile};
@@ -8,14 +8,14 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How long a film goes unsaved where nothing is said.
+/// Default interval between saves.
 pub const INTERVAL: Duration = Duration::from_secs(60);
 
-/// How many times longer than a save itself the time between saves is, so that large films on slow disks do not hold
-/// the render up: by 2 % at most.
+/// The interval between saves is at least this multiple of the duration of a save. Large films on slow disks then slow
+/// the render down by at most 2 %.
 const PATIENCE: u32 = 50;
 
-/// Where and when a film is saved.
+/// Path and schedule of the saves.
 #[derive(Debug)]
 pub struct Checkpoint {
     path: PathBuf,
@@ -25,15 +25,15 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Saves to `path`, first after `every`, and as often if a save takes little of it.
+    /// Saves to `path`, first after `every`. Later saves keep this interval unless a save takes more than 1/50 of it.
     pub fn new(path: &Path, every: Duration) -> Self {
         Checkpoint { path: path.to_owned(), saved: Instant::now(), every, wait: every }
     }
 
-    /// Saves if it is time.
+    /// Saves the film if a save is due.
     ///
     /// # Errors
-    /// The file cannot be written; it will be time again after as long.
+    /// The file cannot be written. The next save is then due after the same interval.
     pub(super) fn save_if_due(&mut self, provenance: &Provenance, film: &Film) -> Result<()> {
         if self.saved.elapsed() < self.wait {
             return Ok(());
@@ -46,7 +46,7 @@ impl Checkpoint {
     }
 }
 
-/// Writes `film` to `path` with where it came from.
+/// Writes `film` with its provenance to `path`.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -54,7 +54,7 @@ pub fn save(path: &Path, provenance: &Provenance, film: &Film) -> Result<()> {
     film_file::write(path, &serde_json::json!(provenance), film)
 }
 
-/// Reads a film and where it came from.
+/// Reads a film and its provenance.
 ///
 /// # Errors
 /// The file cannot be read, or is no film that this étendue understands.
@@ -63,7 +63,7 @@ pub fn restore(path: &Path) -> Result<(Provenance, Film)> {
     Ok((provenance, file.film()?))
 }
 
-/// Where the film at `path` came from, and the file itself, whose sums have not been read yet.
+/// Reads the provenance of the film at `path` and opens the file. The sums are not read yet.
 ///
 /// # Errors
 /// The file cannot be read, or is no film that this étendue understands.

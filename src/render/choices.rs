@@ -1,36 +1,39 @@
-//! What a person chose, on the command line or in `render.toml`: one type for both, every field optional, so that the
-//! same names mean the same in both places and the command line wins field by field.
+//! Render settings as given on the command line or in `render.toml`. One type serves both, and every field is optional.
+//! The same names therefore mean the same in both places, and the command line overrides the file field by field.
 
 use super::plan::round_spp;
-use super::{Aov, Budget, Environment, Frame, Plan, Selection, Settings, Size, Stop, Surroundings, Window};
+use super::{
+    Aov, Budget, EnvironmentChoice, FrameNumber, PassPlan, PassSelection, RenderSettings, Size, StopCriteria,
+    Surroundings, Window,
+};
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
 use crate::integrator::{Method, MetropolisOptions, Mutations};
-use crate::io::png::Curve;
+use crate::io::png::ToneCurve;
 use crate::path::Technique;
 use crate::sampling::{Heuristic, SamplerKind};
 use std::path::Path;
 
-/// Samples per pixel where nothing is said about when the render is done.
+/// Default samples per pixel if no stopping criterion is given.
 const DEFAULT_SPP: u32 = 64;
 
-/// Frames per second where nothing is said, as in films and in Blender.
+/// Default frames per second, as in cinema and in Blender.
 const DEFAULT_FPS: f64 = 24.0;
 
-/// Where only an error target is given a render that cannot reach it ends here all the same.
+/// Limit of samples per pixel if only an error target is given, so that a render that cannot reach it ends.
 const MOST_SPP_UNASKED: u32 = 1 << 16;
 
-/// Choices about a render; whatever is `None` takes its default.
+/// Choices about a render; `None` stands for the default.
 #[derive(Debug, Clone, Default, clap::Args, serde::Deserialize)]
 #[command(next_help_heading = "Picture")]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
-pub struct Choices {
-    /// How light is simulated [default: path]
+pub struct SettingsPatch {
+    /// Light transport algorithm [default: path]
     #[arg(long, short, value_enum)]
     pub method: Option<Method>,
-    /// Samples per pixel at most, rounded up to the replicates times a power of two [default: 64; none with --time; 65536
-    /// with --target-error alone]
+    /// Samples per pixel at most, rounded up to the replicates times a power of two [default: 64; none with --time;
+    /// 65536 with --target-error alone]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30))]
     pub spp: Option<u32>,
     /// Render for this long at most, e.g. 30s or 5m
@@ -51,8 +54,8 @@ pub struct Choices {
     /// Frame of the scene's animations; frame 0 is at time 0 [default: the scene as it stands]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub frame: Option<u32>,
-    /// The only animation that is played, by name or number from 0, from frame 0 if no other is chosen [default: all together; where
-    /// two move the same the later one]
+    /// The only animation that is played, by name or number from 0, from frame 0 if no other is chosen [default: all
+    /// together; where two move the same the later one]
     #[arg(long, value_name = "NAME|NUMBER")]
     pub animation: Option<String>,
     /// Frames per second, for --frame [default: 24]
@@ -64,61 +67,61 @@ pub struct Choices {
     /// Pixel filter [default: blackman-harris]
     #[arg(long, value_enum)]
     pub filter: Option<Filter>,
-    /// Source of the sample points [default: sobol]
+    /// Sample generator [default: sobol]
     #[arg(long, value_enum)]
     pub sampler: Option<SamplerKind>,
     /// Seed of all random numbers [default: 0]
     #[arg(long)]
     pub seed: Option<u64>,
-    /// Independent replicates that the error is measured between; 1 measures none [default: 16 for methods with
+    /// Independent replicates, between which the error is measured; 1 measures none [default: 16 for methods with
     /// chains, else 4]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub replicates: Option<u32>,
-    /// Who finds what rays hit [default: embree; obvhs where étendue was built without it]
+    /// Ray-tracing backend [default: embree; obvhs where étendue was built without it]
     #[arg(long, value_enum)]
     pub backend: Option<Backend>,
-    /// How the ray-tracing structure is built [default: robust]
+    /// Build of the acceleration structure [default: robust]
     #[arg(long, value_enum)]
     pub build: Option<Build>,
     /// Extra layers of the EXR image, separated by commas
     #[arg(long = "aov", value_enum, value_delimiter = ',', value_name = "LAYERS")]
     #[serde(rename = "aov")]
     pub aovs: Option<Vec<Aov>>,
-    /// Limit each sample to this radiance: less noise, but the image is biased (darker)
+    /// Clamp each sample to this radiance: less noise, but the image is biased (darker)
     #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
     pub clamp: Option<f32>,
     /// Hide the environment, map or not, from the camera and write coverage as alpha: it still lights the scene
     #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
     pub transparent: Option<bool>,
-    /// Techniques that bdpt does without, separated by commas
+    /// Techniques to exclude from bdpt, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "TECHNIQUES")]
     pub without: Option<Vec<Technique>>,
-    /// How the techniques of bdpt share a path [default: balance]
+    /// Heuristic of the MIS weights of bdpt [default: balance]
     #[arg(long, value_enum)]
     pub heuristic: Option<Heuristic>,
-    /// Chains in a pass of a Metropolis method [default: one for 500 pixels, 1024 at most]
+    /// Chains per pass of a Metropolis method [default: one for 500 pixels, 1024 at most]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub chains: Option<u32>,
-    /// Probability of a step to anywhere in primary sample space, for pssmlt and mmlt [default: 0.3]
+    /// Large-step probability in primary sample space, for pssmlt and mmlt [default: 0.3]
     #[arg(long, value_name = "PROBABILITY", allow_negative_numbers = true)]
     pub large_step: Option<f64>,
     /// Scattering events up to which mmlt has chains for each path length; longer paths share theirs [default: 8]
     #[arg(long, value_name = "EVENTS", value_parser = clap::value_parser!(u32).range(2..=64))]
     pub lengths: Option<u32>,
-    /// How often mlt tries each mutation, e.g. bidirectional=1,lens=2; others never [default: all alike]
+    /// Relative frequencies of the mutations of mlt, e.g. bidirectional=1,lens=2; others are off [default: all alike]
     #[arg(long, value_name = "NAME=WEIGHT,...")]
     pub mutations: Option<Mutations>,
-    /// What a sample may be worth, in units of what is usual where it falls, before chains have the rest; 0 leaves all to chains
-    /// [default: 10 where a pilot finds little noise, else 0]
+    /// Contribution above which chains estimate a sample's excess, in units of the typical radiance at its position; 0
+    /// leaves all to chains [default: 10 where a pilot finds little noise, else 0]
     #[arg(long, value_name = "TIMES", allow_negative_numbers = true)]
     pub limit: Option<f64>,
-    /// Let chains visit dark parts of the image as often as bright ones
+    /// Two-stage MLT: let chains visit dark parts of the image as often as bright ones
     #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
     pub two_stage: Option<bool>,
-    /// What surrounds the scene instead of its own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)
+    /// Environment that replaces the scene's own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)
     #[arg(long, alias = "environment", value_name = "RADIANCE|FILE", allow_negative_numbers = true)]
     #[serde(alias = "environment")]
-    pub env: Option<Environment>,
+    pub env: Option<EnvironmentChoice>,
     /// Turn the map about the up axis, counter-clockwise seen from above [default: 0]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub env_rotation: Option<f64>,
@@ -133,54 +136,53 @@ pub struct Choices {
     pub exposure: Option<f32>,
     /// Tone curve of PNG images [default: srgb]
     #[arg(long, value_enum)]
-    pub curve: Option<Curve>,
+    pub curve: Option<ToneCurve>,
 }
 
-/// How an image is shown where it must be shown in eight bits.
+/// Tone mapping of 8-bit images.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
-pub struct Look {
+pub struct ToneMapping {
     /// Exposure in stops.
     pub exposure: f32,
     /// Tone curve.
-    pub curve: Curve,
+    pub curve: ToneCurve,
 }
 
-impl Choices {
-    /// The choices of the `render.toml` beside `scene`; none if there is no such file.
+impl SettingsPatch {
+    /// Reads the choices of the `render.toml` beside `scene`; returns none if there is no such file. Relative paths in
+    /// it are relative to its folder.
     ///
     /// # Errors
-    /// A file that cannot be read or says something étendue does not know, with the line.
-    ///
-    /// Relative paths in it are seen from its folder.
-    pub fn beside(scene: &Path) -> Result<Choices> {
+    /// The file cannot be read, or has an unknown key or value; the error names the line.
+    pub fn beside(scene: &Path) -> Result<SettingsPatch> {
         let path = scene.with_file_name("render.toml");
         match std::fs::read_to_string(&path) {
             Ok(text) => {
-                let choices = Choices::parse(&text).map_err(|e| e.context(path.display()))?;
+                let choices = SettingsPatch::parse(&text).map_err(|e| e.context(path.display()))?;
                 let folder = path.parent().unwrap_or(Path::new(""));
-                Ok(Choices { env: choices.env.map(|env| env.seen_from(folder)), ..choices })
+                Ok(SettingsPatch { env: choices.env.map(|env| env.seen_from(folder)), ..choices })
             }
-            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(Choices::default()),
-            // A scene path that leads through a file: the scene loader says so better.
-            Err(cause) if cause.kind() == std::io::ErrorKind::NotADirectory => Ok(Choices::default()),
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(SettingsPatch::default()),
+            // The scene path leads through a file. The scene loader reports this better.
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotADirectory => Ok(SettingsPatch::default()),
             Err(cause) => Err(Error::usage(format!("cannot read {}", path.display())).because(cause)),
         }
     }
 
-    /// The choices that the text of a `render.toml` makes.
+    /// Parses the text of a `render.toml`.
     ///
     /// # Errors
-    /// A usage error with the line if it says something étendue does not know.
-    pub fn parse(text: &str) -> Result<Choices> {
+    /// A usage error with the line if the text has an unknown key or value.
+    pub fn parse(text: &str) -> Result<SettingsPatch> {
         super::text::toml(text)
     }
 
-    /// These choices, and those of `fallback` where there is none.
-    pub fn or(self, fallback: Choices) -> Choices {
+    /// Returns these choices, with those of `fallback` where there are none.
+    pub fn or(self, fallback: SettingsPatch) -> SettingsPatch {
         let stops_here = self.stops();
-        // Rotation and scale belong to the environment that they were written beside.
+        // Rotation and scale belong to the environment that they were given with.
         let surrounds_here = self.env.is_some();
-        Choices {
+        SettingsPatch {
             method: self.method.or(fallback.method),
             spp: if stops_here { self.spp } else { fallback.spp },
             time: if stops_here { self.time } else { fallback.time },
@@ -218,11 +220,11 @@ impl Choices {
         }
     }
 
-    /// The settings chosen, for a camera whose width is `aspect` times its height.
+    /// Resolves the settings, for a camera with aspect ratio `aspect` (width over height).
     ///
     /// # Errors
     /// Values out of range, a crop outside the image.
-    pub fn settings(&self, aspect: Option<f64>) -> Result<Settings> {
+    pub fn settings(&self, aspect: Option<f64>) -> Result<RenderSettings> {
         let [width, height] = self.image_size(aspect);
         let mut aovs = self.aovs.clone().unwrap_or_default();
         aovs.sort_unstable();
@@ -230,7 +232,7 @@ impl Choices {
         let mut without = self.without.clone().unwrap_or_default();
         without.sort_unstable();
         without.dedup();
-        Ok(Settings {
+        Ok(RenderSettings {
             method: self.method.unwrap_or_default(),
             width,
             height,
@@ -254,28 +256,32 @@ impl Choices {
         })
     }
 
-    /// The frame chosen, if any.
-    fn frame(&self) -> Result<Option<Frame>> {
+    /// Returns the chosen frame, if any.
+    fn frame(&self) -> Result<Option<FrameNumber>> {
         let fps = self.fps.unwrap_or(DEFAULT_FPS);
         if !(fps > 0.0 && fps.is_finite()) {
             return Err(Error::usage("fps must be above zero"));
         }
         let first = self.animation.as_ref().map(|_| 0);
-        Ok(self.frame.or(first).map(|number| Frame { number, fps }))
+        Ok(self.frame.or(first).map(|number| FrameNumber { number, fps }))
     }
 
-    /// What is said about chains.
+    /// Resolves the options of the Metropolis methods.
     fn metropolis(&self) -> Result<MetropolisOptions> {
         let usual = MetropolisOptions::default();
         let large_step = self.large_step.unwrap_or(usual.large_step);
         if !(large_step > 0.0 && large_step <= 1.0) {
-            return Err(Error::usage("large-step must be above 0 and at most 1: small steps alone do not reach every path"));
+            return Err(Error::usage(
+                "large-step must be above 0 and at most 1: small steps alone do not reach every path",
+            ));
         }
         if self.limit.is_some_and(|limit| !(limit >= 0.0 && limit.is_finite())) {
             return Err(Error::usage("limit must not be negative"));
         }
         if self.clamp.is_some() && self.method.is_some_and(Method::has_chains) {
-            return Err(Error::usage("clamp does nothing sensible to chains, whose samples are all alike: leave it out"));
+            return Err(Error::usage(
+                "clamp does nothing sensible to chains, whose samples are all alike: leave it out",
+            ));
         }
         Ok(MetropolisOptions {
             chains: self.chains.map(|chains| in_range("chains", chains, 1 << 20)).transpose()?,
@@ -287,7 +293,7 @@ impl Choices {
         })
     }
 
-    /// The environment chosen, if any.
+    /// Returns the chosen environment, if any.
     ///
     /// # Errors
     /// A rotation without a map, a scale without an environment, values out of range.
@@ -299,16 +305,17 @@ impl Choices {
         self.replicates.unwrap_or_else(|| self.method.unwrap_or_default().replicates())
     }
 
-    /// Whether anything is said about when the render is done.
+    /// Whether any stopping criterion is given.
     pub fn stops(&self) -> bool {
         self.spp.is_some() || self.time.is_some() || self.target_error.is_some()
     }
 
-    /// The plan chosen, for that share of the passes.
+    /// Resolves the plan, for that selection of the passes.
     ///
     /// # Errors
-    /// Values out of range; an error target for a share of the passes, or without replicates to measure the error between.
-    pub fn plan(&self, selection: Selection) -> Result<Plan> {
+    /// Values out of range; an error target for a share of the passes, or without replicates to measure the error
+    /// between.
+    pub fn plan(&self, selection: PassSelection) -> Result<PassPlan> {
         let replicates = self.replicates();
         if let Some(target) = self.target_error {
             measurable(target, replicates, selection)?;
@@ -319,24 +326,24 @@ impl Choices {
             (None, None) => Some(DEFAULT_SPP),
         };
         let spp = self.spp.or(unasked).map(|spp| in_range("spp", spp, 1 << 30)).transpose()?;
-        let stop = Stop {
+        let stop = StopCriteria {
             spp: spp.map(|spp| round_spp(u64::from(spp), replicates)),
             seconds: self.time.map(|Budget(time)| time.as_secs_f64()),
             target_error: self.target_error,
         };
-        Ok(Plan { stop, selection })
+        Ok(PassPlan { stop, selection })
     }
 
-    /// How PNG images look.
+    /// Returns the tone mapping of PNG images.
     ///
     /// # Errors
     /// An exposure that is not finite.
-    pub fn look(&self) -> Result<Look> {
+    pub fn look(&self) -> Result<ToneMapping> {
         let exposure = self.exposure.unwrap_or(0.0);
         if !exposure.is_finite() {
             return Err(Error::usage("exposure must be finite"));
         }
-        Ok(Look { exposure, curve: self.curve.unwrap_or_default() })
+        Ok(ToneMapping { exposure, curve: self.curve.unwrap_or_default() })
     }
 
     fn image_size(&self, aspect: Option<f64>) -> [u32; 2] {
@@ -355,13 +362,13 @@ fn positive(clamp: f32) -> Result<f32> {
     if clamp.is_finite() && clamp > 0.0 { Ok(clamp) } else { Err(Error::usage("clamp must be above zero")) }
 }
 
-/// Refuses an error target that nothing could be measured against.
-fn measurable(target: f64, replicates: u32, selection: Selection) -> Result<()> {
+/// Rejects an error target that cannot be measured.
+fn measurable(target: f64, replicates: u32, selection: PassSelection) -> Result<()> {
     let refuse = |what: &str| Err(Error::usage(format!("target-error {what}")));
     match (target.is_finite() && target > 0.0, replicates, selection) {
         (false, ..) => refuse("must be above zero"),
         (_, 0 | 1, _) => refuse("needs replicates to measure the error between: leave out --replicates 1"),
-        (_, _, Selection::All) => Ok(()),
+        (_, _, PassSelection::All) => Ok(()),
         _ => refuse("needs the whole picture: merge the shards, look at the error, and resume"),
     }
 }
@@ -381,8 +388,8 @@ mod tests {
 
     #[test]
     fn the_command_line_wins_field_by_field() {
-        let line = Choices { seed: Some(7), ..Choices::default() };
-        let file = Choices::parse("seed = 1\nreplicates = 8\nfilter = \"box\"\nsize = \"64x32\"").unwrap();
+        let line = SettingsPatch { seed: Some(7), ..SettingsPatch::default() };
+        let file = SettingsPatch::parse("seed = 1\nreplicates = 8\nfilter = \"box\"\nsize = \"64x32\"").unwrap();
         let settings = line.or(file).settings(None).unwrap();
         assert_eq!((settings.seed, settings.replicates, settings.width, settings.height), (7, 8, 64, 32));
         assert_eq!(settings.filter, Filter::Box);
@@ -390,75 +397,87 @@ mod tests {
 
     #[test]
     fn when_to_stop_is_chosen_in_one_place() {
-        let stop = |choices: &Choices| choices.plan(Selection::All).unwrap().stop;
-        let line = Choices { spp: Some(16), ..Choices::default() };
-        let file = Choices::parse("time = \"5m\"").unwrap();
-        assert_eq!(stop(&line.or(file.clone())), Stop::after(16));
-        assert_eq!(stop(&file), Stop { seconds: Some(300.0), ..Stop::default() });
-        let several = Choices::parse("time = \"5m\"\nspp = 100\ntarget-error = 1e-3").unwrap();
-        assert_eq!(stop(&several), Stop { spp: Some(128), seconds: Some(300.0), target_error: Some(1e-3) });
-        let target = Choices::parse("target-error = 0.01").unwrap();
-        assert_eq!(stop(&target), Stop { target_error: Some(0.01), ..Stop::after(65536) });
-        assert_eq!(stop(&Choices::default()), Stop::after(64));
+        let stop = |choices: &SettingsPatch| choices.plan(PassSelection::All).unwrap().stop;
+        let line = SettingsPatch { spp: Some(16), ..SettingsPatch::default() };
+        let file = SettingsPatch::parse("time = \"5m\"").unwrap();
+        assert_eq!(stop(&line.or(file.clone())), StopCriteria::after(16));
+        assert_eq!(stop(&file), StopCriteria { seconds: Some(300.0), ..StopCriteria::default() });
+        let several = SettingsPatch::parse("time = \"5m\"\nspp = 100\ntarget-error = 1e-3").unwrap();
+        assert_eq!(stop(&several), StopCriteria { spp: Some(128), seconds: Some(300.0), target_error: Some(1e-3) });
+        let target = SettingsPatch::parse("target-error = 0.01").unwrap();
+        assert_eq!(stop(&target), StopCriteria { target_error: Some(0.01), ..StopCriteria::after(65536) });
+        assert_eq!(stop(&SettingsPatch::default()), StopCriteria::after(64));
     }
 
     #[test]
     fn frames_have_a_rate_and_are_none_without_a_number() {
-        let frame = |text: &str| Choices::parse(text).unwrap().settings(None).map(|settings| settings.frame);
+        let frame = |text: &str| SettingsPatch::parse(text).unwrap().settings(None).map(|settings| settings.frame);
         assert_eq!(frame("fps = 30").unwrap(), None);
-        assert_eq!(frame("frame = 12").unwrap(), Some(Frame { number: 12, fps: 24.0 }));
-        assert_eq!(frame("frame = 0\nfps = 29.97").unwrap(), Some(Frame { number: 0, fps: 29.97 }));
+        assert_eq!(frame("frame = 12").unwrap(), Some(FrameNumber { number: 12, fps: 24.0 }));
+        assert_eq!(frame("frame = 0\nfps = 29.97").unwrap(), Some(FrameNumber { number: 0, fps: 29.97 }));
         for text in ["fps = 0", "fps = -24.0", "fps = nan", "frame = 1\nfps = inf"] {
             assert!(frame(text).unwrap_err().to_string().contains("fps must be above zero"), "{text}");
         }
-        assert!(Choices::parse("frame = -1").is_err() && Choices::parse("frame = 1.5").is_err());
-        let line = Choices { frame: Some(3), ..Choices::default() };
-        let both = line.or(Choices::parse("frame = 1\nfps = 30").unwrap());
-        assert_eq!(both.settings(None).unwrap().frame, Some(Frame { number: 3, fps: 30.0 }));
+        assert!(SettingsPatch::parse("frame = -1").is_err() && SettingsPatch::parse("frame = 1.5").is_err());
+        let line = SettingsPatch { frame: Some(3), ..SettingsPatch::default() };
+        let both = line.or(SettingsPatch::parse("frame = 1\nfps = 30").unwrap());
+        assert_eq!(both.settings(None).unwrap().frame, Some(FrameNumber { number: 3, fps: 30.0 }));
     }
 
     #[test]
     fn targets_that_cannot_be_measured_are_refused() {
-        for text in ["target-error = 0.0", "target-error = -1.0", "target-error = nan", "target-error = 0.1\nreplicates = 1"] {
-            assert!(Choices::parse(text).unwrap().plan(Selection::All).is_err(), "{text}");
+        for text in
+            ["target-error = 0.0", "target-error = -1.0", "target-error = nan", "target-error = 0.1\nreplicates = 1"]
+        {
+            assert!(SettingsPatch::parse(text).unwrap().plan(PassSelection::All).is_err(), "{text}");
         }
-        let target = Choices::parse("target-error = 0.1").unwrap();
+        let target = SettingsPatch::parse("target-error = 0.1").unwrap();
         assert!(target.plan("0/2".parse().unwrap()).is_err() && target.plan("0..8".parse().unwrap()).is_err());
     }
 
     #[test]
     fn unknown_keys_are_named_with_their_line() {
-        let error = Choices::parse("seed = 1\nsped = 2").unwrap_err();
+        let error = SettingsPatch::parse("seed = 1\nsped = 2").unwrap_err();
         assert!(error.chain().contains("line 2") && error.chain().contains("sped"), "{}", error.chain());
     }
 
     #[test]
     fn wrong_values_in_a_file_are_refused_like_those_on_the_line() {
+        for text in [
+            "size = \"0x4\"",
+            "env = -1.0",
+            "env = \"sky.png\"",
+            "spp = -4",
+            "target-error = \"low\"",
+            "aov = [\"beauty\"]",
+        ] {
+            assert!(SettingsPatch::parse(text).is_err(), "{text}");
+        }
         for text in
-            ["size = \"0x4\"", "env = -1.0", "env = \"sky.png\"", "spp = -4", "target-error = \"low\"", "aov = [\"beauty\"]"]
+            ["replicates = 0", "replicates = 1000", "clamp = 0.0", "clamp = inf", "size = \"4x4\"\ncrop = \"0,0,5,4\""]
         {
-            assert!(Choices::parse(text).is_err(), "{text}");
+            assert!(SettingsPatch::parse(text).unwrap().settings(None).is_err(), "{text}");
         }
-        for text in ["replicates = 0", "replicates = 1000", "clamp = 0.0", "clamp = inf", "size = \"4x4\"\ncrop = \"0,0,5,4\""] {
-            assert!(Choices::parse(text).unwrap().settings(None).is_err(), "{text}");
-        }
-        assert!(Choices::parse("spp = 0").unwrap().plan(Selection::All).is_err());
+        assert!(SettingsPatch::parse("spp = 0").unwrap().plan(PassSelection::All).is_err());
     }
 
     #[test]
     fn environments_may_be_numbers_arrays_or_text() {
         for text in ["env = 0.5", "env = [0.5, 0.5, 0.5]", "env = \"0.5\"", "environment = 0.5"] {
-            assert_eq!(Choices::parse(text).unwrap().env, Some(Environment::Radiance([0.5; 3])), "{text}");
+            assert_eq!(SettingsPatch::parse(text).unwrap().env, Some(EnvironmentChoice::Radiance([0.5; 3])), "{text}");
         }
     }
 
     #[test]
     fn another_environment_leaves_rotation_and_scale_behind() {
-        let file = || Choices::parse("env = \"sky.hdr\"\nenv-rotation = 30\nenv-scale = 2.0").unwrap();
-        let line =
-            |env: Option<&str>| Choices { env: env.map(|e| e.parse().unwrap()), env_scale: Some(3.0), ..Choices::default() };
-        let placed = |choices: Choices| choices.surroundings().unwrap().map(|s| (s.rotation, s.scale));
-        assert_eq!(placed(Choices::default().or(file())), Some((30.0, 2.0)));
+        let file = || SettingsPatch::parse("env = \"sky.hdr\"\nenv-rotation = 30\nenv-scale = 2.0").unwrap();
+        let line = |env: Option<&str>| SettingsPatch {
+            env: env.map(|e| e.parse().unwrap()),
+            env_scale: Some(3.0),
+            ..SettingsPatch::default()
+        };
+        let placed = |choices: SettingsPatch| choices.surroundings().unwrap().map(|s| (s.rotation, s.scale));
+        assert_eq!(placed(SettingsPatch::default().or(file())), Some((30.0, 2.0)));
         assert_eq!(placed(line(None).or(file())), Some((30.0, 3.0)));
         assert_eq!(placed(line(Some("1")).or(file())), Some((0.0, 3.0)));
     }
@@ -467,15 +486,15 @@ mod tests {
     fn paths_in_a_file_are_seen_from_its_folder() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("render.toml"), "env = \"maps/sky.hdr\"").unwrap();
-        let choices = Choices::beside(&folder.path().join("scene.gltf")).unwrap();
-        assert_eq!(choices.env, Some(Environment::File(folder.path().join("maps/sky.hdr"))));
+        let choices = SettingsPatch::beside(&folder.path().join("scene.gltf")).unwrap();
+        assert_eq!(choices.env, Some(EnvironmentChoice::File(folder.path().join("maps/sky.hdr"))));
     }
 
     #[test]
     fn the_camera_decides_a_missing_height() {
         let height = |size: Option<&str>, aspect| {
             let size = size.map(|s| s.parse().unwrap());
-            Choices { size, ..Choices::default() }.settings(aspect).unwrap().height
+            SettingsPatch { size, ..SettingsPatch::default() }.settings(aspect).unwrap().height
         };
         assert_eq!(height(None, None), 720);
         assert_eq!(height(None, Some(2.0)), 640);

@@ -1,4 +1,4 @@
-//! Under what conditions something was measured, as reports and their pages show it.
+//! Measurement conditions, as reports and their pages show them.
 
 use super::machine::{Processor, peak_memory};
 use super::{Program, megabytes, provenance};
@@ -6,23 +6,23 @@ use crate::io::page::facts;
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// The program, the machine and the command.
+/// Program, machine and command of a measurement.
 #[derive(Debug, Clone, Serialize)]
 pub struct Conditions {
     /// The program.
     pub program: Program,
-    /// The processor's name, where the system tells it.
+    /// The processor's name, if the system reports it.
     pub processor: Option<String>,
-    /// The most memory the whole run took, everything in it together.
+    /// Peak memory of the whole run, in bytes, with all scenes and backends.
     pub peak_memory_bytes: Option<u64>,
     /// The command.
     pub command: String,
-    /// When it ended, in UTC.
+    /// End of the run, in UTC.
     pub finished: String,
 }
 
 impl Conditions {
-    /// Those of a run of `command` that ends now.
+    /// Returns the conditions of a run of `command` that ends now.
     pub(super) fn now(command: &str) -> Conditions {
         Conditions {
             program: Program::current(),
@@ -33,7 +33,7 @@ impl Conditions {
         }
     }
 
-    /// The part of a page that tells them, and `more`; `files` holds the numbers behind the page.
+    /// The section of a page that shows the conditions and `more`. `files` names the files with the underlying numbers.
     pub(super) fn markup<'a>(&self, more: impl IntoIterator<Item = (&'a str, String)>, files: &str) -> Markup {
         let memory = self.peak_memory_bytes.map_or("unknown".into(), megabytes);
         let own = [

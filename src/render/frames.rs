@@ -1,41 +1,44 @@
-//! Frames of an animation: which one a picture shows, and lists of them as people write them, `1-240x2,300`.
+//! Animation frames: the frame that a picture shows, and frame lists such as `1-240x2,300`.
 
 use std::collections::HashSet;
 use std::fmt;
 use std::str::FromStr;
 
-/// What of the scene's animations is shown.
+/// Time and animation of the scene that are rendered.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Moment {
-    /// The frame; as the scene stands without one.
-    pub frame: Option<Frame>,
-    /// The only animation that is played, by name or number; all together without one.
+    /// The frame; `None` renders the scene at rest.
+    pub frame: Option<FrameNumber>,
+    /// The only animation that is played, by name or number; `None` plays all together.
     pub animation: Option<String>,
 }
 
 /// A frame of the scene's animations.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Frame {
-    /// Its number; frame 0 is at time 0.
+pub struct FrameNumber {
+    /// Frame number; frame 0 is at time 0.
     pub number: u32,
     /// Frames per second.
     pub fps: f64,
 }
 
-impl Frame {
-    /// Its time in seconds.
+impl FrameNumber {
+    /// Returns the frame's time in seconds.
     pub fn seconds(self) -> f64 {
         f64::from(self.number) / self.fps
     }
 
-    /// What is doubtful about it, where the animations end at that time in seconds, or there are none.
+    /// Returns a warning if the animations end before this frame, at `end` in seconds, or if there are none.
     pub(super) fn doubt(self, end: Option<f64>) -> Option<String> {
         let (number, seconds) = (self.number, self.seconds());
         match end {
-            None => Some(format!("frame {number} was asked for, and no node is animated: the scene is shown as it stands")),
-            // Files have times in f32: the last frame is not past its own key.
+            None => {
+                Some(format!("frame {number} was asked for, and no node is animated: the scene is shown as it stands"))
+            }
+            // Files store times in f32. The comparison rounds alike, so that the last frame is not past its own key.
             Some(end) if f64::from(seconds as f32) > end => {
-                let what = format!("frame {number}, at {seconds:.3} s, is past the end of the animation, at {end:.3} s");
+                let what =
+                    format!("frame {number}, at {seconds:.3} s, is past the end of the animation, at {end:.3} s");
                 Some(format!("{what}: the scene is shown as it ends"))
             }
             Some(_) => None,
@@ -43,14 +46,14 @@ impl Frame {
     }
 }
 
-impl fmt::Display for Frame {
+impl fmt::Display for FrameNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} at {} per second", self.number, self.fps)
     }
 }
 
-/// Numbers of frames, each once, in the order in which they were written: `1-240`, every second one `1-240x2`, or several
-/// of either `1,3,7-9`. At least one and at most [`Frames::MOST`].
+/// Distinct frame numbers, in the order in which they were written: `1-240`, every second one `1-240x2`, or several of
+/// either `1,3,7-9`. At least one and at most [`Frames::MOST`].
 #[derive(Debug, Clone, PartialEq, Eq, serde::Deserialize)]
 #[serde(try_from = "String")]
 pub struct Frames(Vec<u32>);
@@ -64,16 +67,16 @@ impl TryFrom<String> for Frames {
 }
 
 impl Frames {
-    /// How many a list may name.
+    /// Maximum number of frames in a list.
     pub const MOST: usize = 1_000_000;
 
-    /// The numbers.
+    /// Returns the frame numbers.
     pub fn numbers(&self) -> &[u32] {
         &self.0
     }
 }
 
-/// `first` to `last`, each `step`.
+/// `first` to `last` in steps of `step`.
 #[derive(Clone, Copy)]
 struct Range {
     first: u32,
@@ -93,7 +96,7 @@ impl FromStr for Range {
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |part: &str| {
             let part = part.trim();
-            // `parse` would take a plus sign.
+            // `parse` would accept a plus sign.
             let digits = part.bytes().all(|b| b.is_ascii_digit());
             let number = part.parse().ok().filter(|_| digits);
             number.ok_or_else(|| format!("'{text}' is no frame and no range of frames: write 7, 1-240 or 1-240x2"))
@@ -133,7 +136,7 @@ impl FromStr for Frames {
 }
 
 impl fmt::Display for Frames {
-    /// As short as ranges make it; reading it gives the same frames.
+    /// Writes the shortest list of ranges. Parsing it gives the same frames.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut rest = &self.0[..];
         let mut separator = "";
@@ -150,7 +153,7 @@ impl fmt::Display for Frames {
     }
 }
 
-/// The longest range that `numbers` begin with; two numbers are none.
+/// The longest range at the start of `numbers`. Two numbers do not count as a range.
 fn run(numbers: &[u32]) -> Option<Range> {
     let &first = numbers.first()?;
     let alone = Range { first, last: first, step: 1 };
@@ -240,7 +243,7 @@ mod tests {
 
     #[test]
     fn frames_that_show_nothing_new_are_doubtful() {
-        let frame = |number, fps| Frame { number, fps };
+        let frame = |number, fps| FrameNumber { number, fps };
         assert_eq!(frame(36, 24.0).seconds(), 1.5);
         assert_eq!(frame(36, 24.0).doubt(Some(1.5)), None);
         // 1/24 s is rounded up and 5/24 s down.

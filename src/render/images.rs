@@ -1,8 +1,8 @@
-//! Films as images: EXR with every layer and the report in its header, PNG to look at.
+//! Converts films to images: EXR with every layer and the report in its header, and PNG for viewing.
 
 use super::aov::Source;
 use super::same_mean::{Pyramid, RECORD, encode};
-use super::{Aov, Outputs, Provenance, Report, Settings, Stage};
+use super::{Aov, LoadedScene, Outputs, Provenance, RenderReport, RenderSettings};
 use crate::error::Result;
 use crate::film::{Film, Plane};
 use crate::integrator;
@@ -10,19 +10,19 @@ use crate::io::exr::{self, Attribute, Layer};
 use crate::io::png;
 use std::path::Path;
 
-/// Instance and material numbers at the pixel centres.
+/// Instance and material indices at the pixel centres.
 pub type Ids = [Vec<f32>; 2];
 
-/// Whether the image needs the scene besides the film: identifiers are not in films.
+/// Whether the image needs the scene besides the film, since films hold no instance or material indices.
 pub fn needs_ids(aovs: &[Aov]) -> bool {
     aovs.iter().any(|aov| matches!(aov.source(), Source::InstanceIds | Source::MaterialIds))
 }
 
-/// The numbers, if layers of the image show them.
+/// Computes the instance and material indices, if layers of the image show them.
 ///
 /// # Errors
-/// A camera that is not there.
-pub fn ids(stage: &Stage, settings: &Settings) -> Result<Option<Ids>> {
+/// The camera does not exist.
+pub fn ids(stage: &LoadedScene, settings: &RenderSettings) -> Result<Option<Ids>> {
     if !needs_ids(&settings.aovs) {
         return Ok(None);
     }
@@ -30,11 +30,17 @@ pub fn ids(stage: &Stage, settings: &Settings) -> Result<Option<Ids>> {
     Ok(Some(integrator::ids(&stage.scene, &camera, &settings.layout())))
 }
 
-/// Writes the images of `outputs`; the EXR one holds `layers`.
+/// Writes the images of `outputs`. The EXR image holds `layers`.
 ///
 /// # Errors
-/// A file that cannot be written.
-pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, layers: &[Layer], report: &Report) -> Result<()> {
+/// A file cannot be written.
+pub fn write(
+    outputs: &Outputs,
+    provenance: &Provenance,
+    film: &Film,
+    layers: &[Layer],
+    report: &RenderReport,
+) -> Result<()> {
     let settings = &provenance.settings;
     let layout = settings.layout();
     if let Some(path) = &outputs.exr {
@@ -47,19 +53,19 @@ pub fn write(outputs: &Outputs, provenance: &Provenance, film: &Film, layers: &[
     outputs.png.as_ref().map_or(Ok(()), |path| write_png(path, provenance, film, &labels))
 }
 
-/// Writes the image to look at, with `labels` in its header.
+/// Writes the PNG image, with `labels` in its header.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// The file cannot be written.
 pub fn write_png(path: &Path, provenance: &Provenance, film: &Film, labels: &[(&str, &str)]) -> Result<()> {
     let (crop, look) = (film.layout().crop, provenance.look);
     let alpha = provenance.settings.transparent.then(|| film.mean(Plane::Alpha));
     let (width, height, rgb) = (crop.x1 - crop.x0, crop.y1 - crop.y0, film.mean(Plane::Color));
-    let picture = png::Picture { width, height, rgb: &rgb, alpha: alpha.as_deref() };
+    let picture = png::PngPicture { width, height, rgb: &rgb, alpha: alpha.as_deref() };
     png::write(path, picture, look.exposure, look.curve, labels)
 }
 
-/// All layers of the EXR image: colour, alpha if asked for, the standard error of colour, the extra ones.
+/// Returns all layers of the EXR image: colour, alpha if asked for, the standard error of colour, and the AOVs.
 pub fn layers(provenance: &Provenance, film: &Film, ids: Option<&Ids>) -> Vec<Layer> {
     let settings = &provenance.settings;
     let mut layers = split(&["R", "G", "B"], &film.mean(Plane::Color));
@@ -82,13 +88,13 @@ pub fn layers(provenance: &Provenance, film: &Film, ids: Option<&Ids>) -> Vec<La
     layers
 }
 
-/// Where one chain brought most of the light; nowhere for a method without chains.
+/// Mask of the pixels where one chain brought most of the light; all 0 for a method without chains.
 fn owned(provenance: &Provenance, film: &Film) -> Vec<f32> {
     let chains = &provenance.work.passes.chains;
     chains.as_ref().map_or_else(|| vec![0.0; film.layout().pixels()], |chains| chains.tiles.owned_pixels(film.layout()))
 }
 
-/// One layer a channel from values that lie pixel by pixel.
+/// Splits pixel-interleaved values into one layer per channel.
 pub(super) fn split(names: &[&str], values: &[f32]) -> Vec<Layer> {
     let channel = |at: usize| values.iter().skip(at).step_by(names.len()).copied().collect();
     names.iter().enumerate().map(|(at, &name)| Layer { name: name.into(), values: channel(at) }).collect()

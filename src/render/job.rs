@@ -1,4 +1,4 @@
-//! Batch files: many pictures of many scenes, named by a pattern.
+//! Batch files: many pictures of many scenes, with output paths from a pattern.
 //!
 //! ```toml
 //! output = "out/{scene}.{camera}.{frame:04}.{method}.exr"
@@ -17,63 +17,63 @@
 //! frames = "1-240"
 //! ```
 //!
-//! Paths in a batch file are seen from its folder. What is said nearer to a picture wins: the command line over everything, then
-//! `[[render]]`, then `[settings]`, then the `render.toml` beside the scene.
+//! Paths in a batch file are relative to its folder. Precedence of settings, highest first: the command line,
+//! `[[render]]`, `[settings]`, the `render.toml` beside the scene.
 
-use super::{Choices, Frames, picture_name};
+use super::{Frames, SettingsPatch, picture_name};
 use crate::error::{Error, Result};
 use crate::integrator::Method;
 use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
-/// Pictures of a batch at most.
+/// Maximum number of pictures of a batch.
 const MOST_PICTURES: usize = 1_000_000;
 
 /// A batch file.
 #[derive(Debug, Clone, Default, serde::Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Job {
-    /// Pattern of the output's path: see [`name`].
+    /// Path pattern of the outputs: see [`name`].
     pub output: Option<PathBuf>,
-    /// Pattern of the report's path, if there are to be any.
+    /// Path pattern of the reports; `None` writes none.
     pub report: Option<PathBuf>,
     /// Choices for all pictures.
-    pub settings: Choices,
-    /// What is rendered.
-    pub render: Vec<Request>,
-    /// Whether the `render.toml` beside each scene is left alone.
+    pub settings: SettingsPatch,
+    /// The requested pictures.
+    pub render: Vec<JobRequest>,
+    /// Whether to ignore the `render.toml` beside each scene.
     pub no_config: bool,
 }
 
-/// Pictures that are asked for together.
+/// A group of pictures with common settings.
 #[derive(Debug, Clone, Default, serde::Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
-pub struct Request {
+pub struct JobRequest {
     /// Scene files.
     pub scenes: Vec<PathBuf>,
-    /// Cameras by name or number; the settings' own if there are none.
+    /// Cameras by name or number; the settings' own if empty.
     pub cameras: Vec<String>,
-    /// Methods; the settings' own if there are none.
+    /// Methods; the settings' own if empty.
     pub methods: Vec<Method>,
-    /// Frames of the scenes' animations; the settings' own if there are none.
+    /// Frames of the scenes' animations; the settings' own if `None`.
     pub frames: Option<Frames>,
-    /// Choices for these.
-    pub settings: Choices,
-    /// In place of the job's.
+    /// Choices for this group.
+    pub settings: SettingsPatch,
+    /// Path pattern of the outputs that replaces the job's.
     pub output: Option<PathBuf>,
 }
 
-/// A picture to be rendered.
+/// A picture to render.
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub struct JobPicture {
     /// The scene file.
     pub scene: PathBuf,
-    /// What was chosen for it.
-    pub choices: Choices,
-    /// Where it goes.
+    /// The choices for it.
+    pub choices: SettingsPatch,
+    /// Path of the image.
     pub output: PathBuf,
-    /// Where its report goes.
+    /// Path of the report.
     pub report: Option<PathBuf>,
 }
 
@@ -88,11 +88,12 @@ impl Job {
         super::text::toml(&text).map_err(|e| e.context(path.display()))
     }
 
-    /// All its pictures in their order, the batch file being in `folder`. `over` wins over what the file says.
+    /// Returns all pictures in order, for a batch file in `folder`. `over` takes precedence over the file's choices.
     ///
     /// # Errors
-    /// Nothing to render, a pattern with an unknown field, two pictures of one name, a `render.toml` that cannot be read.
-    pub fn pictures(&self, folder: &Path, over: &Choices) -> Result<Vec<Picture>> {
+    /// There is nothing to render, a pattern has an unknown field, two pictures have the same path, or a `render.toml`
+    /// cannot be read.
+    pub fn pictures(&self, folder: &Path, over: &SettingsPatch) -> Result<Vec<JobPicture>> {
         let mut pictures = Vec::new();
         for (index, request) in self.render.iter().enumerate() {
             if request.scenes.is_empty() {
@@ -101,7 +102,7 @@ impl Job {
             for scene in &request.scenes {
                 let scene = folder.join(scene);
                 let near = over.clone().or(seen_from(&request.settings, folder)).or(seen_from(&self.settings, folder));
-                let beside = if self.no_config { Choices::default() } else { Choices::beside(&scene)? };
+                let beside = if self.no_config { SettingsPatch::default() } else { SettingsPatch::beside(&scene)? };
                 let choices = near.or(beside);
                 self.pictures_of(&scene, &choices, request, folder, &mut pictures)?;
             }
@@ -116,12 +117,13 @@ impl Job {
     fn pictures_of(
         &self,
         scene: &Path,
-        choices: &Choices,
-        request: &Request,
+        choices: &SettingsPatch,
+        request: &JobRequest,
         folder: &Path,
-        pictures: &mut Vec<Picture>,
+        pictures: &mut Vec<JobPicture>,
     ) -> Result<()> {
-        let output = request.output.as_ref().or(self.output.as_ref()).map_or(Path::new(DEFAULT_OUTPUT), PathBuf::as_path);
+        let output =
+            request.output.as_ref().or(self.output.as_ref()).map_or(Path::new(DEFAULT_OUTPUT), PathBuf::as_path);
         let frames = request.frames.as_ref().map_or(&[][..], Frames::numbers);
         for frame in each(frames, choices.frame) {
             for camera in each(&request.cameras, choices.camera.clone()) {
@@ -129,11 +131,13 @@ impl Job {
                     if pictures.len() == MOST_PICTURES {
                         return Err(Error::usage(format!("more than {MOST_PICTURES} pictures in one batch: split it")));
                     }
-                    let choices = Choices { frame, camera: camera.clone(), method, ..choices.clone() };
+                    let choices = SettingsPatch { frame, camera: camera.clone(), method, ..choices.clone() };
                     let fields = fields(scene, &choices);
-                    let at = |pattern: &Path| path_name(pattern, &fields).map(|name| folder.join(name)).map_err(Error::usage);
+                    let at = |pattern: &Path| {
+                        path_name(pattern, &fields).map(|name| folder.join(name)).map_err(Error::usage)
+                    };
                     let (output, report) = (at(output)?, self.report.as_deref().map(at).transpose()?);
-                    pictures.push(Picture { scene: scene.to_owned(), choices, output, report });
+                    pictures.push(JobPicture { scene: scene.to_owned(), choices, output, report });
                 }
             }
         }
@@ -141,24 +145,25 @@ impl Job {
     }
 }
 
-/// Where pictures go if nothing is said.
+/// Default path pattern of the outputs.
 const DEFAULT_OUTPUT: &str = "{scene}.{camera}.{method}.exr";
 
-/// All of `values`, or `usual` alone if there are none.
+/// All of `values`, or only `usual` if there are none.
 fn each<T: Clone>(values: &[T], usual: Option<T>) -> Vec<Option<T>> {
     if values.is_empty() { vec![usual] } else { values.iter().cloned().map(Some).collect() }
 }
 
-/// The choices with their relative paths seen from `folder`.
-fn seen_from(choices: &Choices, folder: &Path) -> Choices {
-    Choices { env: choices.env.clone().map(|env| env.seen_from(folder)), ..choices.clone() }
+/// The choices with relative paths resolved against `folder`.
+fn seen_from(choices: &SettingsPatch, folder: &Path) -> SettingsPatch {
+    SettingsPatch { env: choices.env.clone().map(|env| env.seen_from(folder)), ..choices.clone() }
 }
 
-/// What a pattern may name of a picture.
-fn fields(scene: &Path, choices: &Choices) -> Fields {
+/// Pattern fields of a picture.
+fn fields(scene: &Path, choices: &SettingsPatch) -> Fields {
     let method = serde_json::json!(choices.method.unwrap_or_default());
-    // Camera names come from files and may hold anything.
-    let camera = choices.camera.as_deref().unwrap_or("0").replace(|c: char| c == '/' || c == '\\' || c.is_control(), "_");
+    // Camera names come from files and may hold any character.
+    let camera =
+        choices.camera.as_deref().unwrap_or("0").replace(|c: char| c == '/' || c == '\\' || c.is_control(), "_");
     HashMap::from([
         ("scene", picture_name(scene)),
         ("camera", camera.into()),
@@ -168,10 +173,10 @@ fn fields(scene: &Path, choices: &Choices) -> Fields {
     ])
 }
 
-/// What may stand for a field of a pattern, bytes as they are.
+/// Values of the pattern fields, as raw bytes of the platform.
 pub type Fields = HashMap<&'static str, OsString>;
 
-/// Fills in the pattern of a path. What in it is no text has no fields and stays as it is.
+/// Expands the pattern of a path. Components that are not valid Unicode have no fields and are kept.
 fn path_name(pattern: &Path, fields: &Fields) -> std::result::Result<PathBuf, String> {
     match pattern.to_str() {
         Some(text) => name(text, fields).map(PathBuf::from),
@@ -184,10 +189,10 @@ fn path_name(pattern: &Path, fields: &Fields) -> std::result::Result<PathBuf, St
     }
 }
 
-/// Fills in a pattern: `{field}`, or `{field:04}` for a number with zeros before it; `{{` is a brace.
+/// Expands a pattern: `{field}`, or `{field:04}` for a number with leading zeros; `{{` is a literal brace.
 ///
 /// # Errors
-/// A field that is not there, a brace that is not closed.
+/// An unknown field, or an unclosed brace.
 pub fn name(pattern: &str, fields: &Fields) -> std::result::Result<OsString, String> {
     let (mut out, mut rest) = (OsString::new(), pattern);
     while let Some(at) = rest.find(['{', '}']) {
@@ -199,7 +204,8 @@ pub fn name(pattern: &str, fields: &Fields) -> std::result::Result<OsString, Str
             rest = after;
             continue;
         }
-        let end = rest.find('}').filter(|_| brace == "{").ok_or_else(|| format!("'{pattern}': a brace is not matched"))?;
+        let end =
+            rest.find('}').filter(|_| brace == "{").ok_or_else(|| format!("'{pattern}': a brace is not matched"))?;
         out.push(&field(&rest[..end], fields).map_err(|what| format!("'{pattern}': {what}"))?);
         rest = &rest[end + 1..];
     }
@@ -207,7 +213,7 @@ pub fn name(pattern: &str, fields: &Fields) -> std::result::Result<OsString, Str
     Ok(out)
 }
 
-/// One field with its width.
+/// Expands one field with its width.
 fn field(text: &str, fields: &Fields) -> std::result::Result<OsString, String> {
     let (name, width) = text.split_once(':').map_or((text, None), |(name, width)| (name, Some(width)));
     let value = fields.get(name).ok_or_else(|| {
@@ -218,12 +224,12 @@ fn field(text: &str, fields: &Fields) -> std::result::Result<OsString, String> {
     let Some(width) = width else { return Ok(value.clone()) };
     let wide = width.strip_prefix('0').and_then(|w| w.parse::<usize>().ok()).filter(|w| *w <= 16);
     let wide = wide.ok_or_else(|| format!("'{width}' is not a width: write one such as 04"))?;
-    // What has no characters has no width either.
+    // A value that is not valid Unicode is not padded.
     Ok(value.to_str().map_or_else(|| value.clone(), |value| format!("{value:0>wide$}").into()))
 }
 
-/// Refuses two pictures in one file.
-fn distinct(pictures: &[Picture]) -> Result<()> {
+/// Rejects two pictures with the same path.
+fn distinct(pictures: &[JobPicture]) -> Result<()> {
     let mut places = HashMap::new();
     for picture in pictures {
         for path in std::iter::once(&picture.output).chain(&picture.report) {
@@ -253,9 +259,9 @@ mod tests {
         }
     }
 
-    fn pictures(text: &str) -> Result<Vec<Picture>> {
+    fn pictures(text: &str) -> Result<Vec<JobPicture>> {
         let job: Job = super::super::text::toml(text)?;
-        job.pictures(Path::new("jobs"), &Choices::default())
+        job.pictures(Path::new("jobs"), &SettingsPatch::default())
     }
 
     #[test]

@@ -1,11 +1,11 @@
-//! What the machine offers and what this process has used of it.
+//! Resources of the machine, and their use by this process.
 
 use crate::error::{Error, Kind, Result};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Wall-clock and processor time since a moment.
+/// Wall-clock and processor time since a start.
 #[derive(Debug, Clone, Copy)]
 pub struct Stopwatch {
     wall: Instant,
@@ -35,11 +35,11 @@ fn cpu_time() -> Duration {
     Duration::new(time.tv_sec.try_into().unwrap_or(0), time.tv_nsec.try_into().unwrap_or(0))
 }
 
-/// The number of threads to use: `asked` for, else what a scheduler says in its variables, else the cores that this
-/// process may use (affinity and cgroup limits counted).
+/// Returns the number of threads to use: `asked`, else the number in a scheduler's environment variables, else the
+/// cores available to this process (within affinity and cgroup limits).
 ///
 /// # Errors
-/// More threads than make sense.
+/// More than 4096 threads, or 0, were asked for.
 pub fn threads(asked: Option<usize>, variable: impl Fn(&str) -> Option<String>) -> Result<usize> {
     const MOST: usize = 4096;
     let scheduled = || {
@@ -53,26 +53,26 @@ pub fn threads(asked: Option<usize>, variable: impl Fn(&str) -> Option<String>) 
     }
 }
 
-/// The most memory this process has held at once, in bytes; `None` where the system does not say.
+/// Peak resident memory of this process, in bytes; `None` where the system does not report it.
 pub fn peak_memory() -> Option<u64> {
     kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// The memory that this process holds, in bytes; `None` where the system does not say.
+/// Resident memory of this process, in bytes; `None` where the system does not report it.
 pub fn resident_memory() -> Option<u64> {
     kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
 }
 
-/// What `--memory` grants this process, in bytes; 0 where nothing was said.
+/// Memory limit of `--memory`, in bytes; 0 if none was given.
 static BUDGET: AtomicU64 = AtomicU64::new(0);
 
-/// Grants this process so many bytes in all.
+/// Limits the memory of this process to `bytes` in all.
 pub fn limit_memory(bytes: u64) {
     BUDGET.store(bytes, Ordering::Relaxed);
 }
 
-/// Memory that can still be had, in bytes: what is free, within the limits of the control groups and of [`limit_memory`]. `None` where
-/// the system does not say.
+/// Returns the memory still available, in bytes: free memory within the limits of the control groups and of
+/// [`limit_memory`]. `None` where the system does not report it.
 pub fn available_memory() -> Option<u64> {
     let free = kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let granted = Some(BUDGET.load(Ordering::Relaxed)).filter(|&bytes| bytes > 0);
@@ -80,7 +80,7 @@ pub fn available_memory() -> Option<u64> {
     Some([cgroup_room(), left].into_iter().flatten().fold(free, u64::min))
 }
 
-/// Refuses what would take more memory than is to be had, before the kernel does; `cure` says what would take less.
+/// Rejects a request that exceeds the available memory, before the kernel kills the process. `cure` names a remedy.
 ///
 /// # Errors
 /// [`Kind::Memory`] with both figures.
@@ -88,24 +88,29 @@ pub fn affordable(what: &str, need: u64, cure: &str) -> Result<()> {
     match available_memory() {
         Some(available) if need > available => {
             let (need, available) = (need as f64 / 1e9, available as f64 / 1e9);
-            Err(Error::new(Kind::Memory, format!("{what} would take {need:.2} GB and {available:.2} GB are to be had: {cure}")))
+            Err(Error::new(
+                Kind::Memory,
+                format!("{what} would take {need:.2} GB and {available:.2} GB are to be had: {cure}"),
+            ))
         }
         _ => Ok(()),
     }
 }
 
-/// What the system does about huge pages: `always`, `madvise` or `never`; `None` where it does not say.
+/// Transparent huge page mode of the system: `always`, `madvise` or `never`; `None` where the system does not report
+/// it.
 pub fn huge_pages() -> Option<String> {
     let text = std::fs::read_to_string("/sys/kernel/mm/transparent_hugepage/enabled").ok()?;
     Some(text.split_once('[')?.1.split_once(']')?.0.to_owned())
 }
 
-/// What the tightest control group (version 2) around this process has left, if one has a limit.
+/// Remaining memory of the tightest control group (version 2) around this process, if one has a limit.
 fn cgroup_room() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
     let own = Path::new("/sys/fs/cgroup").join(groups.lines().find_map(|l| l.strip_prefix("0::/"))?);
     let number = |file: PathBuf| std::fs::read_to_string(file).ok()?.trim().parse::<u64>().ok();
-    let room = |group: &Path| Some(number(group.join("memory.max"))?.saturating_sub(number(group.join("memory.current"))?));
+    let room =
+        |group: &Path| Some(number(group.join("memory.max"))?.saturating_sub(number(group.join("memory.current"))?));
     own.ancestors().take_while(|group| group.starts_with("/sys/fs/cgroup")).filter_map(room).min()
 }
 
@@ -114,17 +119,17 @@ fn kilobytes(text: &str, key: &str) -> Option<u64> {
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
-/// What the first processor says about itself.
+/// The first processor, as the system describes it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Processor {
     /// Its model name.
     pub model: Option<String>,
-    /// The instruction sets it has, as Linux names them; empty if unknown.
+    /// Its instruction sets, as Linux names them; empty if unknown.
     pub flags: Vec<String>,
 }
 
 impl Processor {
-    /// Asks the system.
+    /// Reads the description from the system.
     pub fn detect() -> Self {
         // The first processor's entry is enough, and generating it for hundreds of cores would take milliseconds.
         let mut head = vec![0; 8192];
@@ -142,7 +147,7 @@ impl Processor {
         Processor { model: value("model name"), flags: flags.unwrap_or_default() }
     }
 
-    /// Those of the instruction sets étendue was compiled for that this processor lacks.
+    /// Returns the instruction sets that étendue was compiled for and this processor lacks.
     pub fn missing(&self) -> Vec<&'static str> {
         if self.flags.is_empty() {
             return Vec::new();

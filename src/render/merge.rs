@@ -1,21 +1,21 @@
-//! Films of the same picture made one: shards of a farm, ranges of passes, sessions on several machines. Sums are integers
-//! per replicate, so the result is what one run would have given, bit for bit, in whatever order they come.
+//! Merges films of the same picture: shards of a farm, ranges of passes, sessions on several machines. Sums are
+//! integers per replicate. The result is therefore bit-identical to a single run, in any merge order.
 
-use super::{Plan, Provenance, Selection, Stop, checkpoint};
+use super::{PassPlan, PassSelection, Provenance, StopCriteria, checkpoint};
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, PassSet};
 use std::path::PathBuf;
 
-/// What a merge does about passes that no film holds.
+/// Treatment of passes that no film holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gaps {
-    /// Refuses.
+    /// Missing passes are an error.
     Refuse,
-    /// Takes the passes that are there.
+    /// Merges the passes that are there.
     Allow,
 }
 
-/// Reads the films at `paths` and makes them one.
+/// Reads the films at `paths` and merges them.
 ///
 /// # Errors
 /// Unreadable films; films of another scene, settings, seed or version; passes held twice; passes missing.
@@ -41,7 +41,7 @@ pub fn merge(paths: &[PathBuf], gaps: Gaps) -> Result<(Provenance, Film)> {
         plans.iter().for_each(|plan| missing.union(&plan.missing(film.passes(), replicates)));
         complete(&missing, total)?;
     }
-    provenance.plan = Plan { stop: Stop::after(total), selection: Selection::All };
+    provenance.plan = PassPlan { stop: StopCriteria::after(total), selection: PassSelection::All };
     Ok((provenance, film))
 }
 
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
     use crate::film::{PassFilm, Units};
     use crate::render::provenance::{Program, SceneRecord, Work};
-    use crate::render::{Choices, Look, film_file};
+    use crate::render::{SettingsPatch, ToneMapping, film_file};
     use rayon::iter::ParallelIterator;
 
     struct Films(tempfile::TempDir);
@@ -67,15 +67,16 @@ mod tests {
             Films(tempfile::tempdir().unwrap())
         }
 
-        /// Writes a film of a tiny picture that holds the passes of `selection`, after `change`.
+        /// Writes a film of a tiny picture with the passes of `selection`, after `change` to its provenance.
         fn write(&self, name: &str, selection: &str, change: impl Fn(&mut Provenance)) -> PathBuf {
             self.write_some(name, selection, usize::MAX, change)
         }
 
-        /// The same with no more than `most` of the passes.
+        /// As [`Self::write`], with at most `most` of the passes.
         fn write_some(&self, name: &str, selection: &str, most: usize, change: impl Fn(&mut Provenance)) -> PathBuf {
-            let choices = Choices { size: Some("4x2".parse().unwrap()), spp: Some(16), ..Choices::default() };
-            let selection = if selection.is_empty() { Selection::All } else { selection.parse().unwrap() };
+            let choices =
+                SettingsPatch { size: Some("4x2".parse().unwrap()), spp: Some(16), ..SettingsPatch::default() };
+            let selection = if selection.is_empty() { PassSelection::All } else { selection.parse().unwrap() };
             let mut provenance = Provenance {
                 program: Program::current(),
                 scene: SceneRecord {
@@ -89,7 +90,7 @@ mod tests {
                 },
                 settings: choices.settings(None).unwrap(),
                 plan: choices.plan(selection).unwrap(),
-                look: Look::default(),
+                look: ToneMapping::default(),
                 work: Work { sessions: 1, ..Work::default() },
             };
             change(&mut provenance);
@@ -145,13 +146,14 @@ mod tests {
         assert!(merge(&[c, b, a], Gaps::Refuse).is_ok());
     }
 
-    /// Each shard comes as far as it comes, and a merged film goes on to where the furthest came.
+    /// Timed shards stop independently. A merged film is continued up to the last pass of the furthest shard.
     #[test]
     fn shards_that_time_ends_need_not_be_equally_long() {
         let films = Films::new();
-        let timed = |p: &mut Provenance| p.plan.stop = Stop { spp: None, seconds: Some(1.0), target_error: None };
-        let shards =
-            [5, 3, 4].map(|most| films.write_some(&format!("{most}.film"), &format!("{}/3", (5 - most) % 3), most, timed));
+        let timed =
+            |p: &mut Provenance| p.plan.stop = StopCriteria { spp: None, seconds: Some(1.0), target_error: None };
+        let shards = [5, 3, 4]
+            .map(|most| films.write_some(&format!("{most}.film"), &format!("{}/3", (5 - most) % 3), most, timed));
         let (provenance, film) = merge(&shards, Gaps::Refuse).unwrap();
         assert_eq!((film.passes().to_string(), provenance.plan.stop.spp), ("0-10,12".to_owned(), Some(13)));
         assert!(refusal(&shards[..2]).contains("are missing"));

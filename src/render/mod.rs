@@ -1,7 +1,7 @@
-//! Rendering as an operation: what was asked for ([`Choices`], resolved to [`Settings`] and a [`Plan`]), a [`Session`]
-//! that runs whole passes into a film until the plan or a budget is met, and what it leaves behind: film files with
-//! their [`Provenance`], images, a [`Report`]. A film is a set of passes, so resuming, sharding and merging are set
-//! operations: see [`mod@merge`]. Nothing in here knows how light travels.
+//! Rendering as an operation. A [`SettingsPatch`] resolves to [`RenderSettings`] and a [`PassPlan`]. A [`Session`]
+//! renders whole passes into a film until the plan or a budget is met. It leaves film files with their [`Provenance`],
+//! images and a [`RenderReport`]. A film is a set of passes, so that resuming, sharding and merging are set operations:
+//! see [`mod@merge`]. This module is independent of light transport.
 
 mod aov;
 pub mod checkpoint;
@@ -36,18 +36,18 @@ pub mod verify;
 
 pub use aov::Aov;
 pub use checkpoint::Checkpoint;
-pub use choices::{Choices, Look};
-pub use complete::Found;
+pub use choices::{SettingsPatch, ToneMapping};
+pub use complete::ExistingOutput;
 pub use conditions::Conditions;
-pub use frames::{Frame, Frames, Moment};
+pub use frames::{FrameNumber, Frames, Moment};
 pub use outputs::{Outputs, picture_name, writable};
-pub use plan::{Plan, Selection, Stop, round_spp};
+pub use plan::{PassPlan, PassSelection, StopCriteria, round_spp};
 pub use progress::{Observer, Pace, Progress};
 pub use provenance::{Program, Provenance, Work};
 pub use rendered::Rendered;
-pub use report::Report;
+pub use report::RenderReport;
 pub use session::{Ended, Session};
-pub use settings::Settings;
-pub use stage::{Preparation, Stage};
-pub use surroundings::{Environment, Surroundings};
+pub use settings::RenderSettings;
+pub use stage::{LoadTimings, LoadedScene};
+pub use surroundings::{EnvironmentChoice, Surroundings};
 pub use text::{Budget, Bytes, Size, Window, megabytes};

@@ -1,12 +1,12 @@
-//! Which files a render leaves behind.
+//! Output files of a render.
 
-use super::Selection;
+use super::PassSelection;
 use crate::error::{Error, Result};
 use crate::io::atomic::target;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
-/// The files to write.
+/// Paths of the output files.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Outputs {
     /// The EXR image.
@@ -18,10 +18,10 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// The files that `-o PATH` stands for.
+    /// Returns the files that `-o PATH` stands for.
     ///
     /// # Errors
-    /// An ending that is not `.exr`, `.png` or `.film`.
+    /// The ending is not `.exr`, `.png` or `.film`.
     pub fn of(path: &Path) -> Result<Outputs> {
         let path = path.to_owned();
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
@@ -33,60 +33,61 @@ impl Outputs {
         }
     }
 
-    /// What a run over `selection` of the picture `name` writes when nothing was asked for.
-    pub fn default_for(name: &OsStr, selection: Selection) -> Outputs {
+    /// Returns the default outputs of a run over `selection` of the picture `name`.
+    pub fn default_for(name: &OsStr, selection: PassSelection) -> Outputs {
         let with = |ending: String| Some([name, OsStr::new(&ending)].into_iter().collect::<OsString>().into());
         match selection {
-            Selection::All => Outputs { exr: with(".exr".into()), ..Outputs::default() },
-            Selection::Shard { .. } | Selection::Range { .. } => {
+            PassSelection::All => Outputs { exr: with(".exr".into()), ..Outputs::default() },
+            PassSelection::Shard { .. } | PassSelection::Range { .. } => {
                 let part = part_name(selection);
                 Outputs { film: with(format!(".{part}.film")), ..Outputs::default() }
             }
         }
     }
 
-    /// The same with a PNG beside the EXR or the film.
+    /// Adds a PNG beside the EXR or the film.
     pub fn with_png(mut self) -> Self {
         self.png = self.png.or_else(|| Some(self.exr.as_ref().or(self.film.as_ref())?.with_extension("png")));
         self
     }
 
-    /// The same with the film at `path`, or beside the image where a part of a picture is rendered: a part is worth
-    /// little without its film.
-    pub fn with_film(mut self, path: Option<PathBuf>, selection: Selection) -> Self {
+    /// Adds the film at `path`. For a part of a picture the film defaults to a file beside the image, since a part
+    /// without its film cannot be merged.
+    pub fn with_film(mut self, path: Option<PathBuf>, selection: PassSelection) -> Self {
         self.film = match selection {
-            Selection::All => path.or(self.film),
+            PassSelection::All => path.or(self.film),
             _ => path.or_else(|| self.checkpoint()),
         };
         self
     }
 
-    /// Where the film goes if the render is stopped: the film itself, else beside the image.
+    /// Returns the path of the film that is saved if the render is stopped: the film output, else beside the image.
     pub fn checkpoint(&self) -> Option<PathBuf> {
         self.film.clone().or_else(|| Some(self.image()?.with_extension("film")))
     }
 
-    /// The image that a person would look at first.
+    /// Returns the primary image.
     pub fn image(&self) -> Option<&Path> {
         self.exr.as_deref().or(self.png.as_deref())
     }
 
-    /// All the files.
+    /// Returns all paths.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         [&self.exr, &self.png, &self.film].into_iter().filter_map(|p| p.as_deref())
     }
 }
 
-/// A part of a picture in a file name: `shard-0-of-4`, `passes-8-15`.
-fn part_name(selection: Selection) -> String {
+/// Name of a part of a picture in file names: `shard-0-of-4`, `passes-8-15`.
+fn part_name(selection: PassSelection) -> String {
     match selection {
-        Selection::All => "all".into(),
-        Selection::Shard { index, count } => format!("shard-{index}-of-{count}"),
-        Selection::Range { start, end } => format!("passes-{start}-{}", end - 1),
+        PassSelection::All => "all".into(),
+        PassSelection::Shard { index, count } => format!("shard-{index}-of-{count}"),
+        PassSelection::Range { start, end } => format!("passes-{start}-{}", end - 1),
     }
 }
 
-/// The picture's name for a scene file, bytes as they are: its stem, or its folder's name if it is just called `scene`.
+/// Returns the picture's name for a scene file, as raw bytes of the platform: its stem, or its folder's name if the
+/// stem is `scene`.
 pub fn picture_name(scene: &Path) -> OsString {
     let stem = scene.file_stem().map_or_else(|| "image".into(), OsStr::to_owned);
     if stem != "scene" {
@@ -95,10 +96,10 @@ pub fn picture_name(scene: &Path) -> OsString {
     std::path::absolute(scene).ok().and_then(|p| p.parent()?.file_name().map(OsStr::to_owned)).unwrap_or(stem)
 }
 
-/// Makes sure that a file can be written at `path`, without touching one that is there.
+/// Checks that a file can be written at `path`, without touching an existing one.
 ///
 /// # Errors
-/// Says why not.
+/// The reason why it cannot be written.
 pub fn writable(path: &Path) -> Result<()> {
     if path.is_dir() {
         return Err(Error::new(crate::error::Kind::Output, format!("cannot write {}: it is a folder", path.display())));
@@ -128,11 +129,11 @@ mod tests {
 
     #[test]
     fn a_part_of_a_picture_keeps_its_film() {
-        let shard: Selection = "1/4".parse().unwrap();
+        let shard: PassSelection = "1/4".parse().unwrap();
         assert_eq!(Outputs::default_for(OsStr::new("cup"), shard).film, Some("cup.shard-1-of-4.film".into()));
         let image = Outputs::of(Path::new("x.exr")).unwrap();
         assert_eq!(image.clone().with_film(None, shard).film, Some("x.film".into()));
-        assert_eq!(image.clone().with_film(None, Selection::All).film, None);
+        assert_eq!(image.clone().with_film(None, PassSelection::All).film, None);
         assert_eq!(image.clone().checkpoint(), Some("x.film".into()));
         assert_eq!(image.with_png().png, Some("x.png".into()));
     }

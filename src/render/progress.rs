@@ -1,56 +1,56 @@
-//! What a session tells those who watch it.
+//! Progress that a session reports to its observers.
 
 use super::Provenance;
 use crate::error::Error;
 use crate::film::Film;
 use std::time::Duration;
 
-/// Where a session is after a pass.
+/// State of a session after a pass.
 pub struct Progress<'a> {
-    /// The film so far; watchers may ask it for its error, which costs a look at every pixel.
+    /// The film so far. Computing its error visits every pixel.
     pub film: &'a Film,
-    /// Where it comes from, with the work so far.
+    /// Its provenance, with the work so far.
     pub provenance: &'a Provenance,
-    /// How far it is.
+    /// Progress of the session.
     pub pace: Pace,
 }
 
-/// How far a session is.
+/// Progress of a session in passes and time.
 #[derive(Debug, Clone, Copy)]
 pub struct Pace {
     /// Passes rendered in this session.
     pub done: u64,
-    /// Passes this session wants, unless time decides.
+    /// Passes this session has to render, if their number is known.
     pub wanted: Option<u64>,
     /// Time since the session began.
     pub elapsed: Duration,
-    /// Time the session may take, if time decides.
+    /// Time limit of the session, if there is one.
     pub budget: Option<Duration>,
 }
 
-/// Watches a session.
+/// Observer of a session.
 pub trait Observer {
-    /// A pass was committed.
+    /// Called after each committed pass.
     fn pass(&mut self, progress: &Progress<'_>);
 
-    /// The film could not be saved meanwhile; it will be tried again.
+    /// Called when a checkpoint could not be saved. It will be tried again.
     fn unsaved(&mut self, error: &Error);
 }
 
 impl Pace {
-    /// How much is done, from 0 to 1.
+    /// Returns the completed fraction, from 0 to 1.
     pub fn fraction(&self) -> f64 {
         let by_passes = self.wanted.map_or(0.0, |wanted| self.done as f64 / wanted.max(1) as f64);
         let by_time = self.budget.map_or(0.0, |budget| self.elapsed.as_secs_f64() / budget.as_secs_f64());
         by_passes.max(by_time).min(1.0)
     }
 
-    /// The whole per cent done: floored, so that 100 means done.
+    /// Returns the completed fraction in whole per cent, rounded down, so that 100 means complete.
     pub fn percent(&self) -> u64 {
         (self.fraction() * 100.0).floor() as u64
     }
 
-    /// The time that is left at this pace.
+    /// Extrapolates the remaining time.
     pub fn remaining(&self) -> Duration {
         let done = self.fraction();
         if done > 0.0 { self.elapsed.mul_f64((1.0 - done) / done) } else { Duration::ZERO }

@@ -1,6 +1,7 @@
-//! Where a film comes from: enough to continue it, to refuse to mix it with another, and to say so in the image.
+//! Provenance of a film: enough to continue it, to refuse mixing it with another film, and to document it in the image
+//! header.
 
-use super::{Look, Plan, Settings, Stage, Surroundings};
+use super::{LoadedScene, PassPlan, RenderSettings, Surroundings, ToneMapping};
 use crate::error::{Error, Result};
 use crate::film::{Film, ImageError, Known, Prior};
 use crate::integrator::{self, PassReport};
@@ -20,41 +21,41 @@ pub struct Program {
 /// The scene that was rendered.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SceneRecord {
-    /// Where it was.
+    /// Path of its file.
     pub path: PathBuf,
-    /// What was put around it; a file of it where it was.
+    /// Environment that replaces its own, with the path of its file.
     pub surroundings: Option<Surroundings>,
     /// Hash of its content.
     pub hash: String,
-    /// What it uses and étendue ignores.
+    /// Features that it uses and étendue ignores.
     pub ignored: Vec<String>,
-    /// What is doubtful about it.
+    /// Warnings about it.
     pub warnings: Vec<String>,
-    /// What the method cannot see in it.
+    /// Blind spots of the method in it.
     pub blind_spots: Vec<String>,
-    /// What light of it the method may miss.
+    /// Prior on light of the scene that the method may miss.
     #[serde(default)]
     pub prior: Prior,
 }
 
-/// What rendering has taken so far, over all sessions and shards.
+/// Work of a render so far, over all sessions and shards.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Work {
-    /// Rays, guards and invalid samples.
+    /// Rays, guard counts and invalid samples.
     pub passes: PassReport,
     /// Seconds of wall-clock time, summed over sessions and shards.
     pub wall_seconds: f64,
     /// Seconds of processor time.
     pub cpu_seconds: f64,
-    /// How many sessions, a shard being one.
+    /// Number of sessions; a shard is one.
     pub sessions: u64,
-    /// When the first began, in UTC.
+    /// Start of the first session, in UTC.
     pub started: String,
-    /// When the last ended, in UTC.
+    /// End of the last session, in UTC.
     pub finished: String,
 }
 
-/// Where a film comes from.
+/// Provenance of a film.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Provenance {
     /// The program.
@@ -62,17 +63,17 @@ pub struct Provenance {
     /// The scene.
     pub scene: SceneRecord,
     /// The settings.
-    pub settings: Settings,
-    /// Which passes the run wanted.
-    pub plan: Plan,
-    /// How PNG images of it look.
-    pub look: Look,
-    /// What it took.
+    pub settings: RenderSettings,
+    /// The plan of passes.
+    pub plan: PassPlan,
+    /// Tone mapping of its PNG images.
+    pub look: ToneMapping,
+    /// The work so far.
     pub work: Work,
 }
 
 impl Program {
-    /// This program. The version names the defect that is planted in it, if one is.
+    /// Returns this program. The version includes the name of a planted defect, if there is one.
     pub fn current() -> Self {
         let planted = crate::defects::current().map_or(String::new(), |d| format!("+defect.{}", d.name()));
         Program {
@@ -104,12 +105,13 @@ impl Work {
 }
 
 impl Provenance {
-    /// The provenance of a render that begins now.
-    pub fn new(stage: &Stage, settings: Settings, plan: Plan, look: Look) -> Self {
-        // Settings come of a camera that is there.
-        let beyond = stage.scene.beyond_view(settings.camera.as_deref(), settings.width, settings.height).ok().flatten();
+    /// Creates the provenance of a render that begins now.
+    pub fn new(stage: &LoadedScene, settings: RenderSettings, plan: PassPlan, look: ToneMapping) -> Self {
+        // The settings were resolved with an existing camera.
+        let beyond =
+            stage.scene.beyond_view(settings.camera.as_deref(), settings.width, settings.height).ok().flatten();
         let scene = SceneRecord {
-            // Another process, in another folder, may resume.
+            // Resuming may happen in another process and folder.
             path: std::path::absolute(&stage.path).unwrap_or_else(|_| stage.path.clone()),
             surroundings: stage.surroundings.as_ref().map(Surroundings::absolute),
             hash: stage.scene.hash().to_owned(),
@@ -122,30 +124,30 @@ impl Provenance {
         Provenance { program: Program::current(), scene, settings, plan, look, work }
     }
 
-    /// What the whole image would be, as a hash: another run with the same would make the same again. How long it took, and on what,
-    /// is not in it.
+    /// Returns a hash that identifies the complete image: a run with the same hash renders the same image. Render time
+    /// and machine do not enter it.
     pub fn identity(&self) -> String {
         let what = (&self.program, &self.scene.hash, self.settings.read(), self.plan, self.look);
         blake3::hash(serde_json::json!(what).to_string().as_bytes()).to_hex()[..32].to_owned()
     }
 
-    /// What is known of the samples beforehand.
+    /// Returns prior knowledge about the samples.
     pub fn known(&self) -> Known {
         Known { independent: self.settings.method.independent(), prior: self.scene.prior }
     }
 
-    /// The error of `film`, which is of this: see [`Film::image_error`].
+    /// Returns the error of `film`, which has this provenance: see [`Film::image_error`].
     pub fn error_of(&self, film: &Film) -> Option<ImageError> {
         film.image_error(self.known())
     }
 
-    /// Refuses `other` unless its passes are passes of the same picture.
+    /// Checks that `other` renders passes of the same picture.
     ///
     /// # Errors
-    /// Says what differs.
+    /// The first difference.
     pub fn same_picture(&self, other: &Provenance) -> Result<()> {
         let (a, b) = (&self.program, &other.program);
-        // Before the scenes, which differ too where something moves.
+        // Checked before the scene hashes, which also differ if something moves.
         if self.settings.frame != other.settings.frame {
             let [a, b] = [self, other].map(|p| p.settings.frame.map_or("none".into(), |frame| frame.to_string()));
             return Err(differ("frames", &a, &b));
@@ -167,11 +169,11 @@ impl Provenance {
         Ok(())
     }
 
-    /// Refuses to be continued by another program than the one that began it.
+    /// Checks that this program and scene can continue the film.
     ///
     /// # Errors
-    /// Says what differs.
-    pub(super) fn continuable_on(&self, stage: &Stage) -> Result<()> {
+    /// The first difference.
+    pub(super) fn continuable_on(&self, stage: &LoadedScene) -> Result<()> {
         let here = Provenance::new(stage, self.settings.clone(), self.plan, self.look);
         self.same_picture(&here)
     }
@@ -188,7 +190,7 @@ fn first_difference(a: &serde_json::Value, b: &serde_json::Value) -> (String, St
     different.map_or_else(Default::default, |(key, value, other)| (format!("{key} {value}"), format!("{key} {other}")))
 }
 
-/// The time, in UTC, to the second.
+/// The current time in UTC, to the second.
 pub(super) fn now() -> String {
     humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string()
 }

@@ -1,38 +1,39 @@
-//! What a session or a merge leaves: all that images and reports are made of. It holds no scene, so that the next one can be rendered
-//! while this is written.
+//! The result of a session or a merge: all data needed for images and reports. It holds no scene, so that the next one
+//! can be rendered while this one is written.
 
 use super::images::{self, Ids};
-use super::stage::Preparation;
+use super::stage::LoadTimings;
 use super::target::Check;
-use super::{Outputs, Provenance, Report, checkpoint};
+use super::{Outputs, Provenance, RenderReport, checkpoint};
 use crate::error::Result;
 use crate::film::Film;
 use std::path::Path;
 
-/// A film with everything that is said of it.
+/// A film with the data for its images and report.
 pub struct Rendered {
-    /// Where it comes from.
+    /// Its provenance.
     pub provenance: Provenance,
-    /// The sums.
+    /// The film.
     pub film: Film,
-    /// Numbers of instances and materials, if the image is to have them: they are not in films.
+    /// Instance and material indices, if the image shows them: films do not hold them.
     pub ids: Option<Ids>,
-    /// What it took until the scene was ready, if one was loaded for it.
-    pub preparation: Option<Preparation>,
-    /// The last look at the error, where there is a target.
+    /// Loading and building times, if a scene was loaded.
+    pub preparation: Option<LoadTimings>,
+    /// The last look at the error, if there is a target.
     pub check: Option<Check>,
 }
 
 impl Rendered {
-    /// Writes the film and the images of `outputs`; what is to be reported.
+    /// Writes the film and the images of `outputs`. Returns the report.
     ///
     /// # Errors
-    /// A file that cannot be written.
-    pub fn write(&self, outputs: &Outputs) -> Result<Report> {
+    /// A file cannot be written.
+    pub fn write(&self, outputs: &Outputs) -> Result<RenderReport> {
         outputs.film.as_ref().map_or(Ok(()), |path| self.save(path))?;
         let Rendered { provenance, film, .. } = self;
         let layers = images::layers(provenance, film, self.ids.as_ref());
-        let report = Report::new(provenance, film, &layers, outputs, self.preparation).with_target(self.check.as_ref());
+        let report =
+            RenderReport::new(provenance, film, &layers, outputs, self.preparation).with_target(self.check.as_ref());
         images::write(outputs, provenance, film, &layers, &report)?;
         Ok(report)
     }

@@ -1,9 +1,9 @@
-//! What a render reports: one document, printed with `--json`, written with `--report`, and flattened into the header of
-//! the EXR image as `etendue.` attributes (`etendue.render.wall_seconds`, …).
+//! Render reports: one document, printed with `--json`, written with `--report`, and flattened into the header of the
+//! EXR image as `etendue.` attributes (`etendue.render.wall_seconds`, …).
 
 use super::provenance::Program;
 use super::target::{self, Check};
-use super::{Outputs, Plan, Preparation, Provenance, Settings, Surroundings, machine};
+use super::{LoadTimings, Outputs, PassPlan, Provenance, RenderSettings, Surroundings, machine};
 use crate::film::{Film, ImageError, Plane};
 use crate::integrator::{ChainDigest, Guards, InvalidSample};
 use crate::io::exr::{self, Attribute, Layer};
@@ -11,22 +11,22 @@ use crate::spectrum::LANES;
 use serde::Serialize;
 use serde_json::Value;
 
-/// The attribute of an image that says what it is: see [`Provenance::identity`].
+/// Image attribute that identifies its content: see [`Provenance::identity`].
 pub(super) const IDENTITY: &str = "etendue.identity";
 
 /// The report of a render or a merge.
 #[derive(Debug, Clone, Serialize)]
-pub struct Report {
+pub struct RenderReport {
     image: Option<String>,
     film: Option<String>,
     program: Program,
     machine: Machine,
     scene: Scene,
-    settings: Settings,
+    settings: RenderSettings,
     settings_hash: String,
     /// See [`Provenance::identity`]; `None` where passes are missing.
     identity: Option<String>,
-    plan: Plan,
+    plan: PassPlan,
     load: Option<Phase>,
     build: Option<Phase>,
     render: Render,
@@ -83,31 +83,31 @@ struct Rays {
     total: u64,
 }
 
-/// What `--clamp` did to the image.
+/// Effect of `--clamp` on the image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Clamp {
-    /// Always: a clamped image is.
+    /// Always true: clamping biases the image.
     pub biased: bool,
-    /// The limit.
+    /// The radiance limit.
     pub limit: f32,
-    /// How many samples it changed.
+    /// Number of clamped samples.
     pub samples: u64,
-    /// The radiance it took from the average pixel, as a mean over lanes.
+    /// Radiance removed from the average pixel, as a mean over lanes.
     pub mean_removed: f64,
-    /// The same as a share of what the mean would have been.
+    /// The removed radiance as a fraction of the unclamped mean.
     pub share_removed: f64,
 }
 
-/// What came of an error target.
+/// Outcome of an error target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TargetReport {
-    /// The relative mean squared error wanted.
+    /// The target of the relative mean squared error.
     pub relmse: f64,
-    /// Whether the error is below it, at the confidence that the looks share.
+    /// Whether the error is below the target, at the confidence that the looks share.
     pub reached: bool,
     /// One minus that confidence.
     pub level: f64,
-    /// The last look; `None` if it never came to one.
+    /// The last look; `None` if there was none.
     pub last_look: Option<Check>,
 }
 
@@ -115,23 +115,23 @@ pub struct TargetReport {
 struct Invalid {
     #[serde(flatten)]
     sample: InvalidSample,
-    /// Arguments to `render` that trace this sample alone.
+    /// Arguments of `render` that trace only this sample.
     replay: String,
 }
 
-impl Report {
-    /// Reports on `film`, whose image has `layers`; `preparation` if a scene was loaded for it.
+impl RenderReport {
+    /// Reports on `film`, whose image has `layers`. `preparation` is given if a scene was loaded for it.
     pub(super) fn new(
         provenance: &Provenance,
         film: &Film,
         layers: &[Layer],
         outputs: &Outputs,
-        preparation: Option<Preparation>,
-    ) -> Report {
+        preparation: Option<LoadTimings>,
+    ) -> RenderReport {
         let (work, settings) = (&provenance.work, &provenance.settings);
         let name = |path: Option<&std::path::Path>| path.map(|p| p.display().to_string());
         let error = provenance.error_of(film);
-        Report {
+        RenderReport {
             image: name(outputs.image()),
             film: name(outputs.film.as_deref()),
             program: provenance.program.clone(),
@@ -154,45 +154,47 @@ impl Report {
         }
     }
 
-    /// The same with what came of the plan's error target, if it has one, as the last look at it says.
-    pub(super) fn with_target(self, last_look: Option<&Check>) -> Report {
+    /// Adds the outcome of the plan's error target, if it has one, according to the last look.
+    pub(super) fn with_target(self, last_look: Option<&Check>) -> RenderReport {
         let target = self.plan.stop.target_error.map(|relmse| TargetReport {
             relmse,
             reached: last_look.is_some_and(|look| look.reached),
             level: target::LEVEL,
             last_look: last_look.copied(),
         });
-        Report { target, ..self }
+        RenderReport { target, ..self }
     }
 
-    /// What came of the error target, if there is one.
+    /// Returns the outcome of the error target, if there is one.
     pub fn target(&self) -> Option<&TargetReport> {
         self.target.as_ref()
     }
 
-    /// One sentence on an error target that was not reached.
+    /// Returns a sentence about an error target that was not reached.
     pub fn target_missed(&self) -> Option<String> {
         let target = self.target.filter(|target| !target.reached)?;
         let found = match target.last_look {
             Some(look) if look.upper_limit <= target.relmse => "the interval is not to be trusted".into(),
-            Some(look) => format!("at {} samples per pixel it is only known to be below {:.3e}", look.passes, look.upper_limit),
+            Some(look) => {
+                format!("at {} samples per pixel it is only known to be below {:.3e}", look.passes, look.upper_limit)
+            }
             None => "there were too few samples to look at it".into(),
         };
         Some(format!("the target error {:e} was not reached: {found}", target.relmse))
     }
 
-    /// What a picture says of itself where there is no room for the whole report.
+    /// Labels of an image format that has no room for the whole report.
     pub(super) fn labels(&self) -> Vec<(&'static str, &str)> {
         let identity = self.identity.as_deref().map(|identity| (IDENTITY, identity));
         [("Software", "étendue")].into_iter().chain(identity).collect()
     }
 
-    /// The error of the image, if it has replicates to measure it between.
+    /// Returns the error of the image, if it has replicates to measure it between.
     pub fn error(&self) -> Option<&ImageError> {
         self.error.as_ref()
     }
 
-    /// What clamping did, if it was asked for.
+    /// Returns the effect of clamping, if it was asked for.
     pub fn clamp(&self) -> Option<Clamp> {
         self.clamp
     }
@@ -202,17 +204,17 @@ impl Report {
         &self.pixel_hash
     }
 
-    /// How often guards fired.
+    /// Returns the counts of fired guards.
     pub fn guards(&self) -> Guards {
         self.guards
     }
 
-    /// How to trace the first sample that was not finite again.
+    /// Returns the arguments that trace the first non-finite sample again.
     pub fn first_replay(&self) -> Option<&str> {
         self.invalid.first().map(|i| i.replay.as_str())
     }
 
-    /// What chains leave in doubt, a sentence each.
+    /// Returns doubts about the chains, one sentence each.
     pub fn doubts_of_chains(&self) -> Vec<String> {
         let Some(chains) = &self.chains else { return Vec::new() };
         let mut doubts = Vec::new();
@@ -228,7 +230,7 @@ impl Report {
         doubts
     }
 
-    /// One line for people: samples, time, rays a second, error.
+    /// Returns a one-line summary: samples, time, rays per second, error.
     pub fn summary(&self) -> String {
         let render = &self.render;
         let speed = render.rays_per_second / 1e6;
@@ -248,7 +250,7 @@ impl Report {
         line
     }
 
-    /// The report as attributes for an EXR header.
+    /// Returns the report as attributes for an EXR header.
     pub fn attributes(&self) -> Vec<(String, Attribute)> {
         let mut attributes = Vec::new();
         flatten("etendue", &serde_json::json!(self), &mut attributes);
@@ -256,14 +258,14 @@ impl Report {
     }
 }
 
-/// All pixels of an image together: radiance, the mean over lanes.
+/// Radiance summed over all pixels, as a mean over lanes.
 fn light(film: &Film) -> f64 {
     let color = film.mean(Plane::Color);
     color.iter().map(|&x| f64::from(x)).sum::<f64>() / LANES as f64
 }
 
 impl Machine {
-    fn now(preparation: Option<Preparation>) -> Self {
+    fn now(preparation: Option<LoadTimings>) -> Self {
         Machine {
             processor: machine::Processor::detect().model,
             threads: preparation.map(|p| p.threads),
@@ -320,12 +322,12 @@ fn mean_of(film: &Film) -> f64 {
     colors.iter().copied().map(f64::from).sum::<f64>() / colors.len().max(1) as f64
 }
 
-/// The arguments to `render` that trace one sample alone.
+/// Arguments of `render` that trace only this sample.
 fn replay(InvalidSample { pass, x, y }: InvalidSample) -> String {
     format!("--passes {pass}..{} --crop {x},{y},{},{}", pass + 1, x + 1, y + 1)
 }
 
-/// Turns a JSON document into attributes named by their place in it. What is absent or empty is left out; numbers that
+/// Flattens a JSON document to attributes named by their path in it. Absent and empty values are left out. Numbers that
 /// an attribute cannot hold exactly become text.
 pub(super) fn flatten(name: &str, value: &Value, out: &mut Vec<(String, Attribute)>) {
     let attribute = match value {

@@ -1,4 +1,4 @@
-//! Files of a report: JSON documents and tables.
+//! Report files: JSON documents and tables.
 
 use crate::error::{Error, Kind, Result};
 use crate::io::atomic::write_atomically;
@@ -15,7 +15,7 @@ pub(super) fn json(path: &Path, document: &impl Serialize) -> Result<()> {
     write_atomically(path, |file| file.write_all(&json))
 }
 
-/// Writes a table with the fields of its rows for a head.
+/// Writes a table. Its header is the field names of the rows.
 ///
 /// # Errors
 /// [`Kind::Output`] with the path if the file cannot be written.

@@ -1,26 +1,26 @@
-//! One process's part in a render: passes, one after the other and each over all threads, into a film.
+//! Render session of one process: passes are rendered one after the other into a film, each on all threads.
 
 use super::machine::{self, Stopwatch};
-use super::{Checkpoint, Observer, Pace, Progress, Provenance, Rendered, Stage, images, provenance, target};
+use super::{Checkpoint, LoadedScene, Observer, Pace, Progress, Provenance, Rendered, images, provenance, target};
 use crate::error::{Error, Kind, Result};
 use crate::film::{Film, Layout, PassFilm};
-use crate::integrator::{self, Integrator, PassReport, Prelude, TechniqueImages};
+use crate::integrator::{self, Integrator, PassReport, PilotEstimate, TechniqueImages};
 use crate::parallel::Cancel;
 use std::time::Duration;
 
-/// A film in work.
+/// A render session: a film in progress.
 pub struct Session<'a> {
-    stage: &'a Stage,
+    stage: &'a LoadedScene,
     layout: Layout,
     film: Film,
     provenance: Provenance,
-    /// Runs since the session began.
+    /// Runs from the start of the session.
     clock: Stopwatch,
-    /// The last look at the error, where there is a target.
+    /// The last look at the error, if there is a target.
     check: Option<target::Check>,
 }
 
-/// How a session ended.
+/// Reason for the end of a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
     /// The plan or its budget was met.
@@ -30,11 +30,11 @@ pub enum Ended {
 }
 
 impl<'a> Session<'a> {
-    /// Begins a render: runs the prelude and makes an empty film.
+    /// Begins a render: runs the prelude and creates an empty film.
     ///
     /// # Errors
-    /// A camera that is not there, too little memory for the film.
-    pub fn begin(stage: &'a Stage, provenance: Provenance) -> Result<Session<'a>> {
+    /// The camera does not exist, the method refuses the scene, or there is too little memory for the film.
+    pub fn begin(stage: &'a LoadedScene, provenance: Provenance) -> Result<Session<'a>> {
         let settings = &provenance.settings;
         let layout = settings.layout();
         affordable("the film", Film::bytes_per_pixel(&layout, settings.replicates), layout.pixels())?;
@@ -48,49 +48,65 @@ impl<'a> Session<'a> {
         Ok(Session { stage, layout, film, provenance, clock, check: None })
     }
 
-    /// Goes on with a film. What the prelude decided is in it.
+    /// Continues a film. It contains the results of the prelude.
     ///
     /// # Errors
     /// The scene or the program is not the one that began it.
-    pub fn resume(stage: &'a Stage, provenance: Provenance, film: Film) -> Result<Session<'a>> {
+    pub fn resume(stage: &'a LoadedScene, provenance: Provenance, film: Film) -> Result<Session<'a>> {
         provenance.continuable_on(stage)?;
         let (layout, clock) = (provenance.settings.layout(), Stopwatch::start());
         Ok(Session { stage, layout, film, provenance, clock, check: None })
     }
 
-    /// What each technique of bidirectional path tracing finds on its own in the passes that the film has, for paths of at most `deepest`
-    /// scattering events; `None` if it was cancelled. `watch` is told the share that is done before each pass.
+    /// Renders the contribution of each technique of bidirectional path tracing in the passes of the film, for paths of
+    /// at most `deepest` scattering events; `None` if cancelled. `watch` receives the completed fraction before each
+    /// pass.
     ///
     /// # Errors
-    /// A camera that is not there, too little memory for the images.
-    pub fn techniques(&self, deepest: u32, cancel: &Cancel, mut watch: impl FnMut(f64)) -> Result<Option<TechniqueImages>> {
+    /// The camera does not exist, or there is too little memory for the images.
+    pub fn techniques(
+        &self,
+        deepest: u32,
+        cancel: &Cancel,
+        mut watch: impl FnMut(f64),
+    ) -> Result<Option<TechniqueImages>> {
         let (settings, passes) = (&self.provenance.settings, self.film.passes());
         let options = settings.options();
-        affordable("the images of techniques", TechniqueImages::bytes_per_pixel(&options, deepest), self.layout.pixels())?;
+        affordable(
+            "the images of techniques",
+            TechniqueImages::bytes_per_pixel(&options, deepest),
+            self.layout.pixels(),
+        )?;
         let camera = self.stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         let watched = passes.iter().enumerate().inspect(|(done, _)| watch(*done as f64 / passes.len() as f64));
         let passes = watched.map(|(_, pass)| pass);
         Ok(integrator::technique_images(&self.stage.scene, &camera, &options, &self.layout, passes, deepest, cancel))
     }
 
-    /// The film.
+    /// Returns the film.
     pub fn film(&self) -> &Film {
         &self.film
     }
 
-    /// Where the film comes from, with the work so far.
+    /// Returns the film's provenance, with the work so far.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
 
-    /// Renders the passes that the plan wants and the film lacks, until done, good enough, out of time or told to stop.
+    /// Renders the passes that the plan wants and the film lacks, until the plan is complete, the error target is
+    /// reached, the time is over, or a stop is requested.
     ///
     /// # Errors
-    /// A camera that is not there.
-    pub fn run(&mut self, cancel: &Cancel, observer: &mut dyn Observer, mut checkpoint: Option<Checkpoint>) -> Result<Ended> {
+    /// The camera does not exist.
+    pub fn run(
+        &mut self,
+        cancel: &Cancel,
+        observer: &mut dyn Observer,
+        mut checkpoint: Option<Checkpoint>,
+    ) -> Result<Ended> {
         let (stage, settings) = (self.stage, self.provenance.settings.clone());
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
-        let prelude = Prelude::with(self.film.units());
+        let prelude = PilotEstimate::with(self.film.units());
         let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options(), &prelude);
         let mut scratch = PassFilm::new(&self.layout).with_unit(self.film.units().radiance);
         let (earlier, mut done) = (self.provenance.work.clone(), 0);
@@ -119,10 +135,10 @@ impl<'a> Session<'a> {
         Ok(Ended::Complete)
     }
 
-    /// What it comes to.
+    /// Ends the session and returns its result.
     ///
     /// # Errors
-    /// A camera that is not there.
+    /// The camera does not exist.
     pub fn end(self) -> Result<Rendered> {
         let Session { stage, film, provenance, check, .. } = self;
         let ids = images::ids(stage, &provenance.settings)?;
@@ -134,7 +150,7 @@ impl<'a> Session<'a> {
         self.provenance.plan.passes().filter(|&pass| !held.contains(pass))
     }
 
-    /// Looks at the error if there is a target and it is time.
+    /// Looks at the error if there is a target and a look is due.
     fn look(&mut self) {
         let target = self.provenance.plan.stop.target_error;
         let known = self.provenance.known();
@@ -145,7 +161,7 @@ impl<'a> Session<'a> {
         self.check.is_some_and(|check| check.reached)
     }
 
-    /// How many passes this session has to render, the error target considered: `wanted` at most.
+    /// Forecasts the number of passes of this session from the error target, at most `wanted`.
     fn forecast(&self, held: u64, wanted: Option<u64>) -> Option<u64> {
         let needed = self.check.map(|check| target::passes_needed(&check).saturating_sub(held));
         wanted.map(|wanted| needed.map_or(wanted, |needed| needed.min(wanted))).or(needed)
@@ -157,7 +173,13 @@ impl<'a> Session<'a> {
         if first_round { done == 0 || used < budget } else { admits(done, used, budget) }
     }
 
-    fn render(&mut self, integrator: &dyn Integrator, pass: u64, cancel: &Cancel, scratch: &mut PassFilm) -> Option<PassReport> {
+    fn render(
+        &mut self,
+        integrator: &dyn Integrator,
+        pass: u64,
+        cancel: &Cancel,
+        scratch: &mut PassFilm,
+    ) -> Option<PassReport> {
         if cancel.requested() {
             return None;
         }
@@ -176,13 +198,12 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Whether another pass will be over in time at the pace so far. The first always runs. In the first round of a film's
-/// replicates passes run until the time is up, since without all of them there is no error.
+/// Whether another pass will finish in time at the pace so far; the first one always runs.
 fn admits(done: u64, used: Duration, budget: Duration) -> bool {
     done == 0 || used.as_secs_f64() * (1.0 + 1.0 / done as f64) <= budget.as_secs_f64()
 }
 
-/// Refuses what would not fit into memory.
+/// Rejects a buffer that does not fit into memory.
 fn affordable(what: &str, bytes_per_pixel: usize, pixels: usize) -> Result<()> {
     let cure = "use a smaller size, a crop, fewer replicates or fewer layers";
     machine::affordable(what, bytes_per_pixel as u64 * pixels as u64, cure)
@@ -192,7 +213,7 @@ fn affordable(what: &str, bytes_per_pixel: usize, pixels: usize) -> Result<()> {
 mod tests {
     use super::*;
 
-    /// A budget is used up to the last pass that fits, and never overrun by passes of an even pace.
+    /// A budget is used up to the last pass that fits. Passes of constant duration never overrun it.
     #[test]
     fn time_budgets_end_on_the_last_pass_that_fits() {
         let passes_within = |budget: u64, each: u64| {
@@ -205,8 +226,9 @@ mod tests {
 
     #[test]
     fn a_film_beyond_memory_is_refused_before_it_is_made() {
-        let film =
-            |layout: Layout, replicates| affordable("the film", Film::bytes_per_pixel(&layout, replicates), layout.pixels());
+        let film = |layout: Layout, replicates| {
+            affordable("the film", Film::bytes_per_pixel(&layout, replicates), layout.pixels())
+        };
         assert_eq!(film(Layout::new(1 << 16, 1 << 16, None, &[]), 256).unwrap_err().kind, Kind::Memory);
         assert!(film(Layout::new(16, 16, None, &[]), 4).is_ok());
     }

@@ -1,88 +1,90 @@
-//! What decides the pixels of a pass. How many passes there are, on how many threads and into which file does not, so
-//! that films of different runs can be continued and merged.
+//! Settings that determine the pixels of a pass. The number of passes, the number of threads and the output file are
+//! not among them, so that films of different runs can be continued and merged.
 
-use super::{Aov, Frame, Moment};
+use super::{Aov, FrameNumber, Moment};
 use crate::accel::{Backend, Build};
 use crate::defects::{Defect, planted};
 use crate::film::{Crop, Filter, Layout, Plane};
-use crate::integrator::{Method, MetropolisOptions, Options};
+use crate::integrator::{IntegratorConfig, Method, MetropolisOptions};
 use crate::path::{Technique, Techniques};
 use crate::sampling::{Heuristic, SamplerKind};
 use crate::scene::BuildOptions;
 
-/// Everything besides the scene that the pixels of a pass depend on.
+/// All settings, besides the scene, that the pixels of a pass depend on.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct Settings {
-    /// The method.
+pub struct RenderSettings {
+    /// Light transport algorithm.
     pub method: Method,
-    /// Width of the full image.
+    /// Width of the full image in pixels.
     pub width: u32,
-    /// Height of the full image.
+    /// Height of the full image in pixels.
     pub height: u32,
-    /// What of it is rendered; `None` for all.
+    /// Rendered window; `None` for the full image.
     pub crop: Option<Crop>,
     /// Camera by name or number; `None` for the first.
     pub camera: Option<String>,
-    /// The frame of the scene's animations; `None` for the scene as it stands, which is hashed as before there were frames.
+    /// The frame of the scene's animations; `None` for the scene at rest. Its hash is then the same as before frames
+    /// were introduced.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frame: Option<Frame>,
-    /// The only animation that is played there, by name or number.
+    pub frame: Option<FrameNumber>,
+    /// The only animation that is played, by name or number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub animation: Option<String>,
     /// Longest path in scattering events; `None` for no limit.
     pub depth: Option<u32>,
     /// Pixel filter.
     pub filter: Filter,
-    /// Source of sample points.
+    /// Sample generator.
     pub sampler: SamplerKind,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Independent replicates.
     pub replicates: u32,
-    /// Who finds what rays hit: ties between surfaces depend on it.
+    /// Ray-tracing backend. It decides ties between surfaces.
     pub backend: Backend,
-    /// How the acceleration structure is built: ties between surfaces depend on it.
+    /// Build of the acceleration structure. It decides ties between surfaces.
     pub build: Build,
-    /// Extra layers, sorted.
+    /// AOVs, sorted.
     pub aovs: Vec<Aov>,
-    /// Limit of a sample's radiance.
+    /// Clamp of a sample's radiance.
     pub clamp: Option<f32>,
     /// Whether the environment is hidden from the camera.
     pub transparent: bool,
-    /// Techniques that bidirectional path tracing does without, sorted.
+    /// Techniques excluded from bidirectional path tracing, sorted.
     pub without: Vec<Technique>,
-    /// How its techniques share a path.
+    /// Heuristic of the MIS weights.
     pub heuristic: Heuristic,
-    /// What chains of Metropolis methods are like.
+    /// Options of the Metropolis methods.
     #[serde(default)]
     pub metropolis: MetropolisOptions,
 }
 
-impl Settings {
-    /// How `threads` threads build the scene.
+impl RenderSettings {
+    /// Returns the options for building the scene on `threads` threads.
     pub fn build_options(&self, threads: usize) -> BuildOptions {
         BuildOptions { backend: self.backend, build: self.build, threads }
     }
 
-    /// What of the scene's animations is shown.
+    /// Returns the time and animation of the scene that are rendered.
     pub fn moment(&self) -> Moment {
         Moment { frame: self.frame, animation: self.animation.clone() }
     }
 
-    /// A hash of what the method reads of it, in hexadecimal: what it does not read changes no pixel.
+    /// Returns a hexadecimal hash of the settings that the method reads. The others change no pixel.
     pub fn hash(&self) -> String {
         // serde_json sorts fields by name and writes floats in their shortest exact form.
         let text = self.read().to_string();
         blake3::hash(text.as_bytes()).to_hex().to_string()
     }
 
-    /// What the method reads of it. Everything is taken apart without `..`: a new setting does not compile until it has its line here.
+    /// Returns the settings that the method reads. The destructuring has no `..`: a new setting does not compile until
+    /// it is handled here.
     pub fn read(&self) -> serde_json::Value {
         if planted(Defect::HashOfAllOptions) {
             return serde_json::json!(self);
         }
-        let Settings {
+        let RenderSettings {
             method,
             width,
             height,
@@ -110,7 +112,7 @@ impl Settings {
             "filter": filter, "sampler": sampler, "seed": seed, "replicates": replicates, "backend": backend, "build": build,
             "aovs": aovs, "clamp": clamp, "transparent": transparent,
         });
-        // Light tracing has one technique, whose weight is 1 by every heuristic.
+        // Light tracing has a single technique. Its MIS weight is 1 under every heuristic.
         let of_techniques = serde_json::json!({ "without": without, "heuristic": heuristic });
         let MetropolisOptions { chains, large_step, lengths, mutations, limit, two_stage } = metropolis;
         let of_chains = serde_json::json!({ "chains": chains, "limit": limit, "two-stage": two_stage });
@@ -120,16 +122,18 @@ impl Settings {
             Method::PathNaive | Method::PathNee | Method::Path | Method::Light => vec![by_all],
             Method::Bdpt => vec![by_all, of_techniques],
             Method::Pssmlt => vec![by_all, of_techniques, of_chains, large_step],
-            Method::Mmlt => vec![by_all, of_techniques, of_chains, large_step, serde_json::json!({ "lengths": lengths })],
+            Method::Mmlt => {
+                vec![by_all, of_techniques, of_chains, large_step, serde_json::json!({ "lengths": lengths })]
+            }
             Method::Mlt => vec![by_all, of_techniques, of_chains, serde_json::json!({ "mutations": mutations })],
         };
         let fields = parts.into_iter().filter_map(|part| part.as_object().cloned()).flatten();
         serde_json::Value::Object(fields.filter(|(_, value)| !value.is_null()).collect())
     }
 
-    /// What the integrators need of it.
-    pub fn options(&self) -> Options {
-        Options {
+    /// Returns the configuration of the integrators.
+    pub fn options(&self) -> IntegratorConfig {
+        IntegratorConfig {
             seed: self.seed,
             sampler: self.sampler,
             filter: self.filter,
@@ -144,7 +148,7 @@ impl Settings {
         }
     }
 
-    /// The film's pixels and planes.
+    /// Returns the pixels and planes of the film.
     pub fn layout(&self) -> Layout {
         let planes = self.aovs.iter().filter_map(|aov| match aov.source() {
             super::aov::Source::Plane(plane) => Some(plane),
@@ -158,16 +162,16 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Choices;
+    use crate::render::SettingsPatch;
 
-    fn settings() -> Settings {
-        Choices::default().settings(None).unwrap()
+    fn settings() -> RenderSettings {
+        SettingsPatch::default().settings(None).unwrap()
     }
 
     #[test]
     fn settings_survive_json_and_keep_their_hash() {
-        let settings = Settings { clamp: Some(0.1), ..settings() };
-        let back: Settings = serde_json::from_value(serde_json::json!(settings)).unwrap();
+        let settings = RenderSettings { clamp: Some(0.1), ..settings() };
+        let back: RenderSettings = serde_json::from_value(serde_json::json!(settings)).unwrap();
         assert_eq!(back, settings);
         assert_eq!(back.hash(), settings.hash());
     }
@@ -177,30 +181,30 @@ mod tests {
         let base = settings();
         let other = if base.backend == Backend::Obvhs { Backend::Embree } else { Backend::Obvhs };
         let changed = [
-            Settings { seed: 1, ..base.clone() },
-            Settings { replicates: 8, ..base.clone() },
-            Settings { depth: Some(3), ..base.clone() },
-            Settings { clamp: Some(1.0), ..base.clone() },
-            Settings { transparent: true, ..base.clone() },
-            Settings { method: Method::Bdpt, ..base.clone() },
-            Settings { width: 7, ..base.clone() },
-            Settings { height: 7, ..base.clone() },
-            Settings { crop: Some(Crop { x0: 0, y0: 0, x1: 1, y1: 1 }), ..base.clone() },
-            Settings { camera: Some("0".into()), ..base.clone() },
-            Settings { filter: Filter::Box, ..base.clone() },
-            Settings { sampler: SamplerKind::Independent, ..base.clone() },
-            Settings { build: Build::Fast, ..base.clone() },
-            Settings { backend: other, ..base.clone() },
-            Settings { aovs: vec![Aov::Depth], ..base.clone() },
-            Settings { frame: Some(Frame { number: 0, fps: 24.0 }), ..base.clone() },
+            RenderSettings { seed: 1, ..base.clone() },
+            RenderSettings { replicates: 8, ..base.clone() },
+            RenderSettings { depth: Some(3), ..base.clone() },
+            RenderSettings { clamp: Some(1.0), ..base.clone() },
+            RenderSettings { transparent: true, ..base.clone() },
+            RenderSettings { method: Method::Bdpt, ..base.clone() },
+            RenderSettings { width: 7, ..base.clone() },
+            RenderSettings { height: 7, ..base.clone() },
+            RenderSettings { crop: Some(Crop { x0: 0, y0: 0, x1: 1, y1: 1 }), ..base.clone() },
+            RenderSettings { camera: Some("0".into()), ..base.clone() },
+            RenderSettings { filter: Filter::Box, ..base.clone() },
+            RenderSettings { sampler: SamplerKind::Independent, ..base.clone() },
+            RenderSettings { build: Build::Fast, ..base.clone() },
+            RenderSettings { backend: other, ..base.clone() },
+            RenderSettings { aovs: vec![Aov::Depth], ..base.clone() },
+            RenderSettings { frame: Some(FrameNumber { number: 0, fps: 24.0 }), ..base.clone() },
         ];
         assert!(changed.iter().all(|s| s.hash() != base.hash()));
     }
 
-    /// What one option changes.
-    type Change = fn(&mut Settings);
+    /// Change of one option.
+    type Change = fn(&mut RenderSettings);
 
-    /// The options that some methods read, each with those that do.
+    /// Options read by some methods only, each with those methods.
     const OPTIONS: &[(&str, &[Method], Change)] = {
         use Method::{Bdpt, Mlt, Mmlt, Pssmlt};
         &[
@@ -218,7 +222,7 @@ mod tests {
     #[test]
     fn a_method_hashes_what_it_reads_and_nothing_else() {
         for &method in <Method as clap::ValueEnum>::value_variants() {
-            let base = Settings { method, ..settings() };
+            let base = RenderSettings { method, ..settings() };
             for (name, readers, change) in OPTIONS {
                 let mut changed = base.clone();
                 change(&mut changed);
@@ -230,16 +234,16 @@ mod tests {
 
     #[test]
     fn settings_without_a_frame_are_as_they_always_were() {
-        let (rest, frame) = (settings(), Some(Frame { number: 3, fps: 0.1 }));
+        let (rest, frame) = (settings(), Some(FrameNumber { number: 3, fps: 0.1 }));
         assert!(serde_json::json!(rest).get("frame").is_none());
-        let moved = Settings { frame, ..rest };
-        let back: Settings = serde_json::from_value(serde_json::json!(moved)).unwrap();
+        let moved = RenderSettings { frame, ..rest };
+        let back: RenderSettings = serde_json::from_value(serde_json::json!(moved)).unwrap();
         assert_eq!((back.frame, back.hash()), (frame, moved.hash()));
     }
 
     #[test]
     fn layers_bring_their_planes() {
-        let layout = Settings { aovs: vec![Aov::Depth, Aov::Instance], ..settings() }.layout();
+        let layout = RenderSettings { aovs: vec![Aov::Depth, Aov::Instance], ..settings() }.layout();
         assert_eq!(layout.planes(), [Plane::Color, Plane::Alpha, Plane::Depth]);
     }
 }

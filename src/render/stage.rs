@@ -1,46 +1,52 @@
-//! A scene loaded and built, with what that took.
+//! A loaded and built scene, with the time that loading and building took.
 
 use super::machine::{self, Stopwatch};
-use super::{Choices, Frame, Moment, Settings, Surroundings};
+use super::{FrameNumber, Moment, RenderSettings, SettingsPatch, Surroundings};
 use crate::error::{Error, Result};
 use crate::io::gltf;
 use crate::scene::{BuildOptions, Scene, SceneInfo};
 use std::path::{Path, PathBuf};
 
 /// A scene that is ready to be rendered.
-pub struct Stage {
+pub struct LoadedScene {
     /// The scene.
     pub scene: Scene,
-    /// Where it came from.
+    /// Path of its file.
     pub path: PathBuf,
-    /// What was put around it.
+    /// Environment that replaces its own.
     pub surroundings: Option<Surroundings>,
-    /// What is in it.
+    /// Content of the scene.
     pub info: SceneInfo,
-    /// What it took.
-    pub preparation: Preparation,
+    /// Loading and building times.
+    pub preparation: LoadTimings,
 }
 
-/// What it took until a scene was ready.
+/// Loading and building times of a scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Preparation {
-    /// Seconds that reading and decoding took.
+pub struct LoadTimings {
+    /// Seconds spent on reading and decoding.
     pub load_seconds: f64,
-    /// Seconds that building took, the acceleration structure included.
+    /// Seconds spent on building, the acceleration structure included.
     pub build_seconds: f64,
-    /// Threads that the machine grants.
+    /// Number of threads available on the machine.
     pub threads: usize,
 }
 
-impl Stage {
-    /// Loads and builds the scene at `path`, at that `moment` of its animations and with `surroundings` instead of its own if given.
-    /// Call it from outside the rayon pool, which the caller has set up with as many threads as `options` say.
+impl LoadedScene {
+    /// Loads and builds the scene at `path`, at that `moment` of its animations, with `surroundings` in place of its
+    /// own environment if given. Must be called from outside the rayon pool. The caller has set up the pool with as
+    /// many threads as `options` say.
     ///
     /// # Errors
-    /// A scene or an environment that cannot be read or is invalid.
-    pub fn open(path: &Path, surroundings: Option<Surroundings>, moment: &Moment, options: &BuildOptions) -> Result<Stage> {
+    /// The scene or the environment cannot be read or is invalid.
+    pub fn open(
+        path: &Path,
+        surroundings: Option<Surroundings>,
+        moment: &Moment,
+        options: &BuildOptions,
+    ) -> Result<LoadedScene> {
         let loading = Stopwatch::start();
-        let (seconds, animation) = (moment.frame.map(Frame::seconds), moment.animation.as_deref());
+        let (seconds, animation) = (moment.frame.map(FrameNumber::seconds), moment.animation.as_deref());
         let memory = machine::available_memory().unwrap_or(u64::MAX);
         let mut description = gltf::load_with(path, &gltf::Reading { seconds, animation, memory })?;
         let doubt = moment.frame.and_then(|frame| frame.doubt(description.animation_end));
@@ -57,27 +63,31 @@ impl Stage {
         let load_seconds = loading.wall().as_secs_f64();
         let scene = Scene::build(description, options).map_err(|e| e.context(path.display()))?;
         let info = scene.info().clone();
-        Ok(Stage {
+        Ok(LoadedScene {
             info,
             path: path.to_owned(),
             surroundings,
-            preparation: Preparation { load_seconds, build_seconds: building.wall().as_secs_f64(), threads: options.threads },
+            preparation: LoadTimings {
+                load_seconds,
+                build_seconds: building.wall().as_secs_f64(),
+                threads: options.threads,
+            },
             scene,
         })
     }
 
-    /// The settings that were chosen, with what the scene's camera decides.
+    /// Resolves the settings with the aspect ratio of the scene's camera.
     ///
     /// # Errors
-    /// A camera that is not there, values out of range.
-    pub fn settings(&self, choices: &Choices) -> Result<Settings> {
+    /// The camera does not exist, or a value is out of range.
+    pub fn settings(&self, choices: &SettingsPatch) -> Result<RenderSettings> {
         choices.settings(self.scene.aspect(choices.camera.as_deref())?)
     }
 
-    /// Refuses a scene that uses what étendue ignores.
+    /// Rejects a scene that uses features ignored by étendue.
     ///
     /// # Errors
-    /// Names everything ignored.
+    /// Names all ignored features.
     pub fn refuse_ignored(&self) -> Result<()> {
         if self.info.ignored.is_empty() {
             return Ok(());

@@ -1,5 +1,6 @@
-//! Files of what techniques of bidirectional path tracing find on their own: an EXR image with layers `s1t2.weighted.R` and
-//! `s1t2.unweighted.R` (and so on) for 1 vertex from the light and 2 from the camera, and a sheet of all of them as PNG.
+//! Image files of the individual techniques of bidirectional path tracing. The EXR image has layers such as
+//! `s1t2.weighted.R` and `s1t2.unweighted.R` for s = 1 light vertex and t = 2 camera vertices. A PNG sheet shows all of
+//! them.
 
 mod canvas;
 mod sheet;
@@ -14,17 +15,17 @@ use crate::io::exr::{self, Layer};
 use crate::io::png;
 use std::path::{Path, PathBuf};
 
-/// The files to write.
+/// Output files of the technique images.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TechniqueFiles {
-    /// Every image, as layers.
+    /// EXR image with all technique images as layers.
     pub exr: PathBuf,
-    /// All of them to look at.
+    /// PNG sheet with all technique images.
     pub png: PathBuf,
 }
 
 impl TechniqueFiles {
-    /// The EXR image at `path` and the sheet beside it.
+    /// Returns the EXR image at `path` and the sheet beside it.
     ///
     /// # Errors
     /// A usage error for another ending than `.exr`.
@@ -35,24 +36,31 @@ impl TechniqueFiles {
         Err(Error::usage(format!("{}: the images of techniques must end in .exr", path.display())))
     }
 
-    /// Both.
+    /// Returns both paths.
     pub fn paths(&self) -> impl Iterator<Item = &Path> {
         [&self.exr, &self.png].into_iter().map(PathBuf::as_path)
     }
 }
 
-/// Writes the images of a render with that provenance; the sheet looks as its PNG image does.
+/// Writes the technique images of a render. The sheet has the tone mapping of the render's PNG image.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// A file cannot be written.
 pub fn write(files: &TechniqueFiles, provenance: &Provenance, images: &TechniqueImages) -> Result<()> {
     let settings = &provenance.settings;
-    exr::write(&files.exr, settings.width, settings.height, settings.crop, &layers(images), &attributes(provenance, images))?;
+    exr::write(
+        &files.exr,
+        settings.width,
+        settings.height,
+        settings.crop,
+        &layers(images),
+        &attributes(provenance, images),
+    )?;
     let sheet = sheet::draw(images, provenance.look);
     png::write_colors(&files.png, sheet.width as u32, sheet.height as u32, &sheet.colors)
 }
 
-/// Where the images come from, as the header of a render says it.
+/// Provenance of the images, in the same form as in the header of a render.
 fn attributes(provenance: &Provenance, images: &TechniqueImages) -> Vec<(String, exr::Attribute)> {
     let passes = images.images.first().map(|image| image.weighted.passes().to_string());
     let mut attributes = Vec::new();
@@ -75,7 +83,8 @@ pub fn layers(images: &TechniqueImages) -> Vec<Layer> {
         .images
         .iter()
         .flat_map(|image| {
-            [("weighted", &image.weighted), ("unweighted", &image.unweighted)].map(|(kind, film)| named(image, kind, film))
+            [("weighted", &image.weighted), ("unweighted", &image.unweighted)]
+                .map(|(kind, film)| named(image, kind, film))
         })
         .flatten()
         .collect()

@@ -1,4 +1,4 @@
-//! Values as people write them, on the command line and in `render.toml` alike: `640x480`, `0,0,64,64`, `5m`.
+//! Parsers for values on the command line and in `render.toml`: `640x480`, `0,0,64,64`, `5m`.
 
 use crate::film::Crop;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use std::time::Duration;
 /// The largest width or height of an image, in pixels.
 const MAX_SIDE: u32 = 1 << 16;
 
-/// Image size; without a height the camera's aspect ratio decides.
+/// Image size; without a height it follows from the camera's aspect ratio.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(try_from = "String")]
 pub struct Size {
@@ -17,17 +17,17 @@ pub struct Size {
     pub height: Option<u32>,
 }
 
-/// A rectangle of pixels `x0,y0,x1,y1` from the top left, the last two exclusive.
+/// A rectangle of pixels `x0,y0,x1,y1` from the top left; x1 and y1 are exclusive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(try_from = "String")]
 pub struct Window(pub Crop);
 
-/// A length of time such as `30s`, `5m` or `1h 30m`.
+/// A duration such as `30s`, `5m` or `1h 30m`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(try_from = "String")]
 pub struct Budget(pub Duration);
 
-/// An amount of memory such as `512M`, `4G` or `1.5T`: powers of 1,000, or of 1,024 with an `i` (`4Gi`).
+/// A memory size such as `512M`, `4G` or `1.5T`, in powers of 1,000, or of 1,024 with an `i` (`4Gi`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bytes(pub u64);
 
@@ -48,10 +48,10 @@ impl FromStr for Bytes {
     }
 }
 
-/// What a TOML text says.
+/// Parses a TOML text.
 ///
 /// # Errors
-/// A usage error with the line if it is no TOML or says something étendue does not know.
+/// A usage error with the line if it is not TOML or has an unknown key or value.
 pub(super) fn toml<T: serde::de::DeserializeOwned>(text: &str) -> crate::error::Result<T> {
     ::toml::from_str(text).map_err(|e| {
         let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
@@ -59,7 +59,7 @@ pub(super) fn toml<T: serde::de::DeserializeOwned>(text: &str) -> crate::error::
     })
 }
 
-/// `bytes` in megabytes with one decimal, as reports and pages say it.
+/// Formats `bytes` in megabytes with one decimal.
 pub fn megabytes(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
@@ -70,7 +70,9 @@ impl FromStr for Size {
     fn from_str(text: &str) -> Result<Self, String> {
         let side = |s: &str| {
             let side = s.trim().parse().ok().filter(|side| (1..=MAX_SIDE).contains(side));
-            side.ok_or_else(|| format!("'{text}' is not a size: write WIDTHxHEIGHT or WIDTH, each from 1 to {MAX_SIDE}"))
+            side.ok_or_else(|| {
+                format!("'{text}' is not a size: write WIDTHxHEIGHT or WIDTH, each from 1 to {MAX_SIDE}")
+            })
         };
         Ok(match text.split_once('x') {
             Some((width, height)) => Size { width: side(width)?, height: Some(side(height)?) },
@@ -94,7 +96,8 @@ impl FromStr for Budget {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let length = humantime::parse_duration(text).map_err(|e| format!("'{text}' is not a time such as 30s or 5m: {e}"))?;
+        let length =
+            humantime::parse_duration(text).map_err(|e| format!("'{text}' is not a time such as 30s or 5m: {e}"))?;
         if length.is_zero() { Err("a time budget must be above zero".into()) } else { Ok(Budget(length)) }
     }
 }
@@ -123,7 +126,7 @@ impl TryFrom<String> for Budget {
     }
 }
 
-/// The numbers of a comma-separated list, or `None` if one of them is not a number.
+/// Parses a comma-separated list of numbers; `None` if an item is not a number.
 fn numbers<T: FromStr>(text: &str) -> Option<Vec<T>> {
     text.split(',').map(|n| n.trim().parse().ok()).collect()
 }

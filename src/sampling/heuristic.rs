@@ -1,25 +1,26 @@
-//! Weights of multiple importance sampling, from density *ratios*: squares of densities overflow where their ratio does not.
+//! MIS weights, from density *ratios*: squares of densities may overflow where their ratio does not.
 
-/// How two techniques that may make the same sample share it.
+/// MIS heuristic for two techniques.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Heuristic {
-    /// Weights proportional to the densities [Veach97 §9.2.2]. relMSE × CPU seconds of bidirectional path tracing under the power
-    /// heuristic and this: .0424 and .0395 on the modified Cornell box, .90 and .83 on the ajar door, the same on the Cornell box and
-    /// the glass caustic.
+    /// Weights proportional to the densities [Veach97 §9.2.2]. relMSE × CPU seconds of bidirectional path tracing with
+    /// the power and the balance heuristic: .0424 and .0395 on the modified Cornell box, .90 and .83 on the ajar door,
+    /// equal on the Cornell box and the glass caustic.
     #[default]
     Balance,
-    /// Weights proportional to their squares [Veach97 §9.2.4].
+    /// Weights proportional to the squared densities [Veach97 §9.2.4].
     Power,
 }
 
-/// The balance heuristic's weight of a sample made with density `p` that another technique makes with `other`.
+/// Returns the balance heuristic's weight of a sample with density `p`, and density `other` under the other technique.
 #[inline]
 pub fn balance(p: f32, other: f32) -> f32 {
     1.0 / (1.0 + other / p)
 }
 
-/// The power heuristic's weight (exponent 2) of a sample made with density `p` that another technique makes with `other`.
+/// Returns the power heuristic's weight (exponent 2) of a sample with density `p`, and density `other` under the other
+/// technique.
 #[inline]
 pub fn power(p: f32, other: f32) -> f32 {
     let ratio = other / p;
@@ -27,7 +28,7 @@ pub fn power(p: f32, other: f32) -> f32 {
 }
 
 impl Heuristic {
-    /// The weight of a sample made with density `p` > 0 that another technique makes with density `other` ≥ 0.
+    /// Returns the weight of a sample with density `p` > 0, and density `other` ≥ 0 under the other technique.
     #[inline]
     pub fn weight(self, p: f32, other: f32) -> f32 {
         match self {

@@ -1,22 +1,22 @@
-//! Independent uniform numbers: the reference for every other sampler.
+//! Independent uniform random numbers: the reference for all other samplers.
 
 use super::{Address, Sampler, Slot, unit_f32};
 
-/// Hashes each address; any two numbers are independent.
+/// Hashes each address; all random numbers are independent.
 #[derive(Debug, Clone, Copy)]
-pub struct Independent {
+pub struct IndependentSampler {
     address: Address,
 }
 
-impl Independent {
-    /// The numbers of one sample, whose identity `address` is.
+impl IndependentSampler {
+    /// Returns the sampler of the sample with key `address`.
     #[inline]
     pub fn new(address: Address) -> Self {
-        Independent { address }
+        IndependentSampler { address }
     }
 }
 
-impl Sampler for Independent {
+impl Sampler for IndependentSampler {
     #[inline]
     fn u1(&mut self, bounce: u32, slot: Slot) -> f32 {
         unit_f32((self.address.slot_bits(bounce, slot) >> 32) as u32)
@@ -37,11 +37,15 @@ mod tests {
     /// χ² of pairs that differ in one part of the address only, each at level 1e-4: neighbours must not be correlated.
     #[test]
     fn numbers_of_neighbouring_addresses_are_uniform_together() {
-        let of =
-            |pass: u64, pixel: u64, bounce: u32| Independent::new(Address::new(7).with(pass).with(pixel)).u1(bounce, Slot::Lobe);
+        let of = |pass: u64, pixel: u64, bounce: u32| {
+            IndependentSampler::new(Address::new(7).with(pass).with(pixel)).u1(bounce, Slot::Lobe)
+        };
         type Pair = fn(u64) -> [(u64, u64, u32); 2];
-        let pairs: [Pair; 3] =
-            [|i| [(2 * i, 5, 0), (2 * i + 1, 5, 0)], |i| [(5, 2 * i, 0), (5, 2 * i + 1, 0)], |i| [(5, i, 0), (5, i, 1)]];
+        let pairs: [Pair; 3] = [
+            |i| [(2 * i, 5, 0), (2 * i + 1, 5, 0)],
+            |i| [(5, 2 * i, 0), (5, 2 * i + 1, 0)],
+            |i| [(5, i, 0), (5, i, 1)],
+        ];
         for pair in pairs {
             let mut cells = [0u32; 256];
             let n = 1 << 18;

@@ -1,9 +1,9 @@
-//! Densities that carry their measure in their type, so that a solid-angle density cannot be compared with an area one.
+//! Densities typed by their measure, so that a solid-angle density cannot be compared with an area density.
 
 use crate::defects::{Defect, planted};
 use std::marker::PhantomData;
 
-/// A measure that a density refers to.
+/// Measure of a density.
 pub trait Measure: Copy + Send + Sync + 'static {}
 
 /// Solid angle at a point, in steradians.
@@ -25,20 +25,20 @@ impl Measure for Discrete {}
 pub struct Pdf<M: Measure>(f32, PhantomData<M>);
 
 impl<M: Measure> Pdf<M> {
-    /// The density `value`.
+    /// Returns the density `value`.
     #[inline]
     pub fn new(value: f32) -> Self {
         debug_assert!(value.is_finite() && value >= 0.0, "density {value}");
         Pdf(value, PhantomData)
     }
 
-    /// The number.
+    /// Returns the numerical value.
     #[inline]
     pub fn value(self) -> f32 {
         self.0
     }
 
-    /// Times the probability of having chosen this technique.
+    /// Multiplies by the selection probability of this technique.
     #[inline]
     pub fn choose(self, probability: Pdf<Discrete>) -> Self {
         Pdf(self.0 * probability.0, PhantomData)
@@ -46,8 +46,8 @@ impl<M: Measure> Pdf<M> {
 }
 
 impl Pdf<Area> {
-    /// The same density per solid angle, seen from a point at squared distance `d2` under |cos| at the surface of `cos`.
-    /// Infinite geometry (cos = 0) gives a density of 0: the caller drops such samples.
+    /// Converts an area density to solid angle, from a point at squared distance `d2`; `cos` is |cos| at the surface. A
+    /// degenerate geometry term (cos = 0) gives a density of 0: the caller drops such samples.
     #[inline]
     pub fn to_solid_angle(self, d2: f32, cos: f32) -> Pdf<SolidAngle> {
         let d2 = if planted(Defect::AreaPdfWithoutDistance) { 1.0 } else { d2 };
@@ -55,17 +55,17 @@ impl Pdf<Area> {
     }
 }
 
-/// The density of a sampled direction: a Dirac lobe is a case of its own, never a number that means something else.
+/// Density of a sampled direction. A Dirac lobe is a variant of its own, not a special value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Density {
     /// A density per solid angle.
     Smooth(Pdf<SolidAngle>),
-    /// A Dirac direction, taken with this probability.
+    /// A Dirac direction, with its discrete probability.
     Delta(f32),
 }
 
 impl Density {
-    /// The number to divide by: the density, or the probability of the Dirac direction.
+    /// Returns the divisor of the estimator: the density, or the probability of the Dirac direction.
     #[inline]
     pub fn value(self) -> f32 {
         match self {
@@ -74,7 +74,7 @@ impl Density {
         }
     }
 
-    /// Whether this is a Dirac direction.
+    /// Returns whether this is a Dirac direction.
     #[inline]
     pub fn is_delta(self) -> bool {
         matches!(self, Density::Delta(_))

@@ -1,39 +1,42 @@
-//! Owen-scrambled Sobol' points, padded: every slot of every bounce takes the first one or two dimensions of the sequence
-//! under its own scrambling [Burley20] and its own shuffling of the index. Good wherever few numbers matter jointly; at
-//! great depth the integrand is rough and independent numbers cost less.
+//! Padded Owen-scrambled Sobol' points: every slot of every bounce uses the first one or two dimensions of the sequence
+//! with its own scrambling [Burley20] and its own index shuffle. This is effective where few dimensions matter jointly.
+//! At great depth the integrand is rough, and independent random numbers are cheaper.
 //!
-//! A replicate is one scrambling of the sequence; passes of a replicate take its points in order, so that after any power of
-//! two of passes each pair of dimensions is a scrambled (0, m, 2)-net. In between it is not: spp are rounded to such numbers.
+//! A replicate is one scrambling of the sequence. Passes of a replicate use its points in order. After a power of two
+//! of passes each pair of dimensions is a scrambled (0, m, 2)-net, but not in between. Samples per pixel are therefore
+//! rounded up to the replicates times a power of two.
 
 use super::hash::mix64;
-use super::{Address, Independent, Sampler, Slot, unit_f32};
+use super::{Address, IndependentSampler, Sampler, Slot, unit_f32};
 use crate::defects::{Defect, planted};
 
-/// Bounces from here on take independent numbers: relMSE on the Cornell box is the same for 3, 4 and 8, and 8 % more for 2.
+/// Bounces from this one on use independent random numbers. relMSE on the Cornell box is the same for 3, 4 and 8, and 8
+/// % higher for 2.
 const PADDED_BOUNCES: u32 = 4;
 
-/// Point `index` of one pixel's sequence in one replicate.
+/// Point `index` of the sequence of one pixel in one replicate.
 #[derive(Debug, Clone, Copy)]
 pub struct Sobol {
-    /// Identity of (seed, replicate, pixel).
+    /// Key of (seed, replicate, pixel).
     sequence: Address,
     index: u32,
-    deep: Independent,
+    deep: IndependentSampler,
 }
 
 impl Sobol {
-    /// The point `index` of the sequence that `sequence` identifies.
+    /// Returns point `index` of the sequence with key `sequence`.
     #[inline]
     pub fn new(sequence: Address, index: u32) -> Self {
         let index = if planted(Defect::SobolSkipsFirst) { index + 1 } else { index };
-        let deep = Independent::new(sequence.with(u64::from(index)));
+        let deep = IndependentSampler::new(sequence.with(u64::from(index)));
         Sobol { sequence, index, deep }
     }
 
-    /// The index, shuffled within its block [2ᵏ, 2ᵏ⁺¹): the first 2ᵐ points stay the first 2ᵐ points, whatever the order.
+    /// Shuffles the index within its block [2ᵏ, 2ᵏ⁺¹), so that the first 2ᵐ points remain the first 2ᵐ points.
     ///
-    /// [Burley20] shuffles by a nested scrambling instead, which keeps neighbours together in every slot: then the halves of
-    /// the domain that two neighbours fall into are opposite in *every* slot at once, which products over slots notice.
+    /// [Burley20] shuffles by nested scrambling instead, which keeps neighbouring indices together in every slot. Two
+    /// neighbours then fall into opposite halves of the domain in *every* slot at once. Integrands that are products
+    /// over slots expose this correlation.
     #[inline]
     fn shuffled(&self, key: u64) -> u32 {
         if self.index < 2 {
@@ -71,7 +74,7 @@ impl Sampler for Sobol {
     }
 }
 
-/// A permutation of the numbers of `bits` > 0 bits: multiplication by odd numbers, addition and xor-shifts are bijections.
+/// Permutes the integers of `bits` > 0 bits: multiplication by odd integers, addition and xor-shifts are bijections.
 #[inline]
 fn permute(mut i: u32, bits: u32, key: u64) -> u32 {
     let mask = (1u32 << bits) - 1;
@@ -84,8 +87,9 @@ fn permute(mut i: u32, bits: u32, key: u64) -> u32 {
     i
 }
 
-/// A nested uniform (Owen) scrambling of the bit-reversed number `x`: each bit is flipped by a hash of the bits below it,
-/// which multiplication by even numbers and addition do [Burley20 §3]; constants as improved by N. Vegdahl.
+/// Nested uniform (Owen) scrambling of the bit-reversed integer `x`: each bit is flipped by a hash of the bits below
+/// it. Multiplication by even integers and addition have this property [Burley20 §3]; constants as improved by N.
+/// Vegdahl.
 #[inline]
 fn scramble_reversed(mut x: u32, key: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -95,8 +99,8 @@ fn scramble_reversed(mut x: u32, key: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// The second Sobol' coordinate of `index`, bit-reversed. Its generator matrix is Pascal's triangle modulo 2, a product of
-/// five sparse factors.
+/// Returns the second Sobol' coordinate of `index`, bit-reversed. Its generator matrix is Pascal's triangle modulo 2, a
+/// product of five sparse factors.
 #[inline]
 fn second_dimension_reversed(index: u32) -> u32 {
     let mut x = index;
@@ -136,8 +140,9 @@ mod tests {
     fn the_first_and_the_next_power_of_two_points_are_nets() {
         let m = 8;
         for (sequence, block) in [(3, 0), (4, 0), (5, 1)] {
-            let points: Vec<[f32; 2]> =
-                (0..1u32 << m).map(|i| Sobol::new(Address::new(sequence), (block << m) + i).u2(2, Slot::Direction)).collect();
+            let points: Vec<[f32; 2]> = (0..1u32 << m)
+                .map(|i| Sobol::new(Address::new(sequence), (block << m) + i).u2(2, Slot::Direction))
+                .collect();
             for k in 0..=m {
                 let mut seen = vec![false; 1 << m];
                 for [x, y] in &points {
@@ -156,7 +161,7 @@ mod tests {
             (0..n).map(|i| f(i).map(|u| f64::from(u) - 0.5)).map(|[a, b]| a * b).sum::<f64>() / f64::from(n) * 12.0
         };
         let at = |s: u64, i: u32, slot| Sobol::new(Address::new(s), i).u2(0, slot)[0];
-        // Under independence the correlation has a standard deviation of n^-1/2 = 0.0156; five of them at level 6e-7.
+        // Under independence the correlation has a standard deviation of n^-1/2 = 0.0156; 5 σ at level 6e-7.
         let bound = 5.0 / f64::from(n).sqrt();
         assert!(covariance(&|i| [at(1, i, Slot::Direction), at(1, i, Slot::LightPoint)]).abs() < bound);
         assert!(covariance(&|i| [at(1, i, Slot::Direction), at(2, i, Slot::Direction)]).abs() < bound);

@@ -4,16 +4,16 @@ use super::{Discrete, Pdf};
 use crate::defects::{Defect, planted};
 use crate::numeric::BELOW_ONE;
 
-/// Chooses an index with probability proportional to its weight by monotone inversion of the cumulative sum, which keeps
-/// neighbouring numbers on neighbouring indices (alias tables do not).
+/// Samples an index with probability proportional to its weight, by monotone inversion of the CDF. Unlike alias tables,
+/// this preserves stratification.
 #[derive(Debug, Clone)]
 pub struct Distribution {
-    /// Upper end of each index's interval, as f32 numbers so that a choice and its probability agree exactly.
+    /// CDF at the upper end of each index, rounded to f32 so that samples and probabilities agree exactly.
     upper: Vec<f32>,
 }
 
 impl Distribution {
-    /// The distribution of `weights` (finite, not negative); `None` if all are zero or there are none.
+    /// Returns the distribution of `weights` (finite, not negative), or `None` if all are zero or there are none.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sum = 0.0f64;
         let sums: Vec<f64> = weights
@@ -28,31 +28,31 @@ impl Distribution {
             return None;
         }
         let mut upper: Vec<f32> = sums.iter().map(|s| (s / sum) as f32).collect();
-        // The last index of positive weight must reach 1 exactly.
+        // The last index of positive weight must reach exactly 1.
         let last = sums.iter().position(|&s| s >= sum)?;
         upper[last..].fill(1.0);
         Some(Distribution { upper })
     }
 
-    /// How many indices there are.
+    /// Returns the number of indices.
     #[inline]
     pub fn len(&self) -> usize {
         self.upper.len()
     }
 
-    /// Whether there is no index (never, for a distribution that was made).
+    /// Returns whether there is no index; never true for a constructed distribution.
     pub fn is_empty(&self) -> bool {
         self.upper.is_empty()
     }
 
-    /// The probability of index `i`.
+    /// Returns the probability of index `i`.
     #[inline]
     pub fn pmf(&self, i: usize) -> Pdf<Discrete> {
         let lower = if i == 0 { 0.0 } else { self.upper[i - 1] };
         Pdf::new(self.upper[i] - lower)
     }
 
-    /// The index at `u` in [0, 1), and its probability, which is positive.
+    /// Samples the index at `u` in [0, 1); returns it with its probability, which is positive.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, Pdf<Discrete>) {
         let mut i = self.upper.partition_point(|&c| c <= u);
@@ -62,7 +62,7 @@ impl Distribution {
         (i, self.pmf(i))
     }
 
-    /// The index at `u` in [0, 1), and where in its interval `u` lies: a number in [0, 1) that is uniform again.
+    /// Samples the index at `u` in [0, 1); returns it with the rescaled `u`, which is uniform in [0, 1) again.
     #[inline]
     pub fn sample_within(&self, u: f32) -> (usize, f32) {
         let (i, pmf) = self.sample(u);
@@ -93,8 +93,8 @@ mod tests {
         assert!(Distribution::new([0.0, 0.0]).is_none());
     }
 
-    /// Rounding to f32 must not leave a positive weight without probability in a way that hides energy: what is chosen has
-    /// the stated probability, checked at every boundary.
+    /// Rounding to f32 must not silently remove the probability of a positive weight: samples have the stated
+    /// probability, checked at every boundary.
     #[test]
     fn choices_agree_with_their_probability_at_every_boundary() {
         let d = Distribution::new((1..=1000).map(f64::from)).expect("positive");

@@ -1,24 +1,23 @@
-//! Maps from the unit square to disks, spheres and triangles that preserve area, each with its density and its inverse, and
-//! one from the unit interval to a linear density.
-//! All are continuous and measure-preserving, so that stratified and Metropolis samples keep their structure: a disk is
-//! filled concentrically [Shirley97], a triangle by folding the square [Heitz19].
+//! Warps from the unit square to disks, spheres and triangles, with densities and inverses, and one from the unit
+//! interval to a linear density. All are continuous and measure-preserving, so that stratified and Metropolis samples
+//! keep their structure. Disks use the concentric map [Shirley97], triangles fold the square [Heitz19].
 
 use super::{Pdf, SolidAngle};
 use crate::defects::{Defect, planted};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
 
-/// The largest number below one that samplers return.
+/// Largest f32 below one: the upper limit of samplers.
 pub use crate::numeric::BELOW_ONE;
 
-/// The point of the unit disk that the square's point `u` is mapped to, concentrically. Density per area: 1 / π.
+/// Maps `u` to the unit disk by the concentric map. Density per area: 1 / π.
 #[inline]
 pub fn concentric_disk(u: [f32; 2]) -> Vec2 {
     let (radius, direction) = concentric_polar(u);
     direction * radius
 }
 
-/// The square's point that [`concentric_disk`] maps to `p`.
+/// Inverse of [`concentric_disk`].
 #[inline]
 pub fn concentric_disk_inverse(p: Vec2) -> [f32; 2] {
     let radius = p.length();
@@ -34,7 +33,7 @@ pub fn concentric_disk_inverse(p: Vec2) -> [f32; 2] {
     [a, b].map(|x| into_unit(0.5 * (x + 1.0)))
 }
 
-/// A direction around +z with density proportional to its cosine.
+/// Samples a direction around +z with density proportional to its cosine.
 #[inline]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     if planted(Defect::UniformForCosine) {
@@ -45,19 +44,19 @@ pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     disk.extend(((1.0 - radius) * (1.0 + radius)).max(0.0).sqrt())
 }
 
-/// Density of [`cosine_hemisphere`] at a direction of cosine `cos`.
+/// Returns the density of [`cosine_hemisphere`] at a direction of cosine `cos`.
 #[inline]
 pub fn cosine_hemisphere_pdf(cos: f32) -> Pdf<SolidAngle> {
     Pdf::new(cos.max(0.0) * FRAC_1_PI)
 }
 
-/// The square's point that [`cosine_hemisphere`] maps to `w`.
+/// Inverse of [`cosine_hemisphere`].
 #[inline]
 pub fn cosine_hemisphere_inverse(w: Vec3) -> [f32; 2] {
     concentric_disk_inverse(w.truncate())
 }
 
-/// A direction of the upper hemisphere, uniformly.
+/// Samples the upper hemisphere uniformly.
 #[inline]
 pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
     let disk = concentric_disk(u);
@@ -65,38 +64,39 @@ pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
     (disk * (2.0 - height).max(0.0).sqrt()).extend(1.0 - height)
 }
 
-/// Density of [`uniform_hemisphere`].
+/// Returns the density of [`uniform_hemisphere`].
 #[inline]
 pub fn uniform_hemisphere_pdf() -> Pdf<SolidAngle> {
     Pdf::new(1.0 / TAU)
 }
 
-/// The square's point that [`uniform_hemisphere`] maps to `w`.
+/// Inverse of [`uniform_hemisphere`].
 #[inline]
 pub fn uniform_hemisphere_inverse(w: Vec3) -> [f32; 2] {
     concentric_disk_inverse(w.truncate() / (1.0 + w.z).sqrt())
 }
 
-/// A direction of the whole sphere, uniformly: the cosine to z from `u[0]`, the azimuth from `u[1]`.
+/// Samples the sphere uniformly: the cosine to z from `u[0]`, the azimuth from `u[1]`.
 #[inline]
 pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
     cap(2.0 * u[0], u[1])
 }
 
-/// Density of [`uniform_sphere`].
+/// Returns the density of [`uniform_sphere`].
 #[inline]
 pub fn uniform_sphere_pdf() -> Pdf<SolidAngle> {
     Pdf::new(0.5 / TAU)
 }
 
-/// The square's point that [`uniform_sphere`] maps to `w`.
+/// Inverse of [`uniform_sphere`].
 #[inline]
 pub fn uniform_sphere_inverse(w: Vec3) -> [f32; 2] {
     let height = if w.z > 0.0 { w.truncate().length_squared() / (1.0 + w.z) } else { 1.0 - w.z };
     [into_unit(0.5 * height), turn(w.y, w.x)]
 }
 
-/// Weights of a triangle's second and third vertex, uniform over its area: density 1 / area [Heitz19].
+/// Samples a triangle uniformly; returns the barycentric weights of its second and third vertex. Density 1 / area
+/// [Heitz19].
 #[inline]
 pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
     if planted(Defect::TriangleWithoutRoot) {
@@ -111,37 +111,37 @@ pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// The square's point that [`uniform_triangle`] maps to the weights `b`.
+/// Inverse of [`uniform_triangle`] at the weights `b`.
 #[inline]
 pub fn uniform_triangle_inverse(b: [f32; 2]) -> [f32; 2] {
     let sum = b[0] + b[1];
     (if b[0] < b[1] { [2.0 * b[0], sum] } else { [sum, 2.0 * b[1]] }).map(into_unit)
 }
 
-/// A number of the unit interval whose density runs linearly between values proportional to `a` at 0 and `b` at 1 (neither
-/// negative, not both zero): 2 lerp(a, b, x) / (a + b).
+/// Samples the unit interval with linear density 2 lerp(a, b, x) / (a + b); `a` and `b` are not negative, and not both
+/// zero.
 #[inline]
 pub fn linear(u: f32, [a, b]: [f32; 2]) -> f32 {
     let (a, b) = (a / (a + b), b / (a + b));
-    // The root of the quadratic that does not cancel; 0 / 0 where the density begins at 0 and so does u.
+    // The root of the quadratic that does not cancel; 0 / 0 where the density and u are both 0 at the beginning.
     let denominator = a + (a * a + u * (b * b - a * a)).max(0.0).sqrt();
     if denominator > 0.0 { into_unit(u / denominator) } else { 0.0 }
 }
 
-/// The angle of (x, y) in turns, 0 to 1 without 1.
+/// Returns the angle of (x, y) in turns, in [0, 1).
 #[inline]
 pub fn turn(y: f32, x: f32) -> f32 {
     let t = y.atan2(x) / TAU;
     into_unit(if t < 0.0 { t + 1.0 } else { t })
 }
 
-/// `u`, which rounding may have moved out of [0, 1), back in it.
+/// Clamps `u` to [0, 1) after rounding.
 #[inline]
 pub fn into_unit(u: f32) -> f32 {
     u.clamp(0.0, BELOW_ONE)
 }
 
-/// Signed radius and unit direction of the concentric map: the square's centred squares become circles [Shirley97].
+/// Signed radius and unit direction of the concentric map, which takes centred squares to circles [Shirley97].
 #[inline]
 fn concentric_polar(u: [f32; 2]) -> (f32, Vec2) {
     let [a, b] = u.map(|x| 2.0 * x - 1.0);
@@ -156,8 +156,8 @@ fn concentric_polar(u: [f32; 2]) -> (f32, Vec2) {
     }
 }
 
-/// Sine and cosine of π/4 `t` for `t` from −1 to 1: polynomials that interpolate them at Chebyshev's points, off by 3e-9. The general
-/// functions of the library are called, which spills all registers and costs a path tracer 2 % of its time.
+/// Sine and cosine of π/4 `t` for `t` in [−1, 1], by polynomial interpolation at Chebyshev points, with an error of
+/// 3e-9. The library functions are calls, which spill all registers and cost a path tracer 2 % of its time.
 #[inline]
 fn sin_cos_eighth(t: f32) -> (f32, f32) {
     const SIN: [f32; 4] = [-3.595_429e-5, 2.490_006_8e-3, -8.074_543_5e-2, FRAC_PI_4];
@@ -167,14 +167,14 @@ fn sin_cos_eighth(t: f32) -> (f32, f32) {
     (t * horner(&SIN), horner(&COS))
 }
 
-/// The direction `turn` turns around +z whose cosine to it is 1 − `height`, its sine taken without cancellation. Uniform over the cap
-/// of height h where `height` is uniform up to h.
+/// Returns the direction at azimuth `turn` (in turns) around +z with cosine 1 − `height`; the sine is computed without
+/// cancellation. Uniform over the cap of height h if `height` is uniform in [0, h].
 #[inline]
 pub fn cap(height: f32, turn: f32) -> Vec3 {
     (Vec2::from_angle(TAU * turn) * (height * (2.0 - height)).max(0.0).sqrt()).extend(1.0 - height)
 }
 
-/// Density of directions uniform over a cap of `height`, above 0.
+/// Returns the density of uniform directions over a cap of `height`, above 0.
 #[inline]
 pub fn cap_pdf(height: f32) -> Pdf<SolidAngle> {
     Pdf::new((TAU * height).recip())

@@ -1,4 +1,4 @@
-//! Geometry of a description: meshes used once are baked into scene space, meshes used more often are shared by instances.
+//! Geometry of a description: meshes used once are baked into scene space, those used more often are instanced.
 
 use super::ObjectInfo;
 use super::description::{AlphaMode, Description, Instance, Primitive};
@@ -6,12 +6,12 @@ use super::material::Material;
 use super::rebase::Rebase;
 use crate::error::{Error, Result};
 use crate::geometry::{Attributes, Bodies, Geometry, Object, TriangleMesh, is_placement};
-use crate::pages::Pages;
+use crate::pages::HugeVec;
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// All objects of `description` in scene space, and what shading needs to know of each.
+/// Returns all objects of `description` in scene space, with their shading data.
 pub(super) fn assemble(
     description: &Description,
     rebase: &Rebase,
@@ -73,11 +73,11 @@ fn add(geometry: &mut Geometry, mesh: TriangleMesh) -> u32 {
     (geometry.meshes.len() - 1) as u32
 }
 
-/// Triangles of copies that no transform places, since it cannot be inverted: each is a mesh of its own.
+/// Largest number of triangles of copies with a singular transform. Each copy is a mesh of its own.
 const MOST_FLAT: usize = 1 << 22;
 const FLAT_COPIES: &str = "the scene has flat or tiny copies of one mesh, which cannot be instances,";
 
-/// The instance's transform in f32; `None` if that cannot be inverted.
+/// Returns the transform of an instance in f32; `None` if it is singular.
 fn placement(to_scene: &DAffine3) -> Option<Affine3A> {
     let m = to_scene.matrix3;
     let placement = Affine3A::from_mat3_translation(
@@ -87,21 +87,21 @@ fn placement(to_scene: &DAffine3) -> Option<Affine3A> {
     is_placement(&placement).then_some(placement)
 }
 
-/// The primitive as the file stores it.
+/// Returns the primitive as stored in the file.
 fn keep(name: String, primitive: &Primitive) -> Result<TriangleMesh> {
     TriangleMesh::new(name, primitive.positions.clone(), primitive.triangles.clone(), attributes(primitive))
 }
 
 fn attributes(primitive: &Primitive) -> Attributes {
     Attributes {
-        normals: primitive.normals.as_deref().map(Pages::from),
-        tangents: primitive.tangents.as_deref().map(Pages::from),
-        uvs: primitive.uvs.each_ref().map(|uvs| uvs.as_deref().map(Pages::from)),
-        colors: primitive.colors.as_deref().map(Pages::from),
+        normals: primitive.normals.as_deref().map(HugeVec::from),
+        tangents: primitive.tangents.as_deref().map(HugeVec::from),
+        uvs: primitive.uvs.each_ref().map(|uvs| uvs.as_deref().map(HugeVec::from)),
+        colors: primitive.colors.as_deref().map(HugeVec::from),
     }
 }
 
-/// The primitive in scene space. A placement that mirrors turns the winding, so that fronts stay fronts.
+/// Returns the primitive in scene space. A mirroring transform flips the winding, so that fronts stay fronts.
 fn bake(name: String, primitive: &Primitive, to_scene: &DAffine3) -> Result<TriangleMesh> {
     let positions = primitive.positions.iter().map(|p| to_scene.transform_point3(p.as_dvec3()).as_vec3()).collect();
     let mirrored = to_scene.matrix3.determinant() < 0.0;
@@ -111,7 +111,8 @@ fn bake(name: String, primitive: &Primitive, to_scene: &DAffine3) -> Result<Tria
     let cofactors = normal_matrix(&to_scene.matrix3);
     let direction = |m: &DMat3, v: Vec3| (*m * v.as_dvec3()).normalize_or_zero().as_vec3();
     if let Some(normals) = &mut attributes.normals {
-        // Of a flattened mesh only normals along the flat direction are left; the others stand on triangles without area.
+        // Of a flattened mesh only normals along the flat direction remain; the others belong to triangles without
+        // area.
         let any = |n: Vec3| if n == Vec3::ZERO { Vec3::Z } else { n };
         normals.iter_mut().for_each(|n| *n = any(direction(&cofactors, *n)));
     }
@@ -122,7 +123,7 @@ fn bake(name: String, primitive: &Primitive, to_scene: &DAffine3) -> Result<Tria
     TriangleMesh::new(name, positions, triangles, attributes)
 }
 
-/// What normals are transformed by: the inverse transpose up to a positive factor, defined for singular matrices too.
+/// Returns the transform of normals: the inverse transpose up to a positive factor, also defined for singular matrices.
 fn normal_matrix(m: &DMat3) -> DMat3 {
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];

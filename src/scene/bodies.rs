@@ -1,23 +1,24 @@
-//! Bodies: solids that light passes through, what is inside them, and which of those that share a place has its medium there.
+//! Bodies: solids that transmit light, their interior media, and the precedence of overlapping bodies.
 //!
-//! A body is an instance, or that part of it whose inside is the same, with a material that transmits light and has a volume. Parts that
-//! are open belong together if their insides are the same: the faces of one body may be nodes of their own. Where
-//! bodies overlap one has the place: the one of the highest `priority` (`extras.etendue.priority` of its material), then the one with the
-//! smaller bounding box, since what lies inside another is smaller, then the later one in the file. The boundary of one that does not
-//! have the place is not there. Indices of bodies are their ranks in that order.
+//! A body is an instance, or a part of it with one interior, whose material transmits light and has a volume. Open
+//! parts with equal interiors form one body, since the faces of one body may be separate nodes. Where bodies overlap,
+//! the one of highest precedence determines the medium. Precedence is by highest `priority` (`extras.etendue.priority`
+//! of the material), then by smaller bounding box, since a body inside another is smaller, then by later position in
+//! the file. The boundary of a body without precedence has no effect there. Body indices are ranks in this order.
 //!
-//! An open body, such as a surface of water, has no inside that a box could tell: it counts as large as a cube of its longest side, and
-//! as one that may share places with every other. A body that shares no place with one that is entered has been left, whatever was crossed.
+//! An open body, such as a water surface, has no inside that a box could bound. It ranks like a cube of its longest
+//! side, and may overlap every other body. Entering a body that cannot overlap another one implies that the other was
+//! left, whatever surfaces were crossed.
 //!
-//! Limits: bodies are taken to have their fronts outward; an open one bends light where it is crossed, and its inside
-//! has no other end than a surface with the same. Surfaces that alpha masks cut away do not count as crossed. Of those behind a body in
-//! precedence that share places with it, [`Bodies::MOST_OTHERS`] are told apart.
+//! Limits: bodies are assumed to have outward fronts. An open body refracts where it is crossed, and its interior ends
+//! only at a surface with the same interior. Surfaces cut away by alpha masks do not count as crossed. A set
+//! distinguishes at most [`Bodies::MOST_OTHERS`] overlapping bodies of lower precedence.
 
 use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, SurfacePoint, TriangleMesh};
-use crate::light::End;
+use crate::light::EmitterPoint;
 use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -26,26 +27,26 @@ use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::ops::ControlFlow::{Break, Continue};
 
-/// What is inside a material.
+/// Interior medium of a material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Interior {
     /// Absorption coefficient per scene unit of length.
     pub(super) absorption: Spectrum,
     /// Refractive index.
     pub(super) ior: f32,
-    /// See the module's head.
+    /// Precedence: see the module documentation.
     pub(super) priority: i32,
 }
 
 impl Interior {
-    /// What may be told apart.
+    /// Returns a key that is equal for equal interiors.
     fn key(&self) -> ([u32; 4], i32) {
         let [r, g, b] = self.absorption.0;
         ([r, g, b, self.ior].map(f32::to_bits), self.priority)
     }
 }
 
-/// A solid that light passes through.
+/// A solid that transmits light.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     pub(super) interior: Interior,
@@ -54,7 +55,7 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// By precedence; of equal ones the later.
+    /// Compares precedence. The caller's stable sort breaks ties: the later body in the file comes first.
     fn precedes(&self, other: &Body) -> Ordering {
         let priority = other.interior.priority.cmp(&self.interior.priority);
         let priority = if planted(Defect::PriorityReversed) { priority.reverse() } else { priority };
@@ -66,7 +67,7 @@ impl Body {
     }
 }
 
-/// The box of a body.
+/// Bounding box of a body.
 #[derive(Debug)]
 struct Place {
     rank: u32,
@@ -79,31 +80,32 @@ impl Bounded for Place {
     }
 }
 
-/// The bodies of a place, by rank.
+/// Bodies at a point, by rank.
 type Members = SmallVec<[u32; 8]>;
 
 /// All bodies, by rank.
 #[derive(Debug, Default)]
 pub(super) struct AllBodies {
     list: Vec<Body>,
-    /// Of each body those of higher rank that it may share places with, by rank; empty if no two may.
+    /// For each body, those of lower precedence that it may overlap, by rank; empty if no two may overlap.
     behind: Vec<Members>,
     places: BoxTree<Place>,
 }
 
-/// No more pairs of bodies are looked at to know which may share places: where boxes overlap so much, what is beyond is forgotten.
+/// Largest number of body pairs tested for overlap; further overlaps are ignored.
 const MOST_PAIRS: usize = 1 << 24;
 
-/// No more surfaces are passed on the way out of a place.
+/// Largest number of surfaces crossed on the way out of a point.
 const MOST_CROSSED: u32 = 1 << 14;
 
-/// The way out of a place: mostly upward, so that what lies below an open surface of water is inside it, and along no plane or edge
-/// that models are likely to have.
+/// Direction of the ray out of a point. It is mostly upward, so that points below an open water surface are inside it.
+/// It is unlikely to be parallel to a plane or edge of a model.
 const OUT: Vec3 = Vec3::new(0.230_84, 0.936_27, 0.265_31);
 
-/// A sum over the edges of a mesh that have no second triangle on their other side: 0 if there are none, but for one mesh in 2⁶⁴.
+/// Hash sum over the edges of a mesh without a second triangle: 0 if the mesh is closed, and for an open mesh with
+/// probability 2⁻⁶⁴.
 fn open_edges(mesh: &TriangleMesh) -> u64 {
-    // −0 and 0 are one coordinate.
+    // −0 and 0 are equal.
     let vertex = |i: u32| (mesh.positions()[i as usize] + 0.0).to_array().map(|x: f32| u64::from(x.to_bits()));
     let point = |i: u32| vertex(i).into_iter().fold(0, |hash, bits| mix64(hash ^ bits).rotate_left(21));
     let edge = |from: u64, to: u64| mix64(from.wrapping_add(to.rotate_left(32)));
@@ -116,7 +118,7 @@ fn open_edges(mesh: &TriangleMesh) -> u64 {
 }
 
 impl AllBodies {
-    /// Those of all objects, which are told theirs.
+    /// Finds the bodies of all objects and stores each object's index.
     pub(super) fn find(geometry: &Geometry, objects: &mut [ObjectInfo], materials: &[Material]) -> Self {
         let mut parts: HashMap<_, u64> = HashMap::new();
         let part = |object: &ObjectInfo| Some((object.instance, materials[object.material as usize].interior?.key()));
@@ -128,7 +130,9 @@ impl AllBodies {
         let mut found: Vec<Body> = Vec::new();
         let mut known = HashMap::new();
         for (index, object) in (0..).zip(objects.iter_mut()) {
-            let (Some(interior), Some(part)) = (materials[object.material as usize].interior, part(object)) else { continue };
+            let (Some(interior), Some(part)) = (materials[object.material as usize].interior, part(object)) else {
+                continue;
+            };
             let bounds = geometry.bounds(index);
             let is_closed = parts[&part] == 0;
             let id = *known.entry((is_closed.then_some(part.0), part.1)).or_insert_with(|| {
@@ -148,7 +152,7 @@ impl AllBodies {
         AllBodies::ranked(order.into_iter().map(|id| found[id]).collect())
     }
 
-    /// Those in `list`, which is by rank.
+    /// Returns the bodies in `list`, which is sorted by rank.
     fn ranked(list: Vec<Body>) -> Self {
         let places = list.iter().zip(0..).map(|(body, rank)| Place { rank, bounds: body.bounds }).collect();
         let mut bodies = AllBodies { list, behind: Vec::new(), places: BoxTree::new(places) };
@@ -159,7 +163,7 @@ impl AllBodies {
         bodies
     }
 
-    /// See [`AllBodies::behind`].
+    /// Computes [`AllBodies::behind`].
     fn overlaps(&self) -> Vec<Members> {
         let mut pairs = 0;
         let open: Members = (0..).zip(&self.list).filter(|(_, body)| body.is_open).map(|(rank, _)| rank).collect();
@@ -172,7 +176,8 @@ impl AllBodies {
                 |bounds| bounds.meets(&body.bounds),
                 |place| {
                     pairs += 1;
-                    if place.rank > rank && place.bounds.meets(&body.bounds) && !self.list[place.rank as usize].is_open {
+                    if place.rank > rank && place.bounds.meets(&body.bounds) && !self.list[place.rank as usize].is_open
+                    {
                         found.push(place.rank);
                     }
                     if pairs < MOST_PAIRS { Continue(()) } else { Break(()) }
@@ -190,23 +195,23 @@ impl AllBodies {
         self.list.is_empty()
     }
 
-    /// The body of rank `body`.
+    /// Returns the interior of the body of rank `body`.
     #[inline]
     pub(super) fn interior(&self, body: u32) -> &Interior {
         &self.list[body as usize].interior
     }
 
-    /// Whether some absorb.
+    /// Returns whether any body absorbs.
     pub(super) fn absorb(&self) -> bool {
         self.list.iter().any(|b| !b.interior.absorption.is_black())
     }
 
-    /// Whether two may share a place.
+    /// Returns whether any two bodies may overlap.
     pub(super) fn overlap(&self) -> bool {
         !self.behind.is_empty()
     }
 
-    /// Those whose boxes hold `p`.
+    /// Returns the bodies whose boxes contain `p`.
     fn around(&self, p: Vec3) -> Members {
         let mut near = Members::new();
         let _ = self.places.visit(
@@ -221,13 +226,14 @@ impl AllBodies {
         near
     }
 
-    /// On the inner side of the boundary of `body`.
+    /// Returns the set on the inner side of the boundary of `body`.
     #[inline]
     fn with(&self, set: Bodies, body: u32) -> Bodies {
         if self.behind.is_empty() || set.is_empty() { Bodies::new(body, 0) } else { self.joined(set, body) }
     }
 
-    /// On the outer side of the boundary of `body`. Leaving a body that is not there (an open mesh) changes nothing.
+    /// Returns the set on the outer side of the boundary of `body`. Leaving a body that is not in the set (an open
+    /// mesh) has no effect.
     #[inline]
     fn without(&self, set: Bodies, body: u32) -> Bodies {
         match (set == Bodies::new(body, 0), set.others()) {
@@ -242,7 +248,7 @@ impl AllBodies {
         self.set(self.members(set).into_iter().filter(|&member| member != body))
     }
 
-    /// Of those in `set`, the first that is not `body`.
+    /// Returns the first body in `set` other than `body`.
     #[inline]
     fn first_without(&self, set: Bodies, body: u32) -> Option<u32> {
         match set.first() {
@@ -262,20 +268,22 @@ impl AllBodies {
         self.set(members)
     }
 
-    /// Whether two may be in one place; a list that is full does not tell.
+    /// Returns whether two bodies may overlap; unreliable for a full list.
     fn may_share(&self, a: u32, b: u32) -> bool {
         let behind = &self.behind[a.min(b) as usize];
         behind.len() == Bodies::MOST_OTHERS || behind.contains(&a.max(b))
     }
 
-    /// By rank.
+    /// Returns the bodies of a set, by rank.
     fn members(&self, set: Bodies) -> Members {
         let Some(first) = set.first() else { return Members::new() };
         let behind = self.behind.get(first as usize).into_iter().flatten().enumerate();
-        std::iter::once(first).chain(behind.filter(|(bit, _)| set.others() >> bit & 1 != 0).map(|(_, &rank)| rank)).collect()
+        std::iter::once(first)
+            .chain(behind.filter(|(bit, _)| set.others() >> bit & 1 != 0).map(|(_, &rank)| rank))
+            .collect()
     }
 
-    /// The set of `members`, by rank.
+    /// Returns the set of `members`, which are sorted by rank.
     fn set(&self, members: impl IntoIterator<Item = u32>) -> Bodies {
         let mut members = members.into_iter();
         let Some(first) = members.next() else { return Bodies::NONE };
@@ -286,7 +294,8 @@ impl AllBodies {
 }
 
 impl Scene {
-    /// The bodies that contain the point `p`: those whose surface is left more often than entered on the way out.
+    /// Returns the bodies that contain the point `p`: those whose boundary is left more often than entered on the way
+    /// out.
     #[inline]
     pub fn bodies_at(&self, p: Vec3) -> Bodies {
         if self.bodies.places.bounds().contains(p) { self.bodies_around(p) } else { Bodies::NONE }
@@ -307,19 +316,22 @@ impl Scene {
             }
             ray = point.spawn(OUT);
         }
-        near.into_iter().filter(|&(_, left)| left > 0).fold(Bodies::NONE, |inside, (body, _)| self.bodies.with(inside, body))
+        near.into_iter()
+            .filter(|&(_, left)| left > 0)
+            .fold(Bodies::NONE, |inside, (body, _)| self.bodies.with(inside, body))
     }
 
-    /// The bodies in which light starts that leaves its `end` along `ray`; what comes from infinity starts outside all.
-    pub fn bodies_of_light(&self, end: &End, ray: &Ray) -> Bodies {
+    /// Returns the bodies at the origin of a light ray `ray` from its `end`; rays from infinity start outside all
+    /// bodies.
+    pub fn bodies_of_light(&self, end: &EmitterPoint, ray: &Ray) -> Bodies {
         match *end {
-            End::Infinity => Bodies::NONE,
-            End::Point(p) => self.bodies_at(p),
-            End::Surface { .. } => self.bodies_at(ray.origin),
+            EmitterPoint::Distant => Bodies::NONE,
+            EmitterPoint::Point(p) => self.bodies_at(p),
+            EmitterPoint::Surface { .. } => self.bodies_at(ray.origin),
         }
     }
 
-    /// The bodies on the side of `point` to which `w` leads, for what comes there in `bodies`, from whichever side.
+    /// Returns the bodies on the side of `point` toward `w`, for a path that arrives from `bodies` on either side.
     #[inline]
     pub fn bodies_toward(&self, point: &SurfacePoint, bodies: Bodies, w: Vec3) -> Bodies {
         if self.bodies.is_empty() {
@@ -333,15 +345,16 @@ impl Scene {
         }
     }
 
-    /// What is left of light after `length` scene units in `bodies` (Beer and Lambert).
+    /// Returns the transmittance of `length` scene units in `bodies` (Beer and Lambert).
     #[inline]
     pub fn absorption(&self, bodies: Bodies, length: f32) -> Spectrum {
         let Some(body) = bodies.first() else { return Spectrum::ONE };
-        // 0 · ∞ at a lane that does not absorb is no absorption.
+        // A channel without absorption transmits fully, also where 0 · ∞ would be NaN.
         self.bodies.interior(body).absorption.map(|s: f32| if s > 0.0 { (-s * length).exp() } else { 1.0 })
     }
 
-    /// The index outside the boundary of `object`, met in `bodies`: 1 for what is no body.
+    /// Returns the refractive index outside the boundary of `object`, reached in `bodies`; 1 for objects that bound no
+    /// body.
     #[inline]
     pub(super) fn outer_index(&self, object: &ObjectInfo, bodies: Bodies) -> f32 {
         if !self.features.nested || object.body == Bodies::NOBODY || planted(Defect::OuterIndexIsOne) {
@@ -350,7 +363,8 @@ impl Scene {
         self.bodies.first_without(bodies, object.body).map_or(1.0, |outside| self.bodies.interior(outside).ior)
     }
 
-    /// Whether the boundary of `object`, met in `bodies`, is not there, since another body has the place.
+    /// Returns whether the boundary of `object`, reached in `bodies`, has no effect because another body has
+    /// precedence.
     #[inline]
     pub(super) fn is_null(&self, object: &ObjectInfo, bodies: Bodies) -> bool {
         self.features.nested && object.body != Bodies::NOBODY && bodies.first().is_some_and(|first| first < object.body)

@@ -1,6 +1,6 @@
 use super::*;
 
-/// Boxes of half that size around points of the x axis.
+/// Boxes of that half-size around points of the x axis.
 fn boxes(places: &[(f32, f32)]) -> AllBodies {
     let interior = Interior { absorption: Spectrum::ZERO, ior: 1.5, priority: 0 };
     let body = |&(x, half): &(f32, f32)| {
@@ -36,7 +36,7 @@ fn whoever_shares_no_place_with_what_is_entered_has_been_left() {
     assert_eq!(set(&apart, &[0, 1]), Bodies::new(1, 0));
 }
 
-/// A flat surface of water has everything below it in it, and what lies in it has the place.
+/// A flat water surface contains everything below it; bodies inside it have precedence.
 #[test]
 fn open_bodies_come_last_and_share_all_places() {
     let mut list = boxes(&[(0.0, 1.0), (50.0, 1.0), (0.0, 20.0)]).list;

@@ -1,4 +1,4 @@
-//! From a description to a scene: rebasing, baking, compiling, building.
+//! Construction of a scene from a description: rebasing, baking, material compilation, acceleration structure.
 
 use super::assemble::assemble;
 use super::bodies::{AllBodies, Interior};
@@ -14,27 +14,30 @@ use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::Lobes;
 use crate::error::Result;
 use crate::geometry::{Geometry, Hit};
-use crate::light::{AreaLight, Ball, DirectionalLight, Emission, Environment, Light, Lights, PointLight, SpotLight};
+use crate::light::{
+    AreaLight, BoundingSphere, DirectionalLight, Emission, Environment, Light, Lights, PointLight, SpotLight,
+};
 use crate::spectrum::Spectrum;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How to build a scene.
+/// Options of scene construction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuildOptions {
-    /// Whose ray queries are used.
+    /// Intersection backend.
     pub backend: Backend,
-    /// Effort and robustness of the acceleration structure.
+    /// Build quality and robustness of the acceleration structure.
     pub build: Build,
-    /// Threads for its construction.
+    /// Number of threads for its construction.
     pub threads: usize,
 }
 
 impl Scene {
-    /// Builds `description`. Call it from outside the rayon pool.
+    /// Builds `description`. Must be called from outside the rayon pool.
     ///
     /// # Errors
-    /// A scene error that names what is wrong: nothing to see, a mesh with bad indices or positions; or the backend's error.
+    /// A scene error that names the cause: no geometry, or a mesh with bad indices or positions; or the backend's
+    /// error.
     pub fn build(mut description: Description, options: &BuildOptions) -> Result<Scene> {
         let start = Instant::now();
         let hash = description::hash::of(&description);
@@ -74,7 +77,7 @@ impl Scene {
         let prepare_seconds = start.elapsed().as_secs_f64();
         let accel = Accel::build(&geometry, options.backend, options.build, options.threads)?;
         let centre = rebase.point((extent.min + extent.max) * 0.5).as_vec3();
-        let ball = Ball { centre, radius: (extent.radius() * rebase.scale) as f32 };
+        let ball = BoundingSphere { centre, radius: (extent.radius() * rebase.scale) as f32 };
         let shining = lights.iter().filter(|light| light.power(ball.radius) > 0.0).count();
         for object in &mut objects {
             let material = &materials[object.material as usize];
@@ -82,7 +85,8 @@ impl Scene {
             object.passes = blends || material.may_pass(1.0);
             object.plain = material.is_plain() && !object.colors;
         }
-        let features = Features { contacts: contacts.is_some(), ..features(&geometry, &objects, &materials, &lights, &bodies) };
+        let features =
+            Features { contacts: contacts.is_some(), ..features(&geometry, &objects, &materials, &lights, &bodies) };
         let mut info = census(&geometry, &materials, shining, features);
         info.instances = description.instances.len();
         info.texture_bytes += environment_bytes;
@@ -95,11 +99,25 @@ impl Scene {
         info.accel_bytes = accel.bytes();
         let views = Views::new(description.cameras, extent.min, extent.max);
         let lights = Lights::new(lights, ball.radius);
-        Ok(Scene { geometry, objects, materials, bodies, lights, accel, contacts, rebase, ball, features, views, info, hash })
+        Ok(Scene {
+            geometry,
+            objects,
+            materials,
+            bodies,
+            lights,
+            accel,
+            contacts,
+            rebase,
+            ball,
+            features,
+            views,
+            info,
+            hash,
+        })
     }
 }
 
-/// What is inside a material that light goes through and that has an inside.
+/// Returns the interior of a transmitting material with a volume.
 fn interior(material: &description::Material, rebase: &Rebase) -> Option<Interior> {
     let m = material;
     let volume = m.volume.as_ref().filter(|_| m.transmission > 0.0 && m.metallic < 1.0 && m.ior >= 1.0 && !m.unlit)?;
@@ -113,12 +131,13 @@ fn interior(material: &description::Material, rebase: &Rebase) -> Option<Interio
     Some(Interior { absorption, ior: m.ior, priority: m.priority })
 }
 
-/// Finds surfaces that touch where one of them lets light pass; queries may then leave out the objects they belong to.
+/// Finds touching surfaces of which one transmits light. Backend queries may then exclude the objects that they belong
+/// to.
 fn contacts(
     geometry: &mut Geometry,
     objects: &[ObjectInfo],
     materials: &[Material],
-    cameras: &[description::Camera],
+    cameras: &[description::CameraDescription],
     rebase: &Rebase,
     warnings: &mut Vec<String>,
 ) -> Option<Box<Contacts>> {
@@ -126,7 +145,9 @@ fn contacts(
     let passes: Vec<bool> = objects.iter().map(passes).collect();
     let eyes: Vec<_> = cameras.iter().map(|camera| rebase.point(camera.transform.translation).as_vec3()).collect();
     let contacts = Contacts::find(geometry, &passes, &eyes).unwrap_or_else(|many| {
-        warnings.push(format!("{many} triangles lie at surfaces that let light pass, too many to tell which of them touch"));
+        warnings.push(format!(
+            "{many} triangles lie at surfaces that let light pass, too many to tell which of them touch"
+        ));
         None
     })?;
     for (object, placed) in (0..).zip(&mut geometry.objects) {
@@ -135,7 +156,7 @@ fn contacts(
     Some(Box::new(contacts))
 }
 
-/// Makes each emitting triangle a light, and notes in `objects` where those of each object begin.
+/// Makes each emitting triangle a light, and stores in `objects` the first light of each object.
 fn area_lights(
     geometry: &Geometry,
     objects: &mut [ObjectInfo],
@@ -155,13 +176,19 @@ fn area_lights(
             let hit = Hit { object, primitive };
             let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), geometry.corner_colors(hit));
             let touched = if contacts.is_some_and(|c| c.flags(hit)) { hit } else { Hit::NONE };
-            Light::Area(AreaLight::touched(geometry.triangle(hit), touched, winding, emission.unwrap_or(Emission::NONE), mean))
+            Light::Area(AreaLight::touched(
+                geometry.triangle(hit),
+                touched,
+                winding,
+                emission.unwrap_or(Emission::NONE),
+                mean,
+            ))
         }));
     }
     lights
 }
 
-/// A light without extent in scene space; distances shrink with the scale, so intensities do with its square.
+/// Returns a punctual light in scene space. Distances scale linearly, so intensities scale quadratically.
 fn punctual(light: &description::PunctualLight, rebase: &Rebase) -> Light {
     let position = rebase.point(light.transform.translation).as_vec3();
     let backward = light.transform.matrix3.z_axis.normalize_or_zero().as_vec3();
@@ -169,11 +196,13 @@ fn punctual(light: &description::PunctualLight, rebase: &Rebase) -> Light {
     match light.kind {
         PunctualKind::Point => Light::Point(point),
         PunctualKind::Spot { inner, outer } => Light::Spot(SpotLight::new(point, -backward, inner, outer)),
-        PunctualKind::Directional => Light::Directional(DirectionalLight { toward: backward, irradiance: light.intensity }),
+        PunctualKind::Directional => {
+            Light::Directional(DirectionalLight { toward: backward, irradiance: light.intensity })
+        }
     }
 }
 
-/// Scans for what kernels must know.
+/// Determines the features of the scene.
 fn features(
     geometry: &Geometry,
     objects: &[ObjectInfo],
@@ -201,7 +230,7 @@ fn features(
     }
 }
 
-/// Counts and sizes.
+/// Returns counts and sizes of the scene.
 fn census(geometry: &Geometry, materials: &[Material], lights: usize, features: Features) -> SceneInfo {
     let mut images: Vec<_> = materials.iter().flat_map(Material::images).map(|t| &t.image).collect();
     images.sort_by_key(|image| Arc::as_ptr(image));

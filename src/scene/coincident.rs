@@ -1,4 +1,4 @@
-//! Emitters that coincide: a lamp that was exported twice shines twice, and nobody sees why.
+//! Coincident emitters: a lamp that was exported twice is twice as bright, which is hard to notice.
 
 use super::ObjectInfo;
 use super::description::{Description, PunctualLight};
@@ -7,11 +7,17 @@ use crate::light::Light;
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// How many pairs are named; of more it is said that there are.
+/// Number of pairs that are listed; further pairs are only mentioned.
 const NAMED: usize = 4;
 
-/// A sentence for each pair of lights without extent that are alike, and each pair of emitting objects of which triangles coincide.
-pub(super) fn emitters(description: &Description, objects: &[ObjectInfo], geometry: &Geometry, lights: &[Light]) -> Vec<String> {
+/// Returns a sentence for each pair of equal punctual lights, and each pair of emitting objects with coincident
+/// triangles.
+pub(super) fn emitters(
+    description: &Description,
+    objects: &[ObjectInfo],
+    geometry: &Geometry,
+    lights: &[Light],
+) -> Vec<String> {
     let mut pairs = alike(&description.lights);
     let name = |object: u32| description.instances[objects[object as usize].instance as usize].name.clone();
     for [a, b] in coincident(objects, geometry, lights) {
@@ -19,15 +25,16 @@ pub(super) fn emitters(description: &Description, objects: &[ObjectInfo], geomet
     }
     let more = pairs.len().saturating_sub(NAMED);
     let said = pairs.iter().take(NAMED);
-    let mut sentences: Vec<String> =
-        said.map(|[a, b]| format!("lights '{a}' and '{b}' coincide and shine twice (was a lamp exported twice?)")).collect();
+    let mut sentences: Vec<String> = said
+        .map(|[a, b]| format!("lights '{a}' and '{b}' coincide and shine twice (was a lamp exported twice?)"))
+        .collect();
     if more > 0 {
         sentences.push(format!("{more} more pairs of lights coincide"));
     }
     sentences
 }
 
-/// Names of neighbouring lights without extent that are equal in all but their names.
+/// Returns the names of neighbouring punctual lights that are equal except for their names.
 fn alike(lights: &[PunctualLight]) -> Vec<[String; 2]> {
     let mut first: HashMap<String, &str> = HashMap::new();
     let mut pairs = Vec::new();
@@ -40,7 +47,7 @@ fn alike(lights: &[PunctualLight]) -> Vec<[String; 2]> {
     pairs
 }
 
-/// Emitting objects of which some triangle has the corners of another one's, each pair once.
+/// Returns the pairs of emitting objects that share a triangle with the same corners, each pair once.
 fn coincident(objects: &[ObjectInfo], geometry: &Geometry, lights: &[Light]) -> Vec<[u32; 2]> {
     let mut first: HashMap<[[u32; 3]; 3], u32> = HashMap::new();
     let mut pairs: Vec<[u32; 2]> = Vec::new();
@@ -50,8 +57,10 @@ fn coincident(objects: &[ObjectInfo], geometry: &Geometry, lights: &[Light]) -> 
             continue;
         }
         for primitive in 0..geometry.mesh_of(object).triangles().len() as u32 {
-            let mut corners =
-                geometry.triangle(Hit { object, primitive }).vertices.map(|p: Vec3| (p + 0.0).to_array().map(f32::to_bits));
+            let mut corners = geometry
+                .triangle(Hit { object, primitive })
+                .vertices
+                .map(|p: Vec3| (p + 0.0).to_array().map(f32::to_bits));
             corners.sort_unstable();
             match first.insert(corners, object) {
                 Some(other) if other != object && pairs.last() != Some(&[other, object]) => pairs.push([other, object]),

@@ -1,5 +1,5 @@
-//! What an edge between two points carries, and what surfaces on it do: those that blend by alpha, that let light straight through, or
-//! that are boundaries of bodies which do not have the place are content of the edge and no vertices.
+//! Throughput of edges between two points. Surfaces that blend by alpha, transmit light straight through, or bound a
+//! body without precedence belong to the edge and are not vertices.
 
 use super::{ObjectInfo, Scene};
 use crate::accel::RayClass;
@@ -8,31 +8,32 @@ use crate::geometry::{Bodies, Hit, Ray, SurfacePoint};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
-/// What a surface lets pass of an edge that meets it.
+/// Straight transmission of a surface on an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passage {
-    /// Share of light that goes on.
+    /// Transmittance.
     pub through: Spectrum,
-    /// Probability with which a walk scatters there; it goes on with [`Passage::chance`].
+    /// Probability that a walk scatters at the surface; it continues with probability [`Passage::chance`].
     pub met: f32,
-    /// The surface's share of what it stops: its scattering counts as often. A walk that meets it is worth this over `met`.
+    /// Coverage α of the surface, which is the weight of its scattering. A walk that scatters there is weighted by α /
+    /// `met`.
     pub alpha: f32,
 }
 
-/// What an edge carries.
+/// Throughput of an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
-    /// Share of light.
+    /// Transmittance.
     pub through: Spectrum,
-    /// Probability with which a walk passes all that is on it.
+    /// Probability that a walk passes all surfaces on the edge.
     pub chance: f32,
 }
 
 impl Passage {
-    /// Where nothing is.
+    /// Free passage, without a surface.
     pub const FREE: Passage = Passage { through: Spectrum::ONE, met: 0.0, alpha: 1.0 };
 
-    /// The probability with which a walk goes on.
+    /// Returns the probability that a walk continues.
     #[inline]
     pub fn chance(&self) -> f32 {
         1.0 - self.met
@@ -40,15 +41,15 @@ impl Passage {
 }
 
 impl Scene {
-    /// Whether [`Scene::passage`] may let something pass at `point`, met in `bodies`; cheap to know.
+    /// Returns whether [`Scene::passage`] may be nonzero at `point`, reached in `bodies`; a cheap test.
     #[inline]
     pub fn may_pass(&self, point: &SurfacePoint, bodies: Bodies) -> bool {
         let object = &self.objects[point.hit.object as usize];
         object.passes || self.features.nested && object.body != Bodies::NOBODY && bodies.has_more_than(object.body)
     }
 
-    /// What the surface at `point` lets pass straight on along the unit direction `w`, met in `bodies`. It is the same against `w`. What
-    /// emits light is met whatever it lets through.
+    /// Returns the straight transmission of the surface at `point` along the unit direction `w`, reached in `bodies`.
+    /// It is symmetric in ±`w`. An emitter is hit with its full coverage, whatever it transmits.
     pub fn passage(&self, point: &SurfacePoint, w: Vec3, bodies: Bodies) -> Passage {
         let alpha = self.coverage(point);
         let (object, _) = self.material_of(point.hit);
@@ -74,8 +75,8 @@ impl Scene {
         whole.straight(w.dot(point.frame.n).abs().min(1.0))
     }
 
-    /// Share of light that passes along the segment `ray` (`t_max` finite, or free space to infinity). Adds to `rays` how many
-    /// were traced to know it.
+    /// Returns the transmittance along the segment `ray` (`t_max` finite, or free space to infinity). Adds the number
+    /// of traced rays to `rays`.
     #[inline]
     pub fn transmittance(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
         self.accel.announce(RayClass::Shadow);
@@ -85,7 +86,8 @@ impl Scene {
         if self.is_occluded(ray, rays) { Spectrum::ZERO } else { self.absorption(ray.bodies, segment_length(ray)) }
     }
 
-    /// [`Scene::transmittance`] of a segment that ends at the camera, for which [`Scene::culled`] surfaces are not there.
+    /// Returns [`Scene::transmittance`] of a segment that ends at the camera, for which [`Scene::culled`] surfaces are
+    /// ignored.
     #[inline]
     pub fn transmittance_to_camera(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
         if !self.features.culled {
@@ -95,8 +97,8 @@ impl Scene {
         self.content(*ray, rays, |point| self.culled(point, -ray.direction)).through
     }
 
-    /// What the segment `ray`, which is known to be free, carries, and the probability with which walks pass it; surfaces are not there
-    /// that `unseen` says.
+    /// Returns the throughput of the unoccluded segment `ray`, and the probability that walks pass it. Surfaces for
+    /// which `unseen` is true are ignored.
     pub fn edge(&self, ray: &Ray, rays: &mut u64, unseen: impl Fn(&SurfacePoint) -> bool) -> Edge {
         if self.features.content() {
             return self.content(*ray, rays, unseen);
@@ -104,7 +106,7 @@ impl Scene {
         Edge { through: self.absorption(ray.bodies, segment_length(ray)), chance: 1.0 }
     }
 
-    /// From surface to surface along a segment, whose end is at parameter 1 if it is finite.
+    /// Steps from surface to surface along a segment, whose end is at parameter 1 if it is finite.
     fn content(&self, mut ray: Ray, rays: &mut u64, unseen: impl Fn(&SurfacePoint) -> bool) -> Edge {
         let (end, unit) = (ray.at(1.0), ray.direction.normalize());
         let mut edge = Edge { through: Spectrum::ONE, chance: 1.0 };
@@ -122,14 +124,15 @@ impl Scene {
             }
             let bodies = self.bodies_toward(&point, ray.bodies, ray.direction);
             let next = point.spawn(ray.direction);
-            // What is left is aimed at the end again: the origin was moved, and a parallel to the old ray may meet the end's own surface.
+            // The remaining segment is aimed at the end again: the origin was offset, and a parallel to the old ray
+            // might hit the surface at the end.
             let rest = end - next.origin;
             let (direction, t_max) = if !ray.t_max.is_finite() {
                 (ray.direction, ray.t_max)
             } else if rest.dot(ray.direction) > 0.0 {
                 (rest, ray.t_max)
             } else if ray.end != Hit::NONE {
-                // The rest of the way is less than rounding: its heading is that of the whole.
+                // The remaining length is below rounding: keep the direction of the whole segment.
                 (ray.direction, rest.dot(ray.direction) / ray.direction.length_squared())
             } else {
                 break;

@@ -1,30 +1,31 @@
-//! Where a scene is, how large, and where its detail lies, in the file's world.
+//! Position and size of a scene, and its centre of detail, in the world space of the file.
 
 use super::description::{Description, Instance, Primitive};
 use super::rebase::MOST;
 use crate::error::{Error, Result};
 use glam::DVec3;
 
-/// Triangles that the centre of detail is computed from, about; of more an even choice stands for all.
+/// Approximate number of triangles used for the centre of detail; larger scenes are sampled evenly.
 const SAMPLE: usize = 1 << 20;
 
-/// A triangle counts as spoilt where f32 moves its vertices by more than this share of its longest edge.
+/// A triangle is degraded if rounding to f32 moves its vertices by more than this fraction of its longest edge.
 const SPOILT: f64 = 0.01;
 
-/// The box around a scene and its centre of detail.
+/// Bounding box of a scene and its centre of detail.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extent {
     pub(super) min: DVec3,
     pub(super) max: DVec3,
-    /// Where the sum over triangles of (distance / size)² is least, size being the longest edge: what f32 loses of a triangle
-    /// is proportional to that ratio. The mean of the triangles' centres, each weighted by 1 / size².
+    /// Minimiser of the sum over triangles of (distance / size)², with the longest edge as size: the relative precision
+    /// loss of a triangle in f32 is proportional to that ratio. It is the mean of the triangles' centres, weighted by 1
+    /// / size².
     pub(super) detail: DVec3,
-    /// How many triangles are spoilt even so, about: see [`SPOILT`].
+    /// Approximate number of triangles that remain degraded: see [`SPOILT`].
     pub(super) spoilt: usize,
 }
 
 impl Extent {
-    /// The extent of `description`.
+    /// Returns the extent of `description`.
     ///
     /// # Errors
     /// A scene error if there is no triangle or a position is not finite.
@@ -34,22 +35,26 @@ impl Extent {
             let detail = centre_of_detail(description, (min + max) * 0.5);
             Ok(Extent { min, max, detail, spoilt: spoilt(description, detail) })
         } else if min.x > max.x {
-            if description.hides { Ok(Extent::nothing(description)) } else { Err(Error::scene("the scene has no triangles")) }
+            if description.hides {
+                Ok(Extent::nothing(description))
+            } else {
+                Err(Error::scene("the scene has no triangles"))
+            }
         } else {
             Err(Error::scene("the scene has positions that are not finite"))
         }
     }
 
-    /// Of a scene of which everything is hidden: where its camera stands.
+    /// Returns the extent of a scene with everything hidden: the position of its camera.
     fn nothing(description: &Description) -> Extent {
         let at = description.cameras.first().map_or(DVec3::ZERO, |c| c.transform.translation);
         Extent { min: at, max: at, detail: at, spoilt: 0 }
     }
 
-    /// Whether single precision can render a scene of this size, of which squares and inverses are taken.
+    /// Checks that single precision can represent squares and inverses of lengths of the scene.
     ///
     /// # Errors
-    /// A scene error that says how large it is.
+    /// A scene error that states its size.
     pub(super) fn check(&self) -> Result<()> {
         let radius = self.radius();
         if radius == 0.0 || (MOST.recip()..=MOST).contains(&radius) {
@@ -61,21 +66,22 @@ impl Extent {
         )))
     }
 
-    /// Half the diagonal of the box.
+    /// Returns half the diagonal of the box.
     pub(super) fn radius(&self) -> f64 {
         (self.max - self.min).length() * 0.5
     }
 }
 
-/// A box around all placed positions: the smallest if no mesh stands at several places, else one around the boxes of those
-/// that do, so that a small file with many instances of a large mesh takes no more time than its size allows.
+/// Returns a box around all placed positions. It is the smallest box if no mesh has several instances. Otherwise it
+/// encloses the boxes of instanced meshes, so that the time does not grow with instances × vertices.
 fn world_box(description: &Description) -> (DVec3, DVec3) {
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut uses = vec![0usize; description.meshes.len()];
     description.instances.iter().for_each(|i| uses[i.mesh] += 1);
     let mut boxes: Vec<Option<Vec<DVec3>>> = vec![None; description.meshes.len()];
     for instance in &description.instances {
-        let positions = description.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions).map(|p| p.as_dvec3());
+        let positions =
+            description.meshes[instance.mesh].primitives.iter().flat_map(|p| &p.positions).map(|p| p.as_dvec3());
         let mut include = |p: DVec3| {
             let placed = instance.transform.transform_point3(p);
             min = min.min(placed);
@@ -90,7 +96,7 @@ fn world_box(description: &Description) -> (DVec3, DVec3) {
     (min, max)
 }
 
-/// The corners of the box around `positions`; none if there are none.
+/// Returns the corners of the bounding box of `positions`; none for no positions.
 fn corners(positions: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     positions.for_each(|p| (min, max) = (min.min(p), max.max(p)));
@@ -102,11 +108,11 @@ fn parts(description: &Description) -> impl Iterator<Item = (&Instance, &Primiti
     description.instances.iter().flat_map(|i| description.meshes[i.mesh].primitives.iter().map(move |p| (i, p)))
 }
 
-/// Centre and square of the longest edge of every `step`th triangle of each part, about `origin`.
+/// Returns the centre, relative to `origin`, and the squared longest edge of every `step`th triangle of each part.
 fn sizes(description: &Description, step: usize, origin: DVec3) -> impl Iterator<Item = (DVec3, f64)> {
     parts(description).flat_map(move |(instance, primitive)| {
         primitive.triangles.iter().step_by(step).filter_map(move |corners| {
-            // Indices are checked later, when meshes are made.
+            // Indices are checked later, at mesh construction.
             let [Some(a), Some(b), Some(c)] = corners.map(|i| primitive.positions.get(i as usize)) else { return None };
             let [a, b, c] = [a, b, c].map(|p| instance.transform.transform_point3(p.as_dvec3()) - origin);
             let size2 = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
@@ -115,12 +121,12 @@ fn sizes(description: &Description, step: usize, origin: DVec3) -> impl Iterator
     })
 }
 
-/// Of how many triangles one is looked at.
+/// Returns the sampling step over triangles.
 fn step(description: &Description) -> usize {
     parts(description).map(|(_, p)| p.triangles.len()).sum::<usize>() / SAMPLE + 1
 }
 
-/// See [`Extent::detail`]; `middle`, to which offsets are taken, where no triangle has a size.
+/// Computes [`Extent::detail`]; offsets are relative to `middle`, which is the result if no triangle has a size.
 fn centre_of_detail(description: &Description, middle: DVec3) -> DVec3 {
     let (mut sum, mut total) = (DVec3::ZERO, 0.0);
     for (centre, size2) in sizes(description, step(description), middle) {
@@ -134,7 +140,7 @@ fn centre_of_detail(description: &Description, middle: DVec3) -> DVec3 {
     if offset.is_finite() { middle + offset } else { middle }
 }
 
-/// See [`Extent::spoilt`]. Triangles without size have nothing to lose.
+/// Computes [`Extent::spoilt`]. Triangles without size cannot lose precision.
 fn spoilt(description: &Description, origin: DVec3) -> usize {
     let half_ulp = 0.5 * f64::from(f32::EPSILON);
     let lost = |(centre, size2): &(DVec3, f64)| {
@@ -161,7 +167,11 @@ mod tests {
         let mut scene = Description::default();
         for (mesh, &(size, x)) in placed.iter().enumerate() {
             scene.meshes.push(triangle(size));
-            scene.instances.push(Instance { name: String::new(), mesh, transform: DAffine3::from_translation(DVec3::X * x) });
+            scene.instances.push(Instance {
+                name: String::new(),
+                mesh,
+                transform: DAffine3::from_translation(DVec3::X * x),
+            });
         }
         Extent::of(&scene).expect("triangles")
     }

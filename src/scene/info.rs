@@ -1,43 +1,43 @@
-//! What a scene holds, in numbers and sentences for people.
+//! Statistics of a scene for reports.
 
 /// Counts, sizes and warnings.
 #[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 pub struct SceneInfo {
     /// Triangles in distinct meshes.
     pub triangles: usize,
-    /// Triangles as placed: instances counted each.
+    /// Placed triangles, counting all instances.
     pub placed_triangles: usize,
     /// Distinct meshes (one material each).
     pub meshes: usize,
-    /// Meshes at places.
+    /// Placed meshes.
     pub instances: usize,
     /// Materials.
     pub materials: usize,
-    /// Lights that shine; every emitting triangle is one.
+    /// Lights with nonzero emission; every emitting triangle counts.
     pub lights: usize,
     /// Distinct images in use.
     pub images: usize,
-    /// Bytes of decoded images, the environment's with its table among them.
+    /// Bytes of decoded images, including the environment map and its sampling table.
     pub texture_bytes: usize,
     /// Bytes of meshes.
     pub geometry_bytes: usize,
-    /// Bytes of the acceleration structure, as far as the backend tells.
+    /// Bytes of the acceleration structure, as reported by the backend.
     pub accel_bytes: usize,
-    /// Names of the file's animations, in the order of their numbers.
+    /// Names of the file's animations, by index.
     #[serde(default)]
     pub animations: Vec<String>,
-    /// What kernels must know: see [`super::Features`].
+    /// Features: see [`super::Features`].
     pub features: Vec<String>,
-    /// What the file uses and étendue does not.
+    /// Features of the file that étendue does not support.
     pub ignored: Vec<String>,
-    /// What was made up because the file does not say it, or changed because it cannot be used.
+    /// Defaults for missing data, and changes to unusable data.
     pub warnings: Vec<String>,
-    /// The point of the file that is the origin of the scene's own coordinates.
+    /// The point of the file that becomes the scene origin.
     pub centre: glam::DVec3,
     /// Scene units per file unit.
     pub scale: f64,
-    /// Seconds spent on building everything but the acceleration structure.
+    /// Build time in seconds, without the acceleration structure.
     pub prepare_seconds: f64,
-    /// Seconds spent on building the acceleration structure.
+    /// Build time of the acceleration structure in seconds.
     pub accel_seconds: f64,
 }

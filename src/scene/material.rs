@@ -1,5 +1,4 @@
-//! Materials as shading uses them: a constant surface where nothing varies, textures looked up where something does, and what may
-//! come of it anywhere.
+//! Compiled materials: a constant surface where nothing varies, texture lookups elsewhere, and bounds on the results.
 
 use super::bodies::Interior;
 use super::description::{self, AlphaMode, MetalFresnel};
@@ -15,24 +14,25 @@ use std::sync::Arc;
 /// A compiled material.
 #[derive(Debug)]
 pub(super) struct Material {
-    /// As loaded, what its textures say everywhere alike being in its factors; opaque if alpha makes no holes in it.
+    /// The loaded material, with constant textures folded into its factors. Its alpha mode is opaque if alpha has no
+    /// effect.
     pub(super) source: description::Material,
-    /// The surface outside all other bodies and what is left of it without what it lets straight through, if it is the same
-    /// everywhere (vertex colours apart).
+    /// The surface outside all other bodies, in full and without its straight transmission, if it is constant (apart
+    /// from vertex colours).
     constant: Option<[Surface; 2]>,
-    /// Every lobe that it has somewhere.
+    /// All lobes that occur anywhere.
     lobes: Lobes,
-    /// The least roughness that it has somewhere.
+    /// Least roughness that occurs anywhere.
     least_roughness: f32,
     /// The emission texture, shared by the lights of the material.
     emission_texture: Option<Arc<Texture>>,
-    /// What is inside an object of this material.
+    /// Interior of objects of this material.
     pub(super) interior: Option<Interior>,
     /// See [`Material::is_culled`].
     culled: bool,
 }
 
-/// Where textures are looked up: coordinates of both sets and the vertex colour.
+/// Lookup coordinates: both texture coordinate sets and the vertex colour.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coordinates {
     pub(super) uvs: [Vec2; 2],
@@ -45,7 +45,7 @@ impl Coordinates {
     }
 }
 
-/// What textures and the vertex colour say at a point.
+/// Texture and vertex colour values at a point.
 struct Found {
     base: [f32; 4],
     metallic_roughness: [f32; 4],
@@ -56,12 +56,13 @@ struct Found {
 }
 
 impl Material {
-    /// The material `source` with what is in it, where `usage` is left of what varies: see [`settle`].
+    /// Compiles `source` with its interior. `usage` holds the remaining variation: see [`settle`].
     pub(super) fn new(source: description::Material, usage: &Usage, interior: Option<Interior>) -> Self {
         let emission_texture = emission_map(&source).cloned().map(Arc::new);
         let least_roughness = source.roughness * usage.metallic_roughness.min[1];
         let (lobes, culled) = (Lobes::NONE, false);
-        let mut material = Material { source, constant: None, lobes, least_roughness, emission_texture, interior, culled };
+        let mut material =
+            Material { source, constant: None, lobes, least_roughness, emission_texture, interior, culled };
         let m = &material.source;
         let seen_through = m.unlit || material.emission().is_black() && m.transmission <= 0.0;
         material.culled = !m.double_sided && seen_through;
@@ -73,33 +74,35 @@ impl Material {
         material
     }
 
-    /// The least slope deviation α of its gloss; `None` if it has none.
+    /// Returns the least slope deviation α of its glossy lobes; `None` without such a lobe.
     pub(super) fn least_slope(&self) -> Option<f64> {
         let m = &self.source;
         let is_glossy = !m.unlit && (m.metallic > 0.0 || m.specular > 0.0 || m.transmission > 0.0);
         is_glossy.then(|| f64::from(self.least_roughness).powi(2))
     }
 
-    /// Whether something scatters it beyond a mirror's directions.
+    /// Returns whether it has a lobe wider than a mirror's.
     pub(super) fn has_wide_lobes(&self) -> bool {
         self.lobes.intersects(Lobes::SMOOTH)
     }
 
-    /// Every lobe of the surfaces at the corners of the box in which its parameters lie, and so of those between: a lobe is
-    /// there or not by the sign of a share, which ascends or descends with each parameter, or by the least roughness.
+    /// Returns all lobes of the surfaces at the corners of its parameter box. These include all lobes within the box. A
+    /// lobe is present depending on the sign of a weight, which is monotone in each parameter, or on the least
+    /// roughness.
     fn possible_lobes(&self, usage: &Usage) -> Lobes {
-        // The inside of a body may have another index around it, where it refracts though it does not in empty space.
+        // Inside a body another index may surround the surface; it may then refract though it does not in empty space.
         let seen = |whole: Surface| if self.interior.is_some() { whole } else { self.scattering(whole) };
-        let corners = (0..Found::CORNERS).map(|corner| seen(self.surface_of(&Found::corner(usage, corner), 1.0)).lobes());
+        let corners =
+            (0..Found::CORNERS).map(|corner| seen(self.surface_of(&Found::corner(usage, corner), 1.0)).lobes());
         corners.fold(Lobes::NONE, Lobes::union)
     }
 
-    /// Every lobe that it has somewhere on what wears it.
+    /// Returns all lobes that occur on the objects of this material.
     pub(super) fn lobes(&self) -> Lobes {
         self.lobes
     }
 
-    /// Whether a texture changes how it scatters.
+    /// Returns whether a texture affects its scattering.
     pub(super) fn has_surface_textures(&self) -> bool {
         let m = &self.source;
         !m.unlit
@@ -114,19 +117,19 @@ impl Material {
             .any(Option::is_some)
     }
 
-    /// The surface outside all other bodies, whole and without what it lets straight through, if neither textures nor vertex colours
-    /// change it.
+    /// Returns the surface outside all other bodies, in full and without its straight transmission, if neither textures
+    /// nor vertex colours affect it.
     #[inline]
     pub(super) fn constant(&self) -> Option<&[Surface; 2]> {
         self.constant.as_ref()
     }
 
-    /// Whether its surface depends neither on the place, vertex colours apart, nor on what it stands in.
+    /// Returns whether its surface depends neither on position (apart from vertex colours) nor on the medium around it.
     pub(super) fn is_plain(&self) -> bool {
         self.source.normal_texture.is_none() && self.constant.is_some_and(|[whole, _]| !whole.refracts())
     }
 
-    /// Whether it may let light straight through where the index outside is `outside`.
+    /// Returns whether it may transmit light straight through with the outside index `outside`.
     pub(super) fn may_pass(&self, outside: f32) -> bool {
         let m = &self.source;
         if m.unlit
@@ -143,7 +146,7 @@ impl Material {
         }
     }
 
-    /// The surface at `at`, whole, where the index outside is `outside`.
+    /// Returns the full surface at `at` with the outside index `outside`.
     pub(super) fn resolve(&self, at: &Coordinates, outside: f32) -> Surface {
         let m = &self.source;
         if m.unlit {
@@ -160,7 +163,8 @@ impl Material {
         self.surface_of(&found, outside)
     }
 
-    /// What scatters of the surface `whole`: all but what goes straight on, unless it emits and so is always met.
+    /// Returns the part of the surface `whole` that scatters: without straight transmission, unless it emits, since
+    /// emitters are hit with their full coverage.
     fn scattering(&self, whole: Surface) -> Surface {
         if self.emission().is_black() { whole.rest() } else { whole }
     }
@@ -188,35 +192,40 @@ impl Material {
         .surface()
     }
 
-    /// Coverage at `at` by factor, texture and vertex colour.
+    /// Returns the alpha at `at` from factor, texture and vertex colour.
     pub(super) fn alpha(&self, at: &Coordinates) -> f32 {
         self.source.alpha * at.look_up(&self.source.base_color_texture)[3] * at.color.w
     }
 
-    /// Whether light passes through it into a body.
+    /// Returns whether it transmits light into a body.
     pub(super) fn refracts(&self) -> bool {
         self.lobes.intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)) && self.source.volume.is_some()
     }
 
-    /// Whether rays go on behind it: it transmits, or blends by alpha.
+    /// Returns whether rays continue behind it: it transmits, or blends by alpha.
     pub(super) fn lets_light_pass(&self) -> bool {
         self.source.transmission > 0.0 || self.source.alpha_mode == AlphaMode::Blend
     }
 
-    /// Whether the camera sees through its back: single-sided, without light of its own that reaches others, or through it.
+    /// Returns whether its back is culled for the camera: it is single-sided, and unlit or neither emitting nor
+    /// transmitting.
     #[inline]
     pub(super) fn is_culled(&self) -> bool {
         self.culled
     }
 
-    /// Radiance factor of the emission, textures apart.
+    /// Returns the radiance factor of the emission, without textures.
     pub(super) fn emission(&self) -> Spectrum {
         if self.source.unlit { self.source.base_color } else { self.source.emission }
     }
 
-    /// The emission of a triangle with the given texture coordinates (by set) and vertex colours at its corners; `None` if it is
-    /// black or covered nowhere on it.
-    pub(super) fn emission_of(&self, uvs: impl Fn(usize) -> Option<[Vec2; 3]>, colors: Option<[Vec4; 3]>) -> Option<Emission> {
+    /// Returns the emission of a triangle with the given texture coordinates (by set) and vertex colours at its
+    /// corners; `None` if it is black or has zero coverage everywhere.
+    pub(super) fn emission_of(
+        &self,
+        uvs: impl Fn(usize) -> Option<[Vec2; 3]>,
+        colors: Option<[Vec4; 3]>,
+    ) -> Option<Emission> {
         let corner_uvs = |t: &Texture| uvs(t.uv_set).unwrap_or_default();
         let texture = self.emission_texture.as_ref().map(|t| Box::new((Arc::clone(t), corner_uvs(t))));
         let m = &self.source;
@@ -227,7 +236,7 @@ impl Material {
                 cutoff: if let AlphaMode::Mask { cutoff } = m.alpha_mode { Some(cutoff) } else { None },
             })
         });
-        // Vertex colours are factors of the base colour, which is what unlit materials show [KHR_materials_unlit].
+        // Vertex colours multiply the base colour, which is the emission of unlit materials [KHR_materials_unlit].
         let shown = colors.filter(|_| m.unlit && !planted(Defect::UnlitWithoutVertexColours));
         let corners = shown.map(|colors| Box::new(colors.map(|c| Spectrum::from_rgb(c.truncate().to_array()))));
         let (radiance, two_sided, only_seen) = (self.emission(), m.double_sided, m.unlit);
@@ -235,7 +244,7 @@ impl Material {
         (!emission.is_black()).then_some(emission)
     }
 
-    /// Mean linear colour of the emission texture, white without one.
+    /// Returns the mean linear colour of the emission texture, white without one.
     pub(super) fn mean_emission_texture(&self) -> Spectrum {
         self.emission_texture.as_ref().map_or(Spectrum::ONE, |t| {
             let [r, g, b, _] = t.image.mean(t.encoding);
@@ -261,16 +270,16 @@ impl Material {
     }
 }
 
-/// The texture that the emission factor is multiplied with.
+/// Returns the texture that multiplies the emission factor.
 fn emission_map(source: &description::Material) -> Option<&Texture> {
     if source.unlit { source.base_color_texture.as_ref() } else { source.emission_texture.as_ref() }
 }
 
 impl Found {
-    /// How many corners the box of parameters has that decide about lobes.
+    /// Number of corners of the box of the parameters that determine lobes.
     const CORNERS: u32 = 1 << 5;
 
-    /// The extremes of one corner: a bit a parameter says which.
+    /// Returns the extremes of one corner; each bit selects the end of one parameter.
     fn corner(usage: &Usage, corner: u32) -> Self {
         let end = |bit: u32, of: &Extremes| if corner >> bit & 1 == 0 { of.min } else { of.max };
         let [rough, metal] = [end(1, &usage.metallic_roughness)[1], end(2, &usage.metallic_roughness)[2]];
@@ -285,8 +294,8 @@ impl Found {
     }
 }
 
-/// Puts what textures say everywhere alike into the factors, which drops these textures from both, and calls opaque what alpha
-/// makes no holes in.
+/// Folds constant textures into the factors, and removes these textures from both `m` and `usage`. Sets the alpha mode
+/// to opaque if alpha has no effect.
 pub(super) fn settle(m: &mut description::Material, usage: &mut Usage) {
     if planted(Defect::FeaturesIgnoreTextures) {
         *usage = Usage::NOTHING;
@@ -301,11 +310,13 @@ pub(super) fn settle(m: &mut description::Material, usage: &mut Usage) {
         m.alpha_mode = AlphaMode::Opaque;
     }
     let rgb = |[r, g, b, _]: [f32; 4]| Spectrum::from_rgb([r, g, b]);
-    if let Some(base) = take(&mut m.base_color_texture, &mut usage.base, if holes { &[0, 1, 2, 3] } else { &[0, 1, 2] }) {
+    if let Some(base) = take(&mut m.base_color_texture, &mut usage.base, if holes { &[0, 1, 2, 3] } else { &[0, 1, 2] })
+    {
         m.base_color *= rgb(base);
         m.alpha *= base[3];
     }
-    if let Some([_, rough, metal, _]) = take(&mut m.metallic_roughness_texture, &mut usage.metallic_roughness, &[1, 2]) {
+    if let Some([_, rough, metal, _]) = take(&mut m.metallic_roughness_texture, &mut usage.metallic_roughness, &[1, 2])
+    {
         m.roughness *= rough;
         m.metallic *= metal;
     }
@@ -323,7 +334,7 @@ pub(super) fn settle(m: &mut description::Material, usage: &mut Usage) {
     }
 }
 
-/// Takes the texture away if the `channels` that matter are the same wherever it is used, and says what they are.
+/// Removes the texture if the relevant `channels` are constant wherever it is used; returns their values.
 fn take(texture: &mut Option<Texture>, extremes: &mut Extremes, channels: &[usize]) -> Option<[f32; 4]> {
     let constant = texture.is_some() && extremes.is_constant(channels);
     let value = constant.then_some(extremes.min)?;
@@ -333,6 +344,7 @@ fn take(texture: &mut Option<Texture>, extremes: &mut Extremes, channels: &[usiz
 
 fn least_alpha(m: &description::Material, usage: &Usage) -> f32 {
     let ends = |e: &Extremes| [e.min[3], e.max[3]];
-    let products = ends(&usage.base).into_iter().flat_map(|base| ends(&usage.colors).map(|color| m.alpha * base * color));
+    let products =
+        ends(&usage.base).into_iter().flat_map(|base| ends(&usage.colors).map(|color| m.alpha * base * color));
     products.fold(f32::INFINITY, f32::min)
 }

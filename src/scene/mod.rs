@@ -1,5 +1,5 @@
-//! The scene that integrators see: geometry behind a backend, materials, lights. It answers what a ray meets, what scatters
-//! there, what emits there, and how much light passes between two points.
+//! The scene as seen by integrators: geometry behind a backend, materials, lights. It answers ray queries, evaluates
+//! surfaces and emission, and computes the transmittance between two points.
 
 mod assemble;
 mod bodies;
@@ -25,11 +25,11 @@ pub use rebase::Rebase;
 
 use crate::accel::{Accel, Backend};
 use crate::geometry::Geometry;
-use crate::light::{Ball, Lights};
+use crate::light::{BoundingSphere, Lights};
 use bodies::AllBodies;
 use material::Material;
 
-/// A scene ready to render. Lengths are scene units: the file's, rebased by [`Scene::rebase`].
+/// A scene ready to render. Lengths are in scene units: those of the file, rebased by [`Scene::rebase`].
 pub struct Scene {
     geometry: Geometry,
     objects: Vec<ObjectInfo>,
@@ -37,34 +37,34 @@ pub struct Scene {
     bodies: AllBodies,
     lights: Lights,
     accel: Accel,
-    /// Surfaces that touch where one lets light pass, if there are any.
+    /// Touching surfaces of which one transmits light, if there are any.
     contacts: Option<Box<contact::Contacts>>,
     rebase: Rebase,
-    ball: Ball,
+    ball: BoundingSphere,
     features: Features,
     views: view::Views,
     info: SceneInfo,
     hash: String,
 }
 
-/// What a scene needs from the kernels that render it.
+/// Features of the scene that its rendering kernels must support.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Features {
     /// Some surface has an alpha mask.
     pub masks: bool,
     /// Some surface blends by alpha.
     pub blends: bool,
-    /// Some surface is not there for the camera when seen from behind.
+    /// Some surface is culled for the camera when seen from behind.
     pub culled: bool,
-    /// Some object absorbs light inside.
+    /// Some object has an absorbing interior.
     pub media: bool,
-    /// Some surface lets light straight through.
+    /// Some surface transmits light straight through.
     pub panes: bool,
-    /// Some bodies may lie in others.
+    /// Some bodies may contain others.
     pub nested: bool,
-    /// Some material looks textures up.
+    /// Some material has textures.
     pub textures: bool,
-    /// Some material bends normals.
+    /// Some material has a normal map.
     pub normal_maps: bool,
     /// Some mesh has shading normals.
     pub shading_normals: bool,
@@ -72,22 +72,22 @@ pub struct Features {
     pub dirac: bool,
     /// Some material refracts.
     pub refraction: bool,
-    /// Some mesh stands at several places.
+    /// Some mesh has several instances.
     pub instances: bool,
-    /// Some light has no extent.
+    /// Some light is a Dirac light (a light without extent).
     pub dirac_lights: bool,
-    /// Some surface that lets light pass touches another.
+    /// Some surface that transmits light touches another.
     pub contacts: bool,
 }
 
 impl Features {
-    /// Whether edges between vertices may pass surfaces.
+    /// Returns whether edges between vertices may pass through surfaces.
     #[inline]
     pub fn content(&self) -> bool {
         self.blends || self.panes || self.nested
     }
 
-    /// The names of those that are there.
+    /// Returns the names of the features that are present.
     pub fn names(&self) -> Vec<&'static str> {
         [
             ("alpha-mask", self.masks),
@@ -111,60 +111,61 @@ impl Features {
     }
 }
 
-/// What shading needs to know of an object besides its geometry.
+/// Shading data of an object besides its geometry.
 #[derive(Debug, Clone, Copy)]
 struct ObjectInfo {
     /// Index into [`Scene::materials`].
     material: u32,
-    /// Index of the light on the object's first triangle, if its triangles are lights.
+    /// Index of the light on the object's first triangle, if its triangles emit.
     first_light: Option<u32>,
     /// Index of the instance in the file's order.
     instance: u32,
-    /// Whether its mesh has vertex colours.
+    /// Whether the mesh has vertex colours.
     colors: bool,
-    /// The body whose boundary it is, or [`crate::geometry::Bodies::NOBODY`].
+    /// The body that it bounds, or [`crate::geometry::Bodies::NOBODY`].
     body: u32,
-    /// Whether light may pass it straight on, wherever it stands.
+    /// Whether light may pass straight through it, whatever the medium around it.
     passes: bool,
-    /// Whether its surface is the same everywhere, in whatever it stands, and in its own shading frame.
+    /// Whether its surface is constant, independent of the medium around it, and in its own shading frame.
     plain: bool,
 }
 
 impl Scene {
-    /// The lights and the choice among them.
+    /// Returns the lights and their selection distribution.
     #[inline]
     pub fn lights(&self) -> &Lights {
         &self.lights
     }
 
-    /// A ball around all geometry, in scene units.
+    /// Returns the bounding sphere of all geometry, in scene units.
     #[inline]
-    pub fn ball(&self) -> &Ball {
+    pub fn ball(&self) -> &BoundingSphere {
         &self.ball
     }
 
-    /// Its radius.
+    /// Returns the radius of the bounding sphere.
     pub fn radius(&self) -> f32 {
         self.ball.radius
     }
 
-    /// From the file's coordinates to the scene's.
+    /// Returns the transform from file to scene coordinates.
     pub fn rebase(&self) -> &Rebase {
         &self.rebase
     }
 
-    /// What the scene needs.
+    /// Returns the features of the scene.
     #[inline]
     pub fn features(&self) -> Features {
         self.features
     }
 
-    /// The least slope deviation α of a mirror, gloss or glass that something in the scene has; `None` if all scatter widely.
+    /// Returns the least slope deviation α of all mirrors, glossy surfaces and glasses in the scene; `None` if all
+    /// surfaces scatter widely.
     pub fn least_slope(&self) -> Option<f64> {
         self.used_materials().filter_map(Material::least_slope).min_by(f64::total_cmp)
     }
 
-    /// Whether something in the scene scatters into more than a mirror's direction.
+    /// Returns whether any surface of the scene has a lobe wider than a mirror's.
     pub fn has_wide_lobes(&self) -> bool {
         self.used_materials().any(Material::has_wide_lobes)
     }
@@ -173,33 +174,33 @@ impl Scene {
         self.objects.iter().map(|object| &self.materials[object.material as usize])
     }
 
-    /// Counts, sizes and warnings, for people.
+    /// Returns counts, sizes and warnings for reports.
     pub fn info(&self) -> &SceneInfo {
         &self.info
     }
 
-    /// Hash of everything in the description that can change a picture.
+    /// Returns a hash of everything in the description that can affect an image.
     pub fn hash(&self) -> &str {
         &self.hash
     }
 
-    /// All triangles, in scene units.
+    /// Returns all triangles, in scene units.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// The ray queries themselves, for measurements.
+    /// Returns the intersection backend, for measurements.
     pub fn accel(&self) -> &Accel {
         &self.accel
     }
 
-    /// This scene with ray queries through what `change` makes of them, for measurements.
+    /// Returns this scene with its intersection backend replaced by `change` of it, for measurements.
     #[must_use]
     pub fn with_accel(self, change: impl FnOnce(Accel) -> Accel) -> Scene {
         Scene { accel: change(self.accel), ..self }
     }
 
-    /// Whose ray queries are used.
+    /// Returns the type of the intersection backend in use.
     pub fn backend(&self) -> Backend {
         self.accel.backend()
     }

@@ -1,4 +1,4 @@
-//! What integrators ask a scene: what does a ray meet, what scatters and emits there.
+//! Scene queries of integrators: intersection, scattering and emission.
 
 use super::description::AlphaMode;
 use super::material::{Coordinates, Material};
@@ -12,7 +12,7 @@ use crate::texture::Texture;
 use glam::{Vec2, Vec3};
 use std::borrow::Cow;
 
-/// Alpha masks: a hit counts where the alpha of its material reaches the cutoff.
+/// Alpha masks: a candidate is a hit where the alpha of its material reaches the cutoff.
 pub(super) struct Mask<'a>(pub(super) &'a Scene);
 
 impl AnyHit for Mask<'_> {
@@ -38,25 +38,27 @@ impl Scene {
         Coordinates { uvs, color }
     }
 
-    /// The first surface that `ray` meets. Alpha masks are geometry; blended surfaces are met whatever their alpha.
+    /// Returns the first surface hit by `ray`. Alpha masks are geometry; blended surfaces are hit whatever their alpha.
     #[inline(always)] // see Walk::arrive
     pub fn intersect(&self, ray: &Ray) -> Option<SurfacePoint> {
         if let Some(contacts) = &self.contacts {
             return self.intersect_touching(contacts, ray);
         }
-        let hit = if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) };
+        let hit =
+            if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) };
         SurfacePoint::new(&self.geometry, hit?, ray)
     }
 
-    /// Whether the camera does not see the surface that a ray of its own in `direction` meets at `point`: the back of a
-    /// single-sided material, unless it emits or transmits light. glTF wants such faces culled [glTF20 §3.9.5]; all other
-    /// rays meet both sides, so that rooms stay closed and shadows whole. Connections to the camera obey the same rule.
+    /// Returns whether the surface hit at `point` is culled for a camera ray in `direction`: the back of a single-sided
+    /// material, unless it emits or transmits light. glTF wants such faces culled [glTF20 §3.9.5]. All other rays hit
+    /// both sides, so that rooms stay closed and shadows complete. Connections to the camera follow the same rule.
     #[inline]
     pub fn culled(&self, point: &SurfacePoint, direction: Vec3) -> bool {
         self.features.culled && direction.dot(point.ng) > 0.0 && self.material_of(point.hit).1.is_culled()
     }
 
-    /// The first surface that a ray of the camera meets and is not [`Scene::culled`]; blended ones whatever their alpha.
+    /// Returns the first surface on a camera ray that is not [`Scene::culled`]; blended surfaces are hit whatever their
+    /// alpha.
     pub fn seen(&self, mut ray: Ray) -> Option<SurfacePoint> {
         loop {
             let point = self.intersect(&ray)?;
@@ -67,7 +69,7 @@ impl Scene {
         }
     }
 
-    /// Share of light that the surface at `point` stops: 1 unless its material blends by alpha.
+    /// Returns the fraction of light stopped by the surface at `point`: 1 unless its material blends by alpha.
     #[inline]
     pub fn coverage(&self, point: &SurfacePoint) -> f32 {
         let (object, material) = self.material_of(point.hit);
@@ -90,8 +92,8 @@ impl Scene {
         }
     }
 
-    /// How the surface at `point` scatters, met in `bodies`, and its shading frame, bent by a normal map if it has one. What it lets
-    /// straight through is not among its components: see [`Scene::passage`].
+    /// Returns the scattering of the surface at `point`, reached in `bodies`, and sets its shading frame, perturbed by
+    /// a normal map if it has one. Straight transmission is excluded: see [`Scene::passage`].
     #[inline]
     pub fn surface(&self, point: &mut SurfacePoint, bodies: Bodies) -> Cow<'_, Surface> {
         let (object, material) = self.material_of(point.hit);
@@ -101,7 +103,7 @@ impl Scene {
         }
     }
 
-    /// [`Scene::surface`] where it depends on the place.
+    /// [`Scene::surface`] for surfaces that vary with position.
     #[inline(never)] // in its callers it costs simple scenes 3 % of their time
     fn resolved(&self, point: &mut SurfacePoint, bodies: Bodies) -> Cow<'_, Surface> {
         let (object, material) = self.material_of(point.hit);
@@ -118,7 +120,7 @@ impl Scene {
         Cow::Owned(if object.first_light.is_some() { whole } else { whole.rest() })
     }
 
-    /// All that the surface at `point` does, where the index outside is `outside`.
+    /// Returns the full surface at `point`, including straight transmission, with the outside index `outside`.
     pub(super) fn whole_surface(&self, point: &mut SurfacePoint, outside: f32) -> Surface {
         let (object, material) = self.material_of(point.hit);
         let at = self.coordinates(object, point.hit, point.barycentric);
@@ -135,7 +137,7 @@ impl Scene {
         whole
     }
 
-    /// The frame around a normal map's normal; `None` without a map or usable tangents.
+    /// Returns the frame around the normal of a normal map; `None` without a map or usable tangents.
     fn normal_map_frame(&self, material: &Material, point: &SurfacePoint, at: &Coordinates) -> Option<Frame> {
         let (texture, scale) = material.source.normal_texture.as_ref()?;
         let [x, y, z, _] = texture.at(at.uvs[texture.uv_set]);
@@ -149,22 +151,24 @@ impl Scene {
         (n.dot(point.ng) > 0.0).then(|| Frame::around(n))
     }
 
-    /// A tangent along u from the triangle's texture coordinates as `texture` transforms them, for meshes without tangents, and the
-    /// handedness. Tangents that a mesh has are taken as they are: glTF gives them for the map as it is looked up.
+    /// Returns a tangent along u and its handedness, from the triangle's texture coordinates as transformed by
+    /// `texture`, for meshes without tangents. Tangents of a mesh are used unchanged: glTF defines them for the map
+    /// after the transform.
     fn uv_tangent(&self, point: &SurfacePoint, texture: &Texture) -> Option<(Vec3, f32)> {
         let uvs = self.geometry.corner_uvs(point.hit, texture.uv_set)?;
-        let seen = |uv: Vec2| if planted(Defect::TangentsUntransformed) { uv } else { texture.transform.transform_point2(uv) };
+        let seen =
+            |uv: Vec2| if planted(Defect::TangentsUntransformed) { uv } else { texture.transform.transform_point2(uv) };
         let [a, b, c] = uvs.map(seen);
         let [pa, pb, pc] = self.geometry.triangle(point.hit).vertices;
         let (e1, e2, d1, d2) = (pb - pa, pc - pa, b - a, c - a);
         let det = d1.perp_dot(d2);
-        // glTF's v runs downward: with (u, v) as given the frame (∂u, −∂v, n) is right-handed where det < 0.
+        // In glTF v runs downward: with (u, v) as given the frame (∂u, −∂v, n) is right-handed where det < 0.
         let handedness = if det < 0.0 { 1.0 } else { -1.0 };
         let tangent = (e1 * d2.y - e2 * d1.y) * det.signum();
         Some((tangent, handedness * self.geometry.winding(point.hit.object) as f32)).filter(|_| det != 0.0)
     }
 
-    /// The light on the primitive at `point` and its index, if it is one.
+    /// Returns the light on the primitive at `point` and its index, if it emits.
     #[inline]
     pub fn light_at(&self, point: &SurfacePoint) -> Option<(usize, &Light)> {
         let first = self.objects[point.hit.object as usize].first_light?;
@@ -172,27 +176,33 @@ impl Scene {
         Some((index, &self.lights.all()[index]))
     }
 
-    /// Instance index in the file's order and material index of what is at `point`.
+    /// Returns the instance index in file order and the material index at `point`.
     pub fn ids(&self, point: &SurfacePoint) -> [u32; 2] {
         let object = &self.objects[point.hit.object as usize];
         [object.instance, object.material]
     }
 }
 
-/// Whether an index is that of empty space.
+/// Returns whether an index is that of empty space.
 #[inline]
 fn is_vacuum(index: f32) -> bool {
     (index - 1.0).abs() <= 0.0
 }
 
-/// Share of the geometric normal in the shading normal of solids that refract. Where normals are the same on both sides of an edge,
-/// reflections at either face are those of one plane: total reflection leads light into the edge and never out, 3.5 % of what meets a
-/// cube with corner normals. Any share keeps the faces apart; a tenth is a tenth of the bend, under a degree on a ball of 16 segments.
+/// Weight of the geometric normal in the shading normal of refracting solids. Where both sides of an edge have the same
+/// normals, reflections at either face are those of one plane: total internal reflection traps light in the edge, 3.5 %
+/// of what hits a cube with corner normals. Any weight separates the faces. A tenth changes a tenth of the normal's
+/// deviation, under a degree on a sphere of 16 segments.
 const EASE: f32 = 0.1;
 
-/// The frame at `point`, its normal moved toward the geometric one by [`EASE`]: by place alone, so that both walks have the same.
+/// Returns the frame at `point` with its normal moved toward the geometric one by [`EASE`]. It depends on position
+/// only, so that camera and light subpaths agree.
 #[inline]
 fn eased(point: &SurfacePoint) -> Frame {
     let (ns, ng) = (point.frame.n, point.ng);
-    if ns == ng || planted(Defect::NormalsNotEased) { point.frame } else { Frame::around((ns + (ng - ns) * EASE).normalize()) }
+    if ns == ng || planted(Defect::NormalsNotEased) {
+        point.frame
+    } else {
+        Frame::around((ns + (ng - ns) * EASE).normalize())
+    }
 }

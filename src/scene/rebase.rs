@@ -1,52 +1,56 @@
-//! Moving a scene to the origin and to radius 1, in f64, so that f32 renders it with the same precision wherever and however
-//! large it is.
+//! Rebasing of a scene to the origin and to radius 1, in f64, so that f32 precision does not depend on its position and
+//! size.
 //!
-//! - The scale is 1 / radius and not the nearest power of two, which would add no rounding: a scene scaled by any factor
-//!   then has the same f32 coordinates but where f64 itself rounds, and the same seed takes the same paths. With powers of
-//!   two the scenes in scenes/ scaled by 1e-4 had all coordinates rounded anew, and a path in 10⁵ through glass went
-//!   elsewhere.
-//! - The origin is where the detail is. f32 resolves 6e-8 of the distance to the origin: in the middle between a thing of
-//!   1 m and a sun at 1e8 m it would resolve 3 m, beside the thing it resolves the thing.
+//! - The scale is 1 / radius and not the nearest power of two, which would be free of rounding. A scene scaled by any
+//!   factor then has the same f32 coordinates, except where f64 itself rounds, and the same seed gives the same paths.
+//!   With powers of two, the scenes in scenes/ scaled by 1e-4 had all coordinates rounded differently, and one path in
+//!   10⁵ through glass changed.
+//! - The origin is at the centre of detail. f32 resolves 6e-8 of the distance to the origin. Halfway between a 1 m
+//!   object and a sun at 1e8 m it would resolve 3 m; near the object it resolves the object.
 //!
-//! Limits: of two places of like detail far apart the origin lies between them, and triangles smaller than 6e-6 of their
-//! distance from it are spoilt; the scene's warnings say how many. The depth plane resolves 6e-8 of the radius.
+//! Limits: with two distant regions of similar detail the origin lies between them. Triangles smaller than 6e-6 of
+//! their distance from it are degraded; the scene's warnings give their number. The depth plane resolves 6e-8 of the
+//! radius.
 
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The largest scale and radius: beyond them the scale itself or its square would leave the range of f32.
+/// Largest scale and radius: beyond them the scale or its square would exceed the range of f32.
 pub(super) const MOST: f64 = 1e18;
 
 /// x ↦ (x − centre) · scale.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Rebase {
-    /// The file's point that becomes the origin.
+    /// The point of the file that becomes the origin.
     pub centre: DVec3,
     /// Scene units per file unit.
     pub scale: f64,
 }
 
 impl Rebase {
-    /// The transform that brings `centre` to the origin and lengths of `radius` to 1.
+    /// Returns the transform that takes `centre` to the origin and lengths of `radius` to 1.
     pub fn new(centre: DVec3, radius: f64) -> Self {
         let scale = if radius > 0.0 { radius.recip() } else { 1.0 };
         Rebase { centre, scale: scale.clamp(MOST.recip(), MOST) }
     }
 
-    /// A point of the file in scene coordinates.
+    /// Transforms a point from file to scene coordinates.
     #[inline]
     pub fn point(&self, p: DVec3) -> DVec3 {
         (p - self.centre) * self.scale
     }
 
-    /// A point of the scene in the file's coordinates.
+    /// Transforms a point from scene to file coordinates.
     #[inline]
     pub fn point_in_file(&self, p: DVec3) -> DVec3 {
         p / self.scale + self.centre
     }
 
-    /// A transform to the file's world, followed by this.
+    /// Composes a transform to the file's world with this one.
     pub fn transform(&self, m: &DAffine3) -> DAffine3 {
-        DAffine3 { matrix3: m.matrix3 * DMat3::from_diagonal(DVec3::splat(self.scale)), translation: self.point(m.translation) }
+        DAffine3 {
+            matrix3: m.matrix3 * DMat3::from_diagonal(DVec3::splat(self.scale)),
+            translation: self.point(m.translation),
+        }
     }
 }
 

@@ -1,16 +1,16 @@
-//! What surrounds a scene: what it was given, or white light where nothing else lights it.
+//! The environment of a scene: as given, or white light if the scene has no other light.
 
 use super::description::{self, Description, Material};
-use crate::light::{Environment, LatLong, Light, Sky};
+use crate::light::{ConstantEnvironment, Environment, EnvironmentMap, Light};
 use crate::spectrum::Spectrum;
 
-/// What surrounds a scene that nobody gave surroundings: white light if its file has no light and something to light. Lights count that
-/// are hidden or as weak as can be: who made them meant the dark.
+/// Returns the default environment: white light if the file has geometry but no light. Hidden and arbitrarily weak
+/// lights count as lights, since their author intended the darkness.
 pub(super) fn by_default(
     description: &Description,
     lights: &[Light],
     warnings: &mut Vec<String>,
-) -> Option<description::Environment> {
+) -> Option<description::EnvironmentDescription> {
     if !description.lights.is_empty() || description.has_punctual_lights {
         return None;
     }
@@ -24,16 +24,18 @@ pub(super) fn by_default(
         return None;
     }
     warnings.push("the file has no light: a uniform white environment of radiance 1 is added".to_owned());
-    Some(description::Environment::Uniform(Spectrum::ONE))
+    Some(description::EnvironmentDescription::Uniform(Spectrum::ONE))
 }
 
-/// The light of the environment; `None` if it is black.
-pub(super) fn light(environment: description::Environment) -> Option<Environment> {
+/// Returns the environment light; `None` if it is black.
+pub(super) fn light(environment: description::EnvironmentDescription) -> Option<Environment> {
     match environment {
-        description::Environment::Uniform(radiance) if radiance.is_black() => None,
-        description::Environment::Uniform(radiance) => Some(Environment::Uniform(Sky { radiance })),
-        description::Environment::Map { map, scale, rotation } => {
-            LatLong::new(map, scale, rotation).map(|map| Environment::Map(Box::new(map)))
+        description::EnvironmentDescription::Uniform(radiance) if radiance.is_black() => None,
+        description::EnvironmentDescription::Uniform(radiance) => {
+            Some(Environment::Uniform(ConstantEnvironment { radiance }))
+        }
+        description::EnvironmentDescription::Map { map, scale, rotation } => {
+            EnvironmentMap::new(map, scale, rotation).map(|map| Environment::Map(Box::new(map)))
         }
     }
 }

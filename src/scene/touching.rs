@@ -1,4 +1,5 @@
-//! What rays meet where surfaces touch. Triangles that touch others are judged by [`Contacts`], exactly; all else by the backend.
+//! Ray queries where surfaces touch. [`Contacts`] intersects touching triangles exactly; the backend intersects all
+//! others.
 
 use super::Scene;
 use super::contact::Contacts;
@@ -7,7 +8,7 @@ use crate::accel::Intersector;
 use crate::defects::{Defect, planted};
 use crate::geometry::{AnyHit, Crossing, Hit, Line, Opaque, Ray, SurfacePoint};
 
-/// What the backend is asked about, where [`Contacts`] answers for the rest.
+/// Filter of backend queries: it excludes what [`Contacts`] answers.
 struct Apart<'a>(&'a Scene, &'a Contacts);
 
 impl AnyHit for Apart<'_> {
@@ -17,25 +18,26 @@ impl AnyHit for Apart<'_> {
 }
 
 impl Scene {
-    /// Whether a candidate is there, where masks have holes.
+    /// Returns whether a candidate is a hit, considering alpha masks.
     fn counts(&self, ray: &Ray, hit: Hit) -> bool {
         !self.features.masks || Mask(self).accepts(ray, hit)
     }
 
-    /// [`Scene::intersect`] of a scene in which surfaces touch.
+    /// [`Scene::intersect`] for scenes with touching surfaces.
     #[inline(never)] // other scenes need not carry it
     pub(super) fn intersect_touching(&self, contacts: &Contacts, ray: &Ray) -> Option<SurfacePoint> {
         if ray.touches() {
             return self.next_beyond(contacts, ray);
         }
-        let hit = if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) }?;
+        let hit =
+            if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) }?;
         if !contacts.flags(hit) || planted(Defect::ContactUnsorted) {
             return self.point(contacts, hit, ray);
         }
         let line = Line::new(&self.geometry, ray);
         let reported = line.meet(&self.geometry, hit, &self.geometry.triangle(hit));
         let first = contacts.first(&self.geometry, &line, |hit| self.counts(ray, hit));
-        // The backend's own word counts where no exact hit is near it: at an edge, which the exact line may miss.
+        // The backend's hit is used where no exact hit is near it: at an edge, which the exact line may miss.
         let doubt = |crossing: &Crossing| crossing.t + contacts.doubt() / crossing.slope;
         match (first, reported) {
             (Some(first), Some(reported)) if first.t <= doubt(&reported) => self.judged(contacts, first.hit, ray),
@@ -43,7 +45,7 @@ impl Scene {
         }
     }
 
-    /// What a ray meets that leaves a touching surface, or ends on one.
+    /// Returns the first hit of a ray that starts or ends on a touching surface.
     #[cold]
     fn next_beyond(&self, contacts: &Contacts, ray: &Ray) -> Option<SurfacePoint> {
         let line = Line::new(&self.geometry, ray);
@@ -57,7 +59,7 @@ impl Scene {
         }
     }
 
-    /// Whether anything lies on a segment that leaves a touching surface, or ends on one.
+    /// Returns whether a segment that starts or ends on a touching surface is occluded.
     #[cold]
     pub(super) fn is_occluded_touching(&self, contacts: &Contacts, ray: &Ray) -> bool {
         let line = Line::new(&self.geometry, ray);
@@ -65,16 +67,16 @@ impl Scene {
             || self.accel.occluded(&contacts.cleared(&self.geometry, ray), &Apart(self, contacts))
     }
 
-    /// The point on `hit`, as the backend says.
+    /// Returns the point on `hit`, as reported by the backend.
     fn point(&self, contacts: &Contacts, hit: Hit, ray: &Ray) -> Option<SurfacePoint> {
         let mut point = SurfacePoint::new(&self.geometry, hit, ray)?;
         point.touching = contacts.touches(hit, point.p, &self.geometry);
-        // Between surfaces that touch the distance is less than the rounding of the origin.
+        // Between touching surfaces the distance is less than the rounding of the origin.
         point.t = point.t.max(ray.t_min);
         Some(point)
     }
 
-    /// The point on `hit`, as the exact test says.
+    /// Returns the point on `hit`, as found by the exact test.
     fn judged(&self, contacts: &Contacts, hit: Hit, ray: &Ray) -> Option<SurfacePoint> {
         Some(SurfacePoint { consistent: true, ..self.point(contacts, hit, ray)? })
     }

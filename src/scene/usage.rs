@@ -1,11 +1,12 @@
-//! What of its textures and vertex colours each material uses: their extremes over the coordinates of all primitives that wear it.
+//! Usage of textures and vertex colours by material: their extremes over the coordinates of all primitives with the
+//! material.
 
 use super::description::{Description, Material, Primitive};
 use crate::texture::{Extremes, Texture};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Extremes of what multiplies a material's factors; [`Extremes::ONE`] where nothing does.
+/// Extremes of the multipliers of a material's factors; [`Extremes::ONE`] without a multiplier.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Usage {
     /// Base colour and alpha.
@@ -25,7 +26,7 @@ pub(super) struct Usage {
 }
 
 impl Usage {
-    /// Where nothing varies.
+    /// Usage without variation.
     pub(super) const NOTHING: Usage = Usage {
         base: Extremes::ONE,
         metallic_roughness: Extremes::ONE,
@@ -36,7 +37,7 @@ impl Usage {
         colors: Extremes::ONE,
     };
 
-    /// Of each material of `description`.
+    /// Returns the usage of each material of `description`.
     pub(super) fn of_all(description: &Description) -> Vec<Usage> {
         let mut placed = vec![false; description.meshes.len()];
         description.instances.iter().for_each(|instance| placed[instance.mesh] = true);
@@ -52,8 +53,9 @@ impl Usage {
         if wearers.is_empty() {
             return Usage::NOTHING;
         }
-        let united =
-            |all: &dyn Fn(&Primitive) -> Extremes| wearers.iter().fold(Extremes::NONE, |found, wearer| found.united(all(wearer)));
+        let united = |all: &dyn Fn(&Primitive) -> Extremes| {
+            wearers.iter().fold(Extremes::NONE, |found, wearer| found.united(all(wearer)))
+        };
         let of = |texture: &Option<Texture>| {
             texture.as_ref().map_or(Extremes::ONE, |t| united(&|wearer| t.extremes(coordinates(wearer, t.uv_set))))
         };
@@ -69,12 +71,13 @@ impl Usage {
     }
 }
 
-/// Texture coordinates of the primitive's triangles; the origin where it has none.
+/// Returns the texture coordinates of the primitive's triangles; the origin without coordinates.
 fn coordinates(primitive: &Primitive, set: usize) -> impl Iterator<Item = Vec2> {
     let given = primitive.uvs[set].as_deref();
-    // What is out of range is told when the mesh is made.
+    // Indices out of range are reported at mesh construction.
     let at = |uvs: &[Vec2], &vertex: &u32| uvs.get(vertex as usize).copied();
-    let used = given.into_iter().flat_map(move |uvs| primitive.triangles.iter().flatten().filter_map(move |v| at(uvs, v)));
+    let used =
+        given.into_iter().flat_map(move |uvs| primitive.triangles.iter().flatten().filter_map(move |v| at(uvs, v)));
     used.chain(given.is_none().then_some(Vec2::ZERO))
 }
 

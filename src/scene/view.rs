@@ -1,4 +1,4 @@
-//! Cameras of a scene: the file's, or one that frames everything.
+//! Cameras of a scene: those of the file, or one that frames all geometry.
 
 use super::Scene;
 use super::description::{self, Projection};
@@ -7,25 +7,25 @@ use crate::camera::{Camera, Orthographic, Pinhole, Pose};
 use crate::error::{Error, Result};
 use glam::{DAffine3, DVec3};
 
-/// The cameras to choose from; never empty.
+/// The selectable cameras; never empty.
 #[derive(Debug)]
 pub(super) struct Views {
-    cameras: Vec<description::Camera>,
-    /// Whether the file has none, and this one was made up.
+    cameras: Vec<description::CameraDescription>,
+    /// Whether the file has no camera, and this one was generated.
     automatic: bool,
 }
 
-/// Vertical field of view of the automatic camera: what a 50 mm lens shows on full-frame film, rounded.
+/// Vertical field of view of the automatic camera: that of a 50 mm lens on full-frame film, rounded.
 const AUTOMATIC_FOV_DEGREES: f64 = 40.0;
 
 impl Views {
-    /// The file's `cameras`, or one that frames the box `min`..`max` of the file's world.
-    pub(super) fn new(cameras: Vec<description::Camera>, min: DVec3, max: DVec3) -> Self {
+    /// Returns the file's `cameras`, or one that frames the box `min`..`max` in the file's world space.
+    pub(super) fn new(cameras: Vec<description::CameraDescription>, min: DVec3, max: DVec3) -> Self {
         let automatic = cameras.is_empty();
         Views { cameras: if automatic { vec![framing(min, max)] } else { cameras }, automatic }
     }
 
-    fn find(&self, selector: Option<&str>) -> Result<&description::Camera> {
+    fn find(&self, selector: Option<&str>) -> Result<&description::CameraDescription> {
         let Some(wanted) = selector else { return Ok(&self.cameras[0]) };
         let by_index = || wanted.parse::<usize>().ok().and_then(|i| self.cameras.get(i));
         self.cameras.iter().find(|c| c.name == wanted).or_else(by_index).ok_or_else(|| {
@@ -35,8 +35,8 @@ impl Views {
     }
 }
 
-/// A camera that looks at the middle of the box from the front, a little from the right and above.
-fn framing(min: DVec3, max: DVec3) -> description::Camera {
+/// Returns a camera that looks at the centre of the box from the front, slightly from the right and above.
+fn framing(min: DVec3, max: DVec3) -> description::CameraDescription {
     let yfov = AUTOMATIC_FOV_DEGREES.to_radians();
     let radius = ((max - min).length() * 0.5).max(f64::MIN_POSITIVE);
     let centre = (min + max) * 0.5;
@@ -45,15 +45,15 @@ fn framing(min: DVec3, max: DVec3) -> description::Camera {
     let right = DVec3::Y.cross(backward).normalize();
     let transform = DAffine3::from_cols(right, backward.cross(right), backward, eye);
     let projection = Projection::Perspective { yfov, aspect: None };
-    description::Camera { name: "automatic".into(), projection, transform }
+    description::CameraDescription { name: "automatic".into(), projection, transform }
 }
 
-/// What the height of a view whose width is `aspect` times it is multiplied by so that all of it is in an image.
+/// Returns the factor on the height of a view of aspect ratio `aspect` that makes all of it fit the image.
 fn widened(aspect: f64, width: u32, height: u32) -> f64 {
     (aspect * f64::from(height) / f64::from(width)).max(1.0)
 }
 
-/// Position and unit axes in scene space.
+/// Returns position and unit axes in scene space.
 fn pose(transform: &DAffine3, rebase: &Rebase) -> Pose {
     let m = transform.matrix3;
     let unit = |axis: DVec3| axis.normalize_or_zero().as_vec3();
@@ -66,12 +66,12 @@ fn pose(transform: &DAffine3, rebase: &Rebase) -> Pose {
 }
 
 impl Scene {
-    /// Names of the cameras, in the order of their indices.
+    /// Returns the names of the cameras, by index.
     pub fn cameras(&self) -> Vec<String> {
         self.views.cameras.iter().map(|c| c.name.clone()).collect()
     }
 
-    /// Width over height that the selected camera asks for, if it does.
+    /// Returns the aspect ratio (width over height) of the selected camera, if it has one.
     ///
     /// # Errors
     /// As [`Scene::camera`].
@@ -82,12 +82,13 @@ impl Scene {
         })
     }
 
-    /// The camera with the name or index `selector` (the first without one) for a `width` × `height` image of square pixels.
-    /// Nothing of the file's view is cropped: of an image of another shape the other angle is wider [glTF20 §3.10.3]. A camera without
-    /// an aspect ratio has its vertical field of view; the automatic one at least that much in both directions.
+    /// Returns the camera with the name or index `selector` (the first without one) for a `width` × `height` image of
+    /// square pixels. The file's view is never cropped: for another aspect ratio the other angle is widened
+    /// [glTF20 §3.10.3]. A camera without an aspect ratio keeps its vertical field of view; the automatic one has at
+    /// least that angle in both directions.
     ///
     /// # Errors
-    /// A usage error that lists the cameras if there is no such one.
+    /// A usage error that lists the cameras if there is none of that name or index.
     pub fn camera(&self, selector: Option<&str>, width: u32, height: u32) -> Result<Camera> {
         let view = self.views.find(selector)?;
         let pose = pose(&view.transform, &self.rebase);
@@ -104,8 +105,8 @@ impl Scene {
         })
     }
 
-    /// What a `width` × `height` image shows beyond the view of the selected camera, in a sentence; `None` if it has the camera's shape but
-    /// for rounding to pixels.
+    /// Returns a sentence on the extra view of a `width` × `height` image beyond that of the selected camera; `None` if
+    /// the aspect ratios agree up to rounding to pixels.
     ///
     /// # Errors
     /// As [`Scene::camera`].
@@ -116,6 +117,8 @@ impl Scene {
         // Within half a pixel of either side.
         let fits = (width - aspect * height).abs() <= 0.5 * aspect.max(1.0);
         let side = if width > aspect * height { "right and left" } else { "above and below" };
-        Ok((!fits).then(|| format!("the image is not of the shape of camera '{name}', {aspect:.4} to 1: it shows more {side}")))
+        Ok((!fits).then(|| {
+            format!("the image is not of the shape of camera '{name}', {aspect:.4} to 1: it shows more {side}")
+        }))
     }
 }

@@ -1,17 +1,17 @@
-//! Series whose values depend on their neighbours, such as Markov chains: batch means, effective sample size, split-R̂.
+//! Statistics of correlated series, such as Markov chains: batch means, effective sample size, split-R̂.
 //!
-//! Chains must be of one length, in their order and at least [`SHORTEST`] values long. Values without a variance (a radiance
-//! with rare fireflies) make all three meaningless: give them logarithms. The error that an image claims comes from replicates;
-//! these are for looking at how well a chain mixes.
+//! Chains must have equal length, be in order, and have at least [`SHORTEST`] values. All three statistics require a
+//! finite variance; take logarithms of radiance with rare fireflies. They are diagnostics of mixing. The reported error
+//! of an image comes from replicates instead.
 
 use super::{Estimate, Moments};
 
-/// The shortest chain that is judged: two halves of four values.
+/// Least length of a chain: two halves of four values.
 pub const SHORTEST: usize = 8;
 
-/// The mean of a series and its standard error from the means of `batches` equal batches, with batches − 1 degrees of freedom;
-/// what is left at the beginning, less than a batch, is dropped. Batches must be long against the correlation for the error to be
-/// right: √n of them is usual. `None` below two batches of one value each [Flegal10].
+/// Returns the mean of a series and its standard error from the means of `batches` equal batches, with batches − 1
+/// degrees of freedom. The remainder at the beginning, less than a batch, is dropped. Batches must be long compared to
+/// the correlation time; √n batches are usual. `None` below two batches of one value each [Flegal10].
 pub fn batch_means(series: &[f64], batches: usize) -> Option<Estimate> {
     let length = series.len().checked_div(batches).filter(|&length| length > 0)?;
     let used = &series[series.len() - length * batches..];
@@ -19,10 +19,11 @@ pub fn batch_means(series: &[f64], batches: usize) -> Option<Estimate> {
     means.estimate()
 }
 
-/// How many independent values would give the mean of all `chains` its error [Vehtari21]: each chain is split in two, so that
-/// chains which have not met yet count for less; autocorrelations are summed as far as Geyer's initial monotone sequence
-/// goes [Geyer92 §3.3]. More than the number of values if neighbours are anticorrelated, at most n log₁₀ n.
-/// `None` if chains are too short, of different lengths, not finite, or constant.
+/// Returns the effective sample size: the number of independent values whose mean has the same error as that of all
+/// `chains` [Vehtari21]. Each chain is split in two, so that poorly mixed chains reduce the result. Autocorrelations
+/// are summed over Geyer's initial monotone sequence [Geyer92 §3.3]. The result exceeds the number of values if
+/// neighbours are anticorrelated; it is at most n log₁₀ n. `None` if chains are too short, of different lengths, not
+/// finite, or constant.
 pub fn effective_sample_size(chains: &[&[f64]]) -> Option<f64> {
     let halves = split(chains)?;
     let spread = Spread::of(&halves)?;
@@ -34,15 +35,15 @@ pub fn effective_sample_size(chains: &[&[f64]]) -> Option<f64> {
     Some(total / integrated_time(correlation, spread.length).max(1.0 / total.log10()))
 }
 
-/// The potential scale reduction: how much narrower the distribution could still become, from how the halves of all chains differ;
-/// 1 if all are alike, and below 1.01 for chains that have mixed [Gelman13 §11.4; Vehtari21]. `None` as for
+/// Returns the potential scale reduction factor, from the differences between the halves of all chains. It is 1 for
+/// identical distributions, and below 1.01 for chains that have mixed [Gelman13 §11.4; Vehtari21]. `None` as for
 /// [`effective_sample_size`].
 pub fn split_r_hat(chains: &[&[f64]]) -> Option<f64> {
     let spread = Spread::of(&split(chains)?)?;
     Some((spread.total / spread.within).sqrt())
 }
 
-/// The halves of every chain, without the middle value of an odd one.
+/// Splits every chain into halves; the middle value of an odd length is dropped.
 fn split<'a>(chains: &[&'a [f64]]) -> Option<Vec<&'a [f64]>> {
     let length = chains.first()?.len();
     let is_usable = |chain: &&[f64]| chain.len() == length && chain.iter().all(|x| x.is_finite());
@@ -58,7 +59,7 @@ struct Spread {
     means: Vec<f64>,
     /// Mean of the chains' variances, W.
     within: f64,
-    /// The estimate of the whole distribution's variance, (n − 1)/n W + variance of the chains' means.
+    /// Estimate of the variance of the whole distribution, (n − 1)/n W + variance of the chains' means.
     total: f64,
 }
 
@@ -78,13 +79,14 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Covariance of a chain with itself `lag` values later, over n.
+/// Autocovariance of a chain at `lag`, normalised by n.
 fn autocovariance(chain: &[f64], mean: f64, lag: usize) -> f64 {
     chain.iter().zip(&chain[lag..]).map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>() / chain.len() as f64
 }
 
-/// 1 + 2 Σ ρ(t): sums of two neighbouring correlations, which are positive and decrease for reversible chains, are taken while
-/// they are positive, and none larger than the one before [Geyer92 §3.3]. What follows counts once if it is positive [Vehtari21].
+/// Returns 1 + 2 Σ ρ(t). Sums of two neighbouring correlations are positive and decreasing for reversible chains. They
+/// are included while positive, and capped by their predecessor [Geyer92 §3.3]. The correlation after them counts once
+/// if it is positive [Vehtari21].
 fn integrated_time(correlation: impl Fn(usize) -> f64, length: usize) -> f64 {
     let mut pair = [1.0, correlation(1)];
     let (mut sum, mut least, mut lag) = (0.0, f64::INFINITY, 2);
@@ -131,16 +133,19 @@ mod tests {
         }
     }
 
-    /// `ess(method="mean")` and `rhat(method="split")` of ArviZ 0.19 for three series of 501 moving sums of
-    /// ((31 i² + 7919 i) mod 1009)/1009, i from 1000 c; then the second shifted by 0.2; then differences instead of sums, where
-    /// the cap n log₁₀ n holds; then sums of 20, whose correlations are not monotone. To the rounding errors of sums of 1500 values.
+    /// `ess(method="mean")` and `rhat(method="split")` of ArviZ 0.19 for three series of 501 moving sums of ((31 i² +
+    /// 7919 i) mod 1009)/1009, i from 1000 c; then the second shifted by 0.2; then differences instead of sums, where
+    /// the cap n log₁₀ n holds; then sums of 20, whose correlations are not monotone. To the rounding errors of sums of
+    /// 1500 values.
     #[test]
     fn agrees_with_arviz() {
         let y = |i: u64| ((i * i * 31 + i * 7919) % 1009) as f64 / 1009.0;
-        let series =
-            |f: fn(f64, f64, f64) -> f64| [0, 1000, 2000].map(|c| (c..c + 501).map(|i| f(y(i), y(i + 1), y(i + 2))).collect());
-        let figures =
-            |chains: &[Vec<f64>; 3]| (effective_sample_size(&slices(chains)).unwrap(), split_r_hat(&slices(chains)).unwrap());
+        let series = |f: fn(f64, f64, f64) -> f64| {
+            [0, 1000, 2000].map(|c| (c..c + 501).map(|i| f(y(i), y(i + 1), y(i + 2))).collect())
+        };
+        let figures = |chains: &[Vec<f64>; 3]| {
+            (effective_sample_size(&slices(chains)).unwrap(), split_r_hat(&slices(chains)).unwrap())
+        };
         let mut sums: [Vec<f64>; 3] = series(|a, b, c| a + b + c);
         let (ess, r_hat) = figures(&sums);
         assert!((ess - 520.045_179_852_7).abs() < 1e-6 && (r_hat - 1.001_403_304_28).abs() < 1e-9, "{ess} {r_hat}");
@@ -185,8 +190,8 @@ mod tests {
         }
     }
 
-    /// R̂ of mixed chains of n values is 1 + O(1/n); a chain shifted by half a standard deviation gives √(1 + between), where the
-    /// 8 halves' means have variance 0.25 × 12/56.
+    /// R̂ of mixed chains of n values is 1 + O(1/n); a chain shifted by half a standard deviation gives √(1 + between),
+    /// where the 8 halves' means have variance 0.25 × 12/56.
     #[test]
     fn r_hat_flags_a_chain_that_is_elsewhere_or_drifts() {
         let mut random = Random::new(72);

@@ -3,10 +3,10 @@
 use super::TestResult;
 use statrs::function::gamma::checked_gamma_ur;
 
-/// Bins whose expectation is below this are pooled, so that the χ² distribution holds [Cochran54].
+/// Least expectation of a bin; bins below it are pooled, so that the χ² distribution is accurate [Cochran54].
 const LEAST_EXPECTED: f64 = 5.0;
 
-/// P(χ² ≥ statistic) at `dof` degrees of freedom; 1 at 0 degrees of freedom.
+/// Returns P(χ² ≥ statistic) at `dof` degrees of freedom; 1 at 0 degrees of freedom.
 pub fn chi_squared_p_value(statistic: f64, dof: f64) -> f64 {
     if dof <= 0.0 || statistic <= 0.0 {
         return 1.0;
@@ -14,8 +14,8 @@ pub fn chi_squared_p_value(statistic: f64, dof: f64) -> f64 {
     checked_gamma_ur(0.5 * dof, 0.5 * statistic).unwrap_or(0.0)
 }
 
-/// Whether `observed` counts come from a distribution with the `expected` counts (of the same total). Neighbouring bins are
-/// pooled until each expects at least 5; something seen where nothing is expected gives p = 0.
+/// Tests whether `observed` counts come from a distribution with the `expected` counts (of the same total).
+/// Neighbouring bins are pooled until each expects at least 5. An observation where none is expected gives p = 0.
 ///
 /// # Panics
 /// Unless both have the same length.
@@ -31,7 +31,7 @@ pub fn chi_squared_test(observed: &[u64], expected: &[f64]) -> TestResult {
     TestResult { statistic, dof, p_value: chi_squared_p_value(statistic, dof) }
 }
 
-/// Runs of neighbouring bins as [observed, expected]; what is left at the end joins the last run.
+/// Pools neighbouring bins as [observed, expected]; the remainder at the end joins the last pool.
 fn pool(observed: &[u64], expected: &[f64]) -> Vec<[f64; 2]> {
     let mut bins: Vec<[f64; 2]> = Vec::new();
     let mut open = [0.0, 0.0];

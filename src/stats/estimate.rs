@@ -1,4 +1,4 @@
-//! A number with its standard error and the degrees of freedom behind that error.
+//! An estimate with its standard error and the degrees of freedom of that error.
 
 use super::student_quantile;
 use crate::defects::{Defect, planted};
@@ -6,7 +6,7 @@ use crate::defects::{Defect, planted};
 /// An estimate of an expectation.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Estimate {
-    /// The estimate.
+    /// The estimated value.
     pub value: f64,
     /// Its estimated standard deviation.
     pub standard_error: f64,
@@ -15,7 +15,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The two-sided t interval that covers the expectation with probability `level` if the estimate is normal [Student08].
+    /// Returns the two-sided t interval, which covers the expectation with probability `level` if the estimate is
+    /// normal [Student08].
     ///
     /// # Panics
     /// Unless 0 < level < 1 and `dof` is positive.
@@ -25,7 +26,7 @@ impl Estimate {
         [self.value - half, self.value + half]
     }
 
-    /// The 95 % interval.
+    /// Returns the 95 % interval.
     pub fn interval95(&self) -> [f64; 2] {
         self.interval(0.95)
     }
@@ -36,7 +37,7 @@ mod tests {
     use crate::stats::Moments;
     use crate::stats::test_random::Random;
 
-    /// Of 10⁴ intervals from 4 normal values 95 % hold the truth: two-sided binomial test at level 1e-6 (4.9 σ).
+    /// Of 10⁴ intervals from 4 normal values 95 % cover the true value: two-sided binomial test at level 1e-6 (4.9 σ).
     #[test]
     fn t_interval_covers_at_its_level() {
         let mut random = Random::new(1);

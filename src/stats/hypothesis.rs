@@ -1,25 +1,25 @@
-//! Tests of means. Each gives its statistic and a two-sided p-value; the caller states the level and corrects for many
-//! tests ([`super::sidak_level`], [`super::holm`]).
+//! Tests of means. Each returns its statistic and a two-sided p-value. The caller chooses the level and corrects for
+//! multiple tests ([`super::sidak_level`], [`super::holm`]).
 
 use super::{Estimate, student_p_value};
 
-/// What a test found.
+/// Result of a hypothesis test.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TestResult {
     /// The test statistic: z, t or χ².
     pub statistic: f64,
-    /// Its degrees of freedom; infinite for z.
+    /// Degrees of freedom of the statistic; infinite for z.
     pub dof: f64,
-    /// Probability of a statistic at least this far off if the hypothesis is true.
+    /// Probability of a statistic at least this extreme under the null hypothesis.
     pub p_value: f64,
 }
 
-/// Whether `estimate` has the expectation `expected`, its standard error taken as known.
+/// Tests whether `estimate` has the expectation `expected`, with a known standard error.
 pub fn z_test(estimate: &Estimate, expected: f64) -> TestResult {
     difference_test(estimate.value - expected, estimate.standard_error, f64::INFINITY)
 }
 
-/// Whether `estimate` has the expectation `expected` [Student08].
+/// Tests whether `estimate` has the expectation `expected` [Student08].
 ///
 /// # Panics
 /// Unless the degrees of freedom are positive.
@@ -27,7 +27,7 @@ pub fn t_test(estimate: &Estimate, expected: f64) -> TestResult {
     difference_test(estimate.value - expected, estimate.standard_error, estimate.dof)
 }
 
-/// Whether two independent estimates have the same expectation, their variances being different [Welch47].
+/// Tests whether two independent estimates with different variances have the same expectation [Welch47].
 ///
 /// # Panics
 /// Unless both degrees of freedom are positive.

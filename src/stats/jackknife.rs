@@ -1,20 +1,21 @@
-//! The error of a figure that is not a mean, such as a ratio of sums over an image: compute it again without each of the groups
-//! of data in turn (tiles of an image, replicates) [Quenouille56; Efron81]. Groups must be independent of each other; nothing is
-//! asked of the data inside one. For smooth functions of sums: not for medians or maxima.
+//! Jackknife error of a statistic that is not a mean, such as a ratio of sums over an image. The statistic is
+//! recomputed without each group of data in turn (image tiles, replicates) [Quenouille56; Efron81]. Groups must be
+//! independent of each other; data within a group may be correlated. Valid for smooth functions of sums, not for
+//! medians or maxima.
 
 use super::{Estimate, Moments};
 
-/// A figure with its error and its bias.
+/// A statistic with its error and its bias.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jackknife {
-    /// The figure of all data, its standard error and groups − 1 degrees of freedom.
+    /// The statistic of all data, its standard error, and groups − 1 degrees of freedom.
     pub estimate: Estimate,
-    /// How much too high the figure is on average, to first order in 1/groups; it is not taken off.
+    /// First-order bias in 1/groups. It is not subtracted from `estimate`.
     pub bias: f64,
 }
 
-/// The error of `whole`, the figure of all data, from the figures `left_out` of all data but one group. The groups should weigh
-/// about the same. `None` below two groups, or if a figure is not finite.
+/// Returns the error of `whole`, the statistic of all data, from `left_out`, its values without each group. The groups
+/// should have about equal weight. `None` below two groups, or if a value is not finite.
 pub fn jackknife(whole: f64, left_out: impl IntoIterator<Item = f64>) -> Option<Jackknife> {
     let figures: Moments = left_out.into_iter().collect();
     let (variance, n) = (figures.variance()?, figures.count() as f64);
@@ -48,8 +49,8 @@ mod tests {
         jackknife(figure(s, t, n), x.iter().map(|x| figure(s - x, t - x * x, n - 1))).unwrap()
     }
 
-    /// For uniform x the ratio tends to 4/3 and is nearly normal: its intervals cover at 95 %, binomial at level 1e-6 (4.9 σ);
-    /// skewness of order 1/√n costs less than 0.5 %.
+    /// For uniform x the ratio tends to 4/3 and is nearly normal: its intervals cover at 95 %, binomial at level 1e-6
+    /// (4.9 σ); skewness of order 1/√n costs less than 0.5 %.
     #[test]
     fn covers_for_a_ratio() {
         let mut random = Random::new(80);
@@ -63,8 +64,8 @@ mod tests {
         assert!((hits as f64 - 0.95 * t).abs() < 4.9 * (t * 0.05 * 0.95).sqrt() + 0.005 * t, "{hits}");
     }
 
-    /// For exponential x the expected ratio is 2n/(n + 1) exactly, since (Σx)² and Σx²/(Σx)² are independent; so the expected
-    /// bias found is −2 (n − 1)/(n (n + 1)). z test at level 1e-6 (4.9 σ).
+    /// For exponential x the expected ratio is 2n/(n + 1) exactly, since (Σx)² and Σx²/(Σx)² are independent; so the
+    /// expected bias found is −2 (n − 1)/(n (n + 1)). z test at level 1e-6 (4.9 σ).
     #[test]
     fn knows_the_bias_of_a_ratio() {
         let mut random = Random::new(81);

@@ -1,6 +1,6 @@
-//! Statistics: moments, estimates with intervals, hypothesis tests with a stated level, corrections for many tests; errors
-//! of figures and of series ([`jackknife`](jackknife()), [`chains`]), heavy tails ([`pareto`]), distances of images ([`image`]).
-//! Everything is f64 and deterministic; the distributions come from `statrs`.
+//! Statistics: moments, estimates with intervals, hypothesis tests at a stated level, corrections for multiple tests,
+//! errors of functions of means and of series ([`jackknife`](jackknife()), [`chains`]), heavy tails ([`pareto`]), image
+//! metrics ([`image`]). All computations are f64 and deterministic; distribution functions come from `statrs`.
 
 pub mod chains;
 mod chi_squared;

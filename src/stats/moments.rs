@@ -1,9 +1,9 @@
-//! Running mean and variance by Welford's recurrence [Welford62], mergeable [Chan79]. Use it where values come one by
-//! one; merging in another order changes the last bits (the film's integer sums are the order-free thing).
+//! Running mean and variance by Welford's recurrence [Welford62], mergeable [Chan79]. For values that arrive one by
+//! one. The last bits depend on the order of merges; use the film's integer sums where the order must not matter.
 
 use super::Estimate;
 
-/// Count, mean and sum of squared deviations of what was pushed.
+/// Count, mean and sum of squared deviations of a series.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Moments {
     count: u64,
@@ -12,7 +12,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// No values yet.
+    /// Returns moments of no values.
     pub fn new() -> Self {
         Self::default()
     }
@@ -25,7 +25,7 @@ impl Moments {
         self.squares += delta * (x - self.mean);
     }
 
-    /// Adds all values of another set [Chan79 (2.1)].
+    /// Merges the moments of another series [Chan79 (2.1)].
     pub fn merge(&mut self, other: &Moments) {
         if other.count == 0 {
             return;
@@ -37,22 +37,22 @@ impl Moments {
         self.count += other.count;
     }
 
-    /// How many values.
+    /// Returns the number of values.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Their mean; 0 without values.
+    /// Returns the mean; 0 without values.
     pub fn mean(&self) -> f64 {
         self.mean
     }
 
-    /// The unbiased sample variance; `None` below two values.
+    /// Returns the unbiased sample variance; `None` below two values.
     pub fn variance(&self) -> Option<f64> {
         (self.count >= 2).then(|| self.squares / (self.count - 1) as f64)
     }
 
-    /// The mean with its standard error and n − 1 degrees of freedom; `None` below two values.
+    /// Returns the mean with its standard error and n − 1 degrees of freedom; `None` below two values.
     pub fn estimate(&self) -> Option<Estimate> {
         let variance = self.variance()?;
         let n = self.count as f64;
@@ -74,7 +74,8 @@ impl FromIterator<f64> for Moments {
     }
 }
 
-/// The third cumulant of the `mean` of some values, without bias (Fisher's k₃ over n²); 0 below three values.
+/// Returns an unbiased estimate of the third cumulant of the mean of `values` (Fisher's k₃ over n²); 0 below three
+/// values.
 pub fn third_cumulant_of_mean(values: &[f64], mean: f64) -> f64 {
     let n = values.len() as f64;
     if n < 3.0 {

@@ -1,19 +1,19 @@
-//! Many tests at once: the chance that any true hypothesis is rejected (family-wise error) is held at a level.
+//! Multiple tests: control of the family-wise error, the probability that any true hypothesis is rejected.
 
 use crate::defects::{Defect, planted};
 
-/// The level of each of `tests` independent tests so that all together have `level` [Sidak67].
+/// Returns the level of each of `tests` independent tests for a family-wise error of `level` [Sidak67].
 pub fn sidak_level(level: f64, tests: u64) -> f64 {
     -((-level).ln_1p() / tests as f64).exp_m1()
 }
 
-/// The p-value of the smallest of `tests` independent p-values [Sidak67].
+/// Returns the family-wise p-value of the smallest of `tests` independent p-values [Sidak67].
 pub fn sidak_p_value(smallest: f64, tests: u64) -> f64 {
     -((-smallest).ln_1p() * tests as f64).exp_m1()
 }
 
-/// Holm's adjusted p-values, in the order given: reject those below the family's level. Valid under any dependence;
-/// NaN counts as 1 [Holm79].
+/// Returns Holm's adjusted p-values, in the order given: reject those below the family-wise level. Valid under any
+/// dependence; NaN counts as 1 [Holm79].
 pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|&a, &b| p_values[a].total_cmp(&p_values[b]));

@@ -1,22 +1,23 @@
-//! How heavy a tail is: the shape k of a generalised Pareto distribution fitted to the largest values [Zhang09], as
-//! Pareto-smoothed importance sampling uses it [Vehtari24]. Moments of order 1/k and above do not exist: with k > 1/2 the
-//! variance is infinite and a standard error means little; in practice intervals hold up to [`UNTRUSTED_SHAPE`].
+//! Tail estimation: the shape k of a generalised Pareto distribution fitted to the largest values [Zhang09], as in
+//! Pareto-smoothed importance sampling [Vehtari24]. Moments of order 1/k and above do not exist. For k > 1/2 the
+//! variance is infinite and a standard error is of little use. In practice intervals hold up to [`UNTRUSTED_SHAPE`].
 //!
-//! Give it the contributions of independent samples, positive and in the units of the estimate. It sees only what was
-//! sampled: a mode that no sample met is not in the tail.
+//! Values are contributions of independent samples, positive and in the units of the estimate. The fit cannot detect
+//! modes that were never sampled.
 
-/// From this shape on a sample's mean and standard error converge too slowly for its interval to be trusted [Vehtari24].
+/// From this shape on the mean and standard error of a sample converge too slowly for a reliable interval [Vehtari24].
 pub const UNTRUSTED_SHAPE: f64 = 0.7;
-/// From this shape on the variance is infinite, and errors shrink more slowly than by the root of the sample count.
+/// From this shape on the variance is infinite, and the error decreases more slowly than the inverse square root of the
+/// sample count.
 pub const INFINITE_VARIANCE_SHAPE: f64 = 0.5;
 
-/// Fewer exceedances than this are not fitted.
+/// Least number of exceedances for a fit.
 const LEAST_EXCEEDANCES: usize = 5;
-/// The share of the prior scale in the grid of the fit [Zhang09].
+/// Factor of the prior scale in the grid of the fit [Zhang09].
 const PRIOR_SCALE: f64 = 3.0;
-/// The weak prior on k: so many exceedances' worth …
+/// Weak prior on k: its weight, in exceedances …
 const PRIOR_WEIGHT: f64 = 10.0;
-/// … of this value [Vehtari24].
+/// … and its value [Vehtari24].
 const PRIOR_SHAPE: f64 = 0.5;
 
 /// The 95 % quantile of the normal distribution.
@@ -25,33 +26,34 @@ const NORMAL_95: f64 = 1.644_853_6;
 /// A fitted tail.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tail {
-    /// The shape k, drawn towards ½ as if ten more exceedances had said so; its standard error is about (1 + k) / √exceedances.
+    /// Shape k, regularised towards ½ with the weight of ten exceedances. Its standard error is about (1 + k) /
+    /// √exceedances.
     pub shape: f64,
-    /// How many values lie above the threshold.
+    /// Number of values above the threshold.
     pub exceedances: usize,
-    /// Where the tail begins.
+    /// Lower end of the tail.
     pub threshold: f64,
 }
 
 impl Tail {
-    /// The upper end of the shape's one-sided 95 % interval; the pull towards ½ counts as ten exceedances.
+    /// Returns the upper end of the one-sided 95 % interval of the shape; the prior counts as ten exceedances.
     pub fn upper_shape(&self) -> f64 {
         self.shape + NORMAL_95 * (1.0 + self.shape.max(0.0)) / (self.exceedances as f64 + PRIOR_WEIGHT).sqrt()
     }
 
-    /// Whether an interval from such values is worth anything.
+    /// Returns whether intervals from such values are reliable.
     pub fn is_trusted(&self) -> bool {
         self.shape <= UNTRUSTED_SHAPE
     }
 }
 
-/// How many of `n` values make the tail: min(n/5, 3√n), rounded up [Vehtari24].
+/// Returns the number of tail values among `n`: min(n/5, 3√n), rounded up [Vehtari24].
 pub fn tail_size(n: usize) -> usize {
     (0.2 * n as f64).min(3.0 * (n as f64).sqrt()).ceil() as usize
 }
 
-/// The tail of all `values`, which are reordered; `None` if one is not finite or too few exceed the threshold (fewer than 25
-/// values, or nearly all of them equal).
+/// Fits the tail of all `values`, which are reordered. `None` if one is not finite or too few exceed the threshold
+/// (fewer than 25 values, or nearly all of them equal).
 pub fn tail_shape(values: &mut [f64]) -> Option<Tail> {
     let size = tail_size(values.len());
     if size >= values.len() || values.iter().any(|v| !v.is_finite()) {
@@ -62,8 +64,8 @@ pub fn tail_shape(values: &mut [f64]) -> Option<Tail> {
     tail_of_largest(&mut values[below..])
 }
 
-/// The tail whose threshold is the smallest of `largest`: the [`tail_size`] + 1 largest of all values, in any order; they are
-/// reordered. `None` if one is not finite or too few exceed the threshold.
+/// Fits the tail above the smallest of `largest`, which are the [`tail_size`] + 1 largest of all values in any order;
+/// they are reordered. `None` if one is not finite or too few exceed the threshold.
 pub fn tail_of_largest(largest: &mut [f64]) -> Option<Tail> {
     if largest.iter().any(|v| !v.is_finite()) {
         return None;
@@ -79,16 +81,16 @@ pub fn tail_of_largest(largest: &mut [f64]) -> Option<Tail> {
     shape.is_finite().then_some(Tail { shape, exceedances: exceedances.len(), threshold })
 }
 
-/// The shape of the generalised Pareto distribution of `x`, positive and ascending: the posterior mean of θ = −k/σ over a grid
-/// of quantiles of its prior, weighted by the profile likelihood [Zhang09].
+/// Fits the shape of the generalised Pareto distribution of `x`, positive and ascending. The posterior mean of θ = −k/σ
+/// is taken over a grid of prior quantiles, weighted by the profile likelihood [Zhang09].
 fn fit(x: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (largest, quartile) = (x[x.len() - 1], x[(0.25 * n + 0.5) as usize - 1]);
-    // Everything is relative to the largest, so that no unit overflows.
+    // Normalised by the largest value, to avoid overflow.
     let relative: Vec<f64> = x.iter().map(|x| x / largest).collect();
     let points = 30.0 + n.sqrt().floor();
-    let grid =
-        (1..=points as usize).map(|j| 1.0 + (1.0 - (points / (j as f64 - 0.5)).sqrt()) / (PRIOR_SCALE * quartile / largest));
+    let grid = (1..=points as usize)
+        .map(|j| 1.0 + (1.0 - (points / (j as f64 - 0.5)).sqrt()) / (PRIOR_SCALE * quartile / largest));
     let candidates: Vec<[f64; 2]> = grid.map(|theta| [theta, n * log_likelihood(theta, &relative)]).collect();
     let most = candidates.iter().map(|c| c[1]).fold(f64::NEG_INFINITY, f64::max);
     let weighted = candidates.iter().map(|[theta, l]| [theta * (l - most).exp(), (l - most).exp()]);
@@ -96,12 +98,13 @@ fn fit(x: &[f64]) -> f64 {
     shape_at(sum / weights, &relative)
 }
 
-/// The most likely shape given θ: mean ln(1 − θ x).
+/// Returns the maximum-likelihood shape given θ: mean ln(1 − θ x).
 fn shape_at(theta: f64, x: &[f64]) -> f64 {
     x.iter().map(|x| (-theta * x).ln_1p()).sum::<f64>() / x.len() as f64
 }
 
-/// The profile log-likelihood of θ per value [Zhang09]; at θ = 0 that of the exponential distribution, its limit.
+/// Returns the profile log-likelihood of θ per value [Zhang09]; at θ = 0 its limit, that of the exponential
+/// distribution.
 fn log_likelihood(theta: f64, x: &[f64]) -> f64 {
     let k = shape_at(theta, x);
     let rate = if k.abs() > 0.0 { -theta / k } else { x.len() as f64 / x.iter().sum::<f64>() };
@@ -125,14 +128,14 @@ mod tests {
         values
     }
 
-    /// The estimate without the pull towards ½.
+    /// The estimate without the regularisation towards ½.
     fn unshrunk(tail: &Tail) -> f64 {
         let n = tail.exceedances as f64;
         (tail.shape * (n + 10.0) - 5.0) / n
     }
 
-    /// The standard error of an efficient estimate is (1 + k)/√n for k > −½; two-sided at level 1e-6 (4.9 σ). The bias is of
-    /// order 1/n, a hundredth of that.
+    /// The standard error of an efficient estimate is (1 + k)/√n for k > −½; two-sided at level 1e-6 (4.9 σ). The bias
+    /// is of order 1/n, a hundredth of that.
     #[test]
     fn shapes_are_found_again() {
         for (seed, k) in [-0.3, -0.1, 0.0, 0.2, 0.5, 0.7, 1.0].into_iter().enumerate() {
@@ -154,8 +157,8 @@ mod tests {
         assert!(tail.is_trusted());
     }
 
-    /// u^(−k) has exactly a generalised Pareto tail of shape k above every threshold: two-sided at level 1e-6 (4.9 σ), and
-    /// k = 1.5 is beyond [`UNTRUSTED_SHAPE`] by 7 σ.
+    /// u^(−k) has exactly a generalised Pareto tail of shape k above every threshold: two-sided at level 1e-6 (4.9 σ),
+    /// and k = 1.5 is beyond [`UNTRUSTED_SHAPE`] by 7 σ.
     #[test]
     fn the_tail_of_all_values_is_found() {
         let mut random = Random::new(61);
@@ -183,7 +186,7 @@ mod tests {
         }
     }
 
-    /// A unit changes nothing but the threshold, to some n rounding errors of sums of logarithms.
+    /// A change of unit affects only the threshold, up to some n rounding errors of sums of logarithms.
     #[test]
     fn units_do_not_matter() {
         let mut values = largest(0.4, 500, 62);

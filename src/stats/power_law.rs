@@ -1,24 +1,25 @@
-//! Fits of y = a xᵇ by least squares in log y against log x: how error falls with time or with samples. Independent sampling
-//! has b = −1 for squared errors; good low-discrepancy points are steeper, and bias flattens the end of the curve.
+//! Power-law fits y = a xᵇ by least squares in log y against log x: error as a function of time or of samples.
+//! Independent sampling has b = −1 for squared errors. Good low-discrepancy points are steeper, and bias flattens the
+//! end of the curve.
 //!
-//! [`PowerLaw::fit`] takes independent points. Points of one render at growing sample counts are not: each holds the samples of
-//! those before it. For such curves fit each of several independent renders and let their scatter speak,
-//! [`PowerLaw::of_curves`].
+//! [`PowerLaw::fit`] requires independent points. Points of one render at growing sample counts are correlated, since
+//! each includes the earlier samples. For such curves fit several independent renders and take the error from their
+//! scatter: [`PowerLaw::of_curves`].
 
 use super::{Estimate, Moments};
 
-/// A point of a curve; `weight` is the inverse variance of ln y, up to a factor that all points share.
+/// A point of a curve; `weight` is the inverse variance of ln y, up to a common factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightedPoint {
     /// Time or samples, positive.
     pub x: f64,
     /// Error, positive.
     pub y: f64,
-    /// Weight; points without a positive one count as absent.
+    /// Weight; points without a positive weight are ignored.
     pub weight: f64,
 }
 
-/// The fitted law.
+/// The fitted power law.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PowerLaw {
     /// The exponent b with its standard error.
@@ -40,8 +41,8 @@ struct Line {
 }
 
 impl PowerLaw {
-    /// The fit through independent points, the scale of their variance taken from the residuals: n − 2 degrees of freedom.
-    /// `None` below three usable points (positive and finite) or without spread in x.
+    /// Fits independent points. The scale of their variance is estimated from the residuals, with n − 2 degrees of
+    /// freedom. `None` below three usable points (positive and finite) or without spread in x.
     pub fn fit(points: &[WeightedPoint]) -> Option<PowerLaw> {
         let line = Line::through(points).filter(|line| line.points >= 3)?;
         let dof = line.points as f64 - 2.0;
@@ -49,8 +50,8 @@ impl PowerLaw {
         Some(PowerLaw { slope: Estimate { value: line.slope, standard_error, dof }, factor: line.intercept.exp() })
     }
 
-    /// The mean of the fits through several independent curves, its error from their scatter: curves − 1 degrees of freedom.
-    /// Points within a curve may depend on each other. `None` below two curves with two usable points each.
+    /// Averages the fits of several independent curves. The error comes from their scatter, with curves − 1 degrees of
+    /// freedom. Points within a curve may be correlated. `None` below two curves with two usable points each.
     pub fn of_curves(curves: &[Vec<WeightedPoint>]) -> Option<PowerLaw> {
         let lines: Vec<Line> = curves.iter().filter_map(|points| Line::through(points)).collect();
         let slope = lines.iter().map(|line| line.slope).collect::<Moments>().estimate()?;
@@ -92,7 +93,8 @@ mod tests {
     #[test]
     fn an_exact_law_is_found_whatever_the_weights() {
         let law = |x: f64| 3.5 * x.powf(-1.25);
-        let points: Vec<_> = (0..6).map(|i| point(f64::from(1 << i), law(f64::from(1 << i)), f64::from(i + 1))).collect();
+        let points: Vec<_> =
+            (0..6).map(|i| point(f64::from(1 << i), law(f64::from(1 << i)), f64::from(i + 1))).collect();
         let fit = PowerLaw::fit(&points).unwrap();
         assert!((fit.slope.value + 1.25).abs() < ROUNDING && (fit.factor / 3.5 - 1.0).abs() < ROUNDING, "{fit:?}");
         assert!(fit.slope.standard_error < 1e-7, "√ of the rounding of Σ residual²: {fit:?}");
@@ -132,7 +134,7 @@ mod tests {
         assert!((hits - n * p).abs() < 4.9 * (n * p * (1.0 - p)).sqrt(), "{hits} of {trials}");
     }
 
-    /// Noise of ln y with standard deviation 0.05 to 0.8 and weights that know it.
+    /// Noise of ln y with standard deviation 0.05 to 0.8, with the corresponding weights.
     #[test]
     fn intervals_of_independent_points_cover_at_their_level() {
         let mut random = Random::new(5);
@@ -147,8 +149,9 @@ mod tests {
         covers(10_000, &mut slope, -1.0);
     }
 
-    /// Curves like those of a render: the error at 2N samples is made of that at N and of as much again, so neighbouring points
-    /// are correlated; here the ln of a mean of squares of 64 pixels' running means, five renders.
+    /// Curves like those of a render: the error at 2N samples combines that at N with as many new samples, so that
+    /// neighbouring points are correlated. Here it is the ln of a mean of squares of 64 pixels' running means, for five
+    /// renders.
     #[test]
     fn intervals_of_curves_cover_though_their_points_depend_on_each_other() {
         let mut random = Random::new(6);

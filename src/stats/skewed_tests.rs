@@ -4,7 +4,7 @@ use crate::stats::test_random::Random;
 
 const NONE: Skewness = Skewness { of_a: 0.0, of_b: 0.0 };
 
-/// The mean of 32 replicates, each a sum of rare exponential contributions: `events` of them expected in all, mean 1.
+/// Returns the mean of 32 replicates, each a sum of rare exponential contributions: `events` expected in all, mean 1.
 fn rare(random: &mut Random, events: f64) -> Estimate {
     let each = events / 32.0;
     let sum = |random: &mut Random| {
@@ -23,7 +23,8 @@ fn lambda(events: f64) -> f64 {
     6.0 / 8_f64.sqrt() / events.sqrt()
 }
 
-/// By how much the share of tests of a skewed mean against an exact one that reject the true hypothesis exceeds the level 1e-4.
+/// Excess over the level 1e-4 of the rejection rate of a true hypothesis, for tests of a skewed mean against an exact
+/// one.
 fn false_alarms(events: f64, skewness: impl Fn(f64) -> Skewness) -> f64 {
     let (mut random, trials, level) = (Random::new(7), 100_000, 1e-4);
     let exact = Estimate { value: 1.0, standard_error: 0.0, dof: 31.0 };
@@ -34,8 +35,8 @@ fn false_alarms(events: f64, skewness: impl Fn(f64) -> Skewness) -> f64 {
     (0..trials).filter(rejected).count() as f64 / f64::from(trials) / level
 }
 
-/// 10 of 100 000 are expected at the level: 40 and more have a probability below 1e-11. Without the correction the level is passed
-/// threefold and more.
+/// At the level, 10 of 100 000 rejections are expected: 40 and more have a probability below 1e-11. Without the
+/// correction the rate is more than three times the level.
 #[test]
 fn skewed_means_keep_the_level_with_the_correction_and_not_without() {
     for events in [50.0, 200.0, 1000.0] {
@@ -60,8 +61,9 @@ fn the_cubic_and_its_inverse_belong_together() {
     assert!(straightened(1e9, 0.2) < 5.0);
 }
 
-/// The mean of 200 rare contributions lies within its interval in 95 % of 20 000 trials, 2.5 % to each side, if skewness is taken
-/// into account: binomial, level 1e-6 (4.9 σ, .54 % on one side), and .4 % for higher orders. Without, 3.7 % are missed above.
+/// With the skewness correction, the interval covers the mean of 200 rare contributions in 95 % of 20 000 trials, with
+/// 2.5 % misses to each side: binomial, level 1e-6 (4.9 σ, .54 % on one side), and .4 % for higher orders. Without it,
+/// 3.7 % are missed above.
 #[test]
 fn skewed_intervals_miss_as_often_below_as_above() {
     let (mut random, trials, events) = (Random::new(11), 20_000, 200.0);
@@ -69,7 +71,8 @@ fn skewed_intervals_miss_as_often_below_as_above() {
     for _ in 0..trials {
         let mean = rare(&mut random, events);
         for (missed, lambda) in missed.iter_mut().zip([lambda(events), 0.0]) {
-            let end = |p: f64| mean.value - mean.standard_error * skewed_quantile(student_quantile(p, mean.dof), lambda);
+            let end =
+                |p: f64| mean.value - mean.standard_error * skewed_quantile(student_quantile(p, mean.dof), lambda);
             missed[0] += f64::from(u8::from(end(0.975) > 1.0)) / f64::from(trials);
             missed[1] += f64::from(u8::from(end(0.025) < 1.0)) / f64::from(trials);
         }
@@ -79,13 +82,14 @@ fn skewed_intervals_miss_as_often_below_as_above() {
     assert!(missed[1][1] > 0.035, "{missed:?}");
 }
 
-/// At the detectable difference 90 % of the tests reject: binomial, 2000 trials, two-sided level 1e-6 (4.9 σ), and 2 % for the
-/// normal approximation at 62 degrees of freedom.
+/// At the detectable difference 90 % of the tests reject: binomial, 2000 trials, two-sided level 1e-6 (4.9 σ), and 2 %
+/// for the normal approximation at 62 degrees of freedom.
 #[test]
 fn the_detectable_difference_is_found_nine_times_of_ten() {
     let (mut random, trials, level) = (Random::new(3), 2000, 1e-4);
-    let sample =
-        |random: &mut Random, mean: f64| (0..32).map(|_| mean + random.normal()).collect::<Moments>().estimate().unwrap();
+    let sample = |random: &mut Random, mean: f64| {
+        (0..32).map(|_| mean + random.normal()).collect::<Moments>().estimate().unwrap()
+    };
     let se = Estimate { value: 0.0, standard_error: (1.0 / 32_f64).sqrt(), dof: 31.0 };
     let skewness = Skewness { of_a: 0.03, of_b: 0.0 };
     let difference = detectable_difference(&se, &se, skewness, level, 0.9);

@@ -1,19 +1,21 @@
-//! Student's t distribution [Student08]: two-sided p-values and quantiles, the usual 95 % ones cached.
+//! Student's t distribution [Student08]: two-sided p-values and quantiles, with the usual 95 % quantiles cached.
 //!
-//! Quantiles are found by bisection on the p-value: `statrs` 0.18 inverts the incomplete beta function with an iteration
-//! that does not end for some arguments, and evaluates it with too few terms beyond some 10⁴ degrees of freedom.
+//! Quantiles are computed by bisection on the p-value. The inverse incomplete beta function of `statrs` 0.18 does not
+//! terminate for some arguments, and its forward evaluation uses too few terms beyond some 10⁴ degrees of freedom.
 
 use statrs::function::{beta::beta_reg, erf::erfc};
 use std::f64::consts::SQRT_2;
 use std::sync::LazyLock;
 
-/// From here on t is turned into the equivalent z by a series in 1/dof, whose next term is below z⁶ / (8 dof³) relative [Hill70].
+/// From here on t is converted to the equivalent z by a series in 1/dof. The relative truncation error is below z⁶ / (8
+/// dof³) [Hill70].
 const SERIES_FROM: f64 = 1e4;
 
 /// 97.5 % quantiles for 1 ..= 128 degrees of freedom.
 static UPPER_95: LazyLock<[f64; 128]> = LazyLock::new(|| std::array::from_fn(|i| upper(0.05, (i + 1) as f64)));
 
-/// The quantile t with P(T ≤ t) = `p` at `dof` degrees of freedom, infinite for the normal distribution.
+/// Returns the quantile t with P(T ≤ t) = `p` at `dof` degrees of freedom; infinite `dof` gives the normal
+/// distribution.
 ///
 /// # Panics
 /// Unless 0 < p < 1 and dof > 0.
@@ -23,7 +25,7 @@ pub fn student_quantile(p: f64, dof: f64) -> f64 {
     if is_cached { UPPER_95[dof as usize - 1] } else { upper(2.0 * p.min(1.0 - p), dof).copysign(p - 0.5) }
 }
 
-/// The t ≥ 0 whose two-sided p-value is `tails`.
+/// Returns the t ≥ 0 with two-sided p-value `tails`.
 fn upper(tails: f64, dof: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while student_p_value(high, dof) > tails && high < 1e300 {
@@ -38,7 +40,7 @@ fn upper(tails: f64, dof: f64) -> f64 {
     }
 }
 
-/// P(|T| ≥ |t|) at `dof` degrees of freedom, infinite for the normal distribution.
+/// Returns P(|T| ≥ |t|) at `dof` degrees of freedom; infinite `dof` gives the normal distribution.
 ///
 /// # Panics
 /// Unless dof > 0.
@@ -53,7 +55,7 @@ pub fn student_p_value(t: f64, dof: f64) -> f64 {
     }
 }
 
-/// The z with the tail of t: z² = (dof − ½ + …) ln(1 + t²/dof), good for every t [Hill70].
+/// Returns the z with the same tail probability as t: z² = (dof − ½ + …) ln(1 + t²/dof), accurate for every t [Hill70].
 fn equivalent_normal(t: f64, dof: f64) -> f64 {
     if dof.is_infinite() {
         return t;
@@ -99,7 +101,8 @@ mod tests {
     #[test]
     fn series_agrees_with_the_exact_tail() {
         for t in [0.5, 1.0, 2.0, 4.0, 6.0] {
-            let (exact, series) = (student_p_value(t, SERIES_FROM * 0.999_999), student_p_value(t, SERIES_FROM * 1.000_001));
+            let (exact, series) =
+                (student_p_value(t, SERIES_FROM * 0.999_999), student_p_value(t, SERIES_FROM * 1.000_001));
             // Moving dof by 2e-6 relative changes ln p by about t⁴/(4 dof) × 2e-6 < 1e-7; ln Γ adds 1e-10.
             assert!((series / exact - 1.0).abs() < 2e-7, "{t}: {exact} {series}");
         }

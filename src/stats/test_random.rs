@@ -1,4 +1,4 @@
-//! Random numbers for unit tests: SplitMix64 [Steele14], fixed seeds, so that a test has one outcome for ever.
+//! Random numbers for unit tests: SplitMix64 [Steele14] with fixed seeds, so that tests are reproducible.
 
 /// A seeded generator.
 pub(crate) struct Random(u64);
@@ -15,18 +15,18 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Uniform in [0, 1).
+    /// Returns a uniform random number in [0, 1).
     pub(crate) fn uniform(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (0.5 * f64::EPSILON)
     }
 
-    /// Standard normal (Box and Muller).
+    /// Returns a standard normal variate (Box and Muller).
     pub(crate) fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.uniform()).cos()
     }
 
-    /// Exponential with mean 1.
+    /// Returns an exponential variate of mean 1.
     pub(crate) fn exponential(&mut self) -> f64 {
         -(1.0 - self.uniform()).ln()
     }

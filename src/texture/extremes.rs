@@ -1,9 +1,10 @@
-//! Between which values a texture lies where it is looked up: what can be there at all, without looking at every point.
+//! Bounds on texture values over a range of coordinates, without a lookup at every point.
 //!
-//! A bilinear value lies between those of its four texels, so that the extremes of all texels that a range of coordinates touches
-//! bound every lookup in it. An image keeps the extremes of its blocks as stored, whatever its encoding, which only ascends.
+//! A bilinear value lies between those of its four texels. The extremes of all texels touched by a range of coordinates
+//! therefore bound every lookup in it. An image stores the extremes of its blocks in encoded form; all encodings are
+//! monotone.
 
-use super::{Filter, Image, Texture, Wrap};
+use super::{Image, Texture, TextureFilter, Wrap};
 use crate::defects::{Defect, planted};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -12,39 +13,39 @@ use std::ops::RangeInclusive;
 /// Side of a block in texels.
 const BLOCK: usize = 32;
 
-/// The least and the greatest value of each channel.
+/// Least and greatest value of each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extremes {
-    /// The least.
+    /// Least values.
     pub min: [f32; 4],
-    /// The greatest.
+    /// Greatest values.
     pub max: [f32; 4],
 }
 
 impl Extremes {
-    /// Of no value at all: what is united with it stays as it is.
+    /// Extremes of the empty set, the identity of [`Extremes::united`].
     pub const NONE: Extremes = Extremes { min: [f32::INFINITY; 4], max: [f32::NEG_INFINITY; 4] };
-    /// Of a texture that is not there.
+    /// Extremes of an absent texture.
     pub const ONE: Extremes = Extremes { min: [1.0; 4], max: [1.0; 4] };
 
-    /// Those of both together.
+    /// Returns the extremes of the union.
     pub fn united(self, other: Self) -> Self {
         let pairs = |a: [f32; 4], b: [f32; 4], f: fn(f32, f32) -> f32| std::array::from_fn(|i| f(a[i], b[i]));
         Extremes { min: pairs(self.min, other.min, f32::min), max: pairs(self.max, other.max, f32::max) }
     }
 
-    /// Those of the values and one more.
+    /// Includes one more value.
     pub fn with(self, value: [f32; 4]) -> Self {
         self.united(Extremes { min: value, max: value })
     }
 
-    /// Whether the channels are each the same everywhere.
+    /// Returns whether each of the `channels` is constant.
     pub fn is_constant(&self, channels: &[usize]) -> bool {
         channels.iter().all(|&c| self.min[c].total_cmp(&self.max[c]).is_eq())
     }
 }
 
-/// Least and greatest stored numbers.
+/// Least and greatest stored value.
 #[derive(Clone, Copy)]
 pub(super) struct Stored {
     min: [u16; 4],
@@ -68,14 +69,14 @@ impl Stored {
 
 type Span = RangeInclusive<usize>;
 
-/// Extremes of all blocks, row by row.
+/// Returns the extremes of all blocks, row by row.
 pub(super) fn blocks(image: &Image) -> Box<[Stored]> {
     let [columns, rows] = image.size().map(|side| (side as usize).div_ceil(BLOCK));
     let block = |i: usize| scan(image, span(i % columns, image.size()[0]), span(i / columns, image.size()[1]));
     (0..columns * rows).into_par_iter().map(block).collect()
 }
 
-/// The texels of block `i` along a side.
+/// Returns the texels of block `i` along a side.
 fn span(i: usize, side: u32) -> Span {
     i * BLOCK..=(i * BLOCK + BLOCK - 1).min(side as usize - 1)
 }
@@ -91,7 +92,8 @@ fn scan(image: &Image, columns: Span, rows: Span) -> Stored {
     found
 }
 
-/// Extremes of a rectangle: of whole blocks as they are known, of others by their texels unless these can add nothing.
+/// Adds the extremes of a rectangle: those of complete blocks from the table, those of partial blocks by texel, unless
+/// the block cannot extend the result.
 fn rectangle(image: &Image, columns: &Span, rows: &Span, found: &mut Stored) {
     let [width, height] = image.size();
     let known = image.blocks();
@@ -111,8 +113,8 @@ fn rectangle(image: &Image, columns: &Span, rows: &Span, found: &mut Stored) {
 }
 
 impl Texture {
-    /// Between which values it lies at coordinates (of its own set) in the box around `uvs`: all channels, linear. Of no
-    /// coordinates [`Extremes::NONE`].
+    /// Returns bounds of the linear values of all channels, for coordinates (of the texture's own set) in the box
+    /// around `uvs`; [`Extremes::NONE`] without coordinates.
     pub fn extremes(&self, uvs: impl Iterator<Item = Vec2>) -> Extremes {
         if planted(Defect::ExtremesAtVertices) {
             return uvs.fold(Extremes::NONE, |found, uv| found.with(self.at(uv)));
@@ -140,15 +142,16 @@ impl Texture {
         Extremes { min: linear(found.min), max: linear(found.max) }
     }
 
-    /// Texels along `axis` that lookups between the coordinates `low` and `high` touch. A coordinate between is rounded: where
-    /// the nearest texel is taken that may be the next one, elsewhere the next one weighs no more than the rounding.
+    /// Returns the texels along `axis` touched by lookups between the coordinates `low` and `high`. Rounding of a
+    /// coordinate may select the next texel under nearest filtering. Under bilinear filtering the weight of the next
+    /// texel is then no more than the rounding error.
     fn touched(&self, axis: usize, low: f32, high: f32) -> Vec<Span> {
         let side = self.image.size()[axis];
         let [a, b] = [low, high].map(|x| f64::from(x) * f64::from(side));
         let [first, last] = match self.filter {
-            Filter::Linear => [(a - 0.5).floor(), (b - 0.5).ceil()],
-            Filter::Nearest => {
-                // Three products, two sums, the transform and the size: below eight roundings.
+            TextureFilter::Linear => [(a - 0.5).floor(), (b - 0.5).ceil()],
+            TextureFilter::Nearest => {
+                // Three products, two sums, the transform and the size: fewer than eight roundings.
                 let rounding = 8.0 * f64::from(f32::EPSILON) * a.abs().max(b.abs());
                 [(a - rounding).floor(), (b + rounding).floor()]
             }
@@ -158,7 +161,7 @@ impl Texture {
 }
 
 impl Wrap {
-    /// The texels that the places from `first` to `last` show.
+    /// Returns the texels at the unwrapped positions from `first` to `last`.
     fn spans(self, [first, last]: [i64; 2], side: u32) -> Vec<Span> {
         let n = i64::from(side);
         let span = |a: i64, b: i64| a as usize..=b as usize;
@@ -170,12 +173,16 @@ impl Wrap {
                 [a, b] if a <= b => vec![span(a, b)],
                 [a, b] => vec![span(a, n - 1), span(0, b)],
             },
-            // Fewer than n places lie in at most two copies of the image, a mirrored one and a plain one.
+            // Fewer than n positions lie in at most two copies of the image, one mirrored and one not.
             Wrap::Mirror => {
                 let at = |i| i64::from(self.index(i, side));
                 let seam = (first.div_euclid(n) + 1).saturating_mul(n);
                 let ordered = |a: i64, b: i64| span(at(a).min(at(b)), at(a).max(at(b)));
-                if last < seam { vec![ordered(first, last)] } else { vec![ordered(first, seam - 1), ordered(seam, last)] }
+                if last < seam {
+                    vec![ordered(first, last)]
+                } else {
+                    vec![ordered(first, seam - 1), ordered(seam, last)]
+                }
             }
         }
     }

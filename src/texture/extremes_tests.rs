@@ -20,13 +20,13 @@ fn random_texture(random: &mut Random) -> Texture {
         image: Arc::new(Image::new(w as u32, h as u32, texels)),
         encoding: [Encoding::Srgb, Encoding::Linear][pick(random, 2)],
         wrap: [wraps[pick(random, 3)], wraps[pick(random, 3)]],
-        filter: [Filter::Nearest, Filter::Linear][pick(random, 2)],
+        filter: [TextureFilter::Nearest, TextureFilter::Linear][pick(random, 2)],
         uv_set: 0,
         transform: Affine2::from_scale_angle_translation(Vec2::new(0.9, 1.1), 0.3, Vec2::new(-0.2, 0.4)),
     }
 }
 
-/// Whatever is looked up within a triangle lies between the extremes of its corners' box.
+/// Every lookup within a triangle lies between the extremes of the bounding box of its corners.
 #[test]
 fn every_lookup_lies_between_them() {
     let mut random = Random::new(5);
@@ -48,13 +48,16 @@ fn every_lookup_lies_between_them() {
             for c in 0..4 {
                 // Two blends, each within a few roundings of numbers up to 1.
                 let rounding = 8.0 * f32::EPSILON;
-                assert!((extremes.min[c] - rounding..=extremes.max[c] + rounding).contains(&seen[c]), "{texture:?} at {uv}");
+                assert!(
+                    (extremes.min[c] - rounding..=extremes.max[c] + rounding).contains(&seen[c]),
+                    "{texture:?} at {uv}"
+                );
             }
         }
     }
 }
 
-/// One special texel is noticed by those whose coordinates touch it, and by nobody else.
+/// One exceptional texel affects exactly the extremes of coordinates that touch it.
 #[test]
 fn texels_that_are_not_touched_do_not_count() {
     let (w, h) = (100u32, 80u32);
@@ -62,9 +65,10 @@ fn texels_that_are_not_touched_do_not_count() {
         let mut texels = vec![[200u8; 4]; (w * h) as usize];
         texels[(40 * w + 70) as usize] = [0; 4];
         let image = Arc::new(Image::new(w, h, Texels::Rgba8(texels.into())));
-        for (filter, reach) in [(Filter::Nearest, 0.6), (Filter::Linear, 1.1)] {
+        for (filter, reach) in [(TextureFilter::Nearest, 0.6), (TextureFilter::Linear, 1.1)] {
             let (encoding, transform) = (Encoding::Linear, Affine2::IDENTITY);
-            let texture = Texture { image: Arc::clone(&image), encoding, wrap: [wrap; 2], filter, uv_set: 0, transform };
+            let texture =
+                Texture { image: Arc::clone(&image), encoding, wrap: [wrap; 2], filter, uv_set: 0, transform };
             let least = |from: [f32; 2], to: [f32; 2]| {
                 let at = |[x, y]: [f32; 2]| Vec2::new(x / w as f32, y / h as f32);
                 texture.extremes([at(from), at(to)].into_iter()).min[0]

@@ -2,16 +2,16 @@
 
 use super::Encoding;
 use super::extremes::{self, Stored};
-use crate::pages::Pages;
+use crate::pages::HugeVec;
 use std::sync::{LazyLock, OnceLock};
 
 /// Stored texels, row by row from the top.
 #[derive(Debug)]
 pub enum Texels {
-    /// 8 bits a channel.
-    Rgba8(Pages<[u8; 4]>),
-    /// 16 bits a channel.
-    Rgba16(Pages<[u16; 4]>),
+    /// 8 bits per channel.
+    Rgba8(HugeVec<[u8; 4]>),
+    /// 16 bits per channel.
+    Rgba16(HugeVec<[u16; 4]>),
 }
 
 /// An image in memory.
@@ -19,13 +19,13 @@ pub struct Image {
     width: u32,
     height: u32,
     texels: Texels,
-    /// What many materials may ask of one image, computed once.
+    /// Cached properties, since many materials may share an image.
     hash: OnceLock<blake3::Hash>,
     means: [OnceLock<[f32; 4]>; 2],
     blocks: OnceLock<Box<[Stored]>>,
 }
 
-/// Size and content hash, never the texels.
+/// Prints size and content hash, but not the texels.
 impl std::fmt::Debug for Image {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Image({}x{} {})", self.width, self.height, self.texel_hash().to_hex())
@@ -34,7 +34,7 @@ impl std::fmt::Debug for Image {
 
 static SRGB8: LazyLock<[f32; 256]> = LazyLock::new(|| LINEAR8.map(srgb_to_linear));
 
-/// The quotients i / 255: a lookup asks for up to sixteen, which takes longer to divide than to read.
+/// Table of i / 255: a lookup needs up to sixteen of them, and a division takes longer than a load.
 static LINEAR8: [f32; 256] = {
     let mut values = [0.0; 256];
     let mut i = 0;
@@ -66,20 +66,23 @@ fn linear16(texel: [u16; 4], encoding: Encoding) -> [f32; 4] {
 }
 
 impl Image {
-    /// An image of `width` × `height` texels.
+    /// Returns an image of `width` × `height` texels.
     ///
     /// # Panics
-    /// If a side is 0 or the number of texels is another.
+    /// If a side is 0 or the number of texels differs from `width` × `height`.
     pub fn new(width: u32, height: u32, texels: Texels) -> Self {
         let count = match &texels {
             Texels::Rgba8(t) => t.len(),
             Texels::Rgba16(t) => t.len(),
         };
-        assert!(width > 0 && height > 0 && count == width as usize * height as usize, "{count} texels for {width}x{height}");
+        assert!(
+            width > 0 && height > 0 && count == width as usize * height as usize,
+            "{count} texels for {width}x{height}"
+        );
         Image { width, height, texels, hash: OnceLock::new(), means: Default::default(), blocks: OnceLock::new() }
     }
 
-    /// Hash of the texels as stored.
+    /// Returns a hash of the stored texels.
     pub fn texel_hash(&self) -> &blake3::Hash {
         let bytes: &[u8] = match &self.texels {
             Texels::Rgba8(t) => bytemuck::cast_slice(t),
@@ -88,12 +91,12 @@ impl Image {
         self.hash.get_or_init(|| blake3::hash(bytes))
     }
 
-    /// Width and height.
+    /// Returns width and height.
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
     }
 
-    /// Bytes held.
+    /// Returns the memory in bytes.
     pub fn bytes(&self) -> usize {
         match &self.texels {
             Texels::Rgba8(t) => t.len() * 4,
@@ -101,7 +104,7 @@ impl Image {
         }
     }
 
-    /// The linear value of texel (x, y).
+    /// Returns the linear value of texel (x, y).
     #[inline]
     pub fn texel(&self, x: u32, y: u32, encoding: Encoding) -> [f32; 4] {
         let i = y as usize * self.width as usize + x as usize;
@@ -111,7 +114,7 @@ impl Image {
         }
     }
 
-    /// The linear values of the texels where two columns cross two rows: `[row][column]`.
+    /// Returns the linear values at the four crossings of two columns and two rows: `[row][column]`.
     #[inline]
     pub fn crossing(&self, columns: [u32; 2], rows: [u32; 2], encoding: Encoding) -> [[[f32; 4]; 2]; 2] {
         let width = self.width as usize;
@@ -126,7 +129,7 @@ impl Image {
         }
     }
 
-    /// The numbers of texel (x, y) as they are stored, 8 bits or 16.
+    /// Returns the stored value of texel (x, y), 8 or 16 bits per channel.
     pub(super) fn stored(&self, x: usize, y: usize) -> [u16; 4] {
         let i = y * self.width as usize + x;
         match &self.texels {
@@ -135,20 +138,22 @@ impl Image {
         }
     }
 
-    /// What numbers stored in this image mean.
+    /// Decodes a stored value of this image to linear.
     pub(super) fn linear(&self, stored: [u16; 4], encoding: Encoding) -> [f32; 4] {
         match &self.texels {
-            Texels::Rgba8(_) => linear8(stored.map(|c| c as u8), if encoding == Encoding::Srgb { &SRGB8 } else { &LINEAR8 }),
+            Texels::Rgba8(_) => {
+                linear8(stored.map(|c| c as u8), if encoding == Encoding::Srgb { &SRGB8 } else { &LINEAR8 })
+            }
             Texels::Rgba16(_) => linear16(stored, encoding),
         }
     }
 
-    /// Extremes of its blocks: see [`extremes`].
+    /// Returns the extremes of its blocks: see [`extremes`].
     pub(super) fn blocks(&self) -> &[Stored] {
         self.blocks.get_or_init(|| extremes::blocks(self))
     }
 
-    /// The mean linear value of all texels.
+    /// Returns the mean linear value of all texels.
     pub fn mean(&self, encoding: Encoding) -> [f32; 4] {
         *self.means[encoding as usize].get_or_init(|| self.sum_up(encoding))
     }

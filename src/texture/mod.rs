@@ -1,4 +1,4 @@
-//! Textures: decoded images, and how a material looks them up.
+//! Textures: decoded images and their lookup.
 
 mod extremes;
 mod image;
@@ -12,7 +12,7 @@ use crate::defects::{Defect, planted};
 use glam::{Affine2, Vec2};
 use std::sync::Arc;
 
-/// How stored numbers become linear values. Alpha is always linear.
+/// Encoding of stored values. Alpha is always linear.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoding {
     /// The sRGB transfer curve (colours).
@@ -21,21 +21,21 @@ pub enum Encoding {
     Linear,
 }
 
-/// What lies outside the unit square.
+/// Wrap mode outside the unit square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wrap {
-    /// The image again.
+    /// Repeats the image.
     #[default]
     Repeat,
-    /// The image mirrored, then again.
+    /// Repeats the image, alternately mirrored.
     Mirror,
-    /// The border texel.
+    /// Extends the border texels.
     Clamp,
 }
 
-/// How values between texel centres are made.
+/// Interpolation between texel centres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Filter {
+pub enum TextureFilter {
     /// The nearest texel.
     Nearest,
     /// Bilinear.
@@ -43,17 +43,17 @@ pub enum Filter {
     Linear,
 }
 
-/// An image and how to look it up.
+/// An image with its lookup parameters.
 #[derive(Debug, Clone)]
 pub struct Texture {
     /// The image; shared between the textures that use it.
     pub image: Arc<Image>,
-    /// Meaning of the stored numbers.
+    /// Encoding of the stored values.
     pub encoding: Encoding,
     /// Wrapping along u and v.
     pub wrap: [Wrap; 2],
     /// Interpolation.
-    pub filter: Filter,
+    pub filter: TextureFilter,
     /// Texture coordinate set, 0 or 1.
     pub uv_set: usize,
     /// KHR_texture_transform, applied to the coordinates first.
@@ -61,15 +61,15 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// The linear value at texture coordinates `uv` of this texture's set: v = 0 is the first row.
+    /// Returns the linear value at texture coordinates `uv` of this texture's set; v = 0 is the first row.
     pub fn at(&self, uv: Vec2) -> [f32; 4] {
         let [w, h] = self.image.size();
         let p = self.transform.transform_point2(uv) * Vec2::new(w as f32, h as f32);
         let column = |x: f32| self.wrap[0].index(x as i64, w);
         let row = |y: f32| self.wrap[1].index(y as i64, h);
         match self.filter {
-            Filter::Nearest => self.image.texel(column(p.x.floor()), row(p.y.floor()), self.encoding),
-            Filter::Linear => {
+            TextureFilter::Nearest => self.image.texel(column(p.x.floor()), row(p.y.floor()), self.encoding),
+            TextureFilter::Linear => {
                 let q = if planted(Defect::TextureHalfTexel) { p } else { p - 0.5 };
                 let base = q.floor();
                 let f = q - base;
@@ -119,7 +119,7 @@ mod tests {
             image,
             encoding: Encoding::Linear,
             wrap: [Wrap::Clamp; 2],
-            filter: Filter::Linear,
+            filter: TextureFilter::Linear,
             uv_set: 0,
             transform: Affine2::IDENTITY,
         };

@@ -13,7 +13,7 @@ const RAYS: usize = 100_000;
 fn the_library_is_embree_4_from_its_third_release() {
     let geometry = scene_of(vec![triangle()], vec![(0, None, false)]);
     let build = etendue::accel::Build::Robust;
-    let version = etendue::accel::embree::Scene::build(&geometry, build, 1).expect("builds").version();
+    let version = etendue::accel::embree::EmbreeScene::build(&geometry, build, 1).expect("builds").version();
     let numbers: Vec<u32> = version.split('.').map(|n| n.parse().expect("a number")).collect();
     assert!(numbers[0] == 4 && numbers[1] >= 3, "{version}");
 }
@@ -26,7 +26,11 @@ fn a_triangle_is_hit_where_it_is() {
         let inside = Ray::new(Vec3::new(0.25, 0.25, 1.0), -Vec3::Z);
         assert_eq!(accel.closest(&inside, &Opaque), Some(Hit { object: 0, primitive: 0 }));
         let below = Ray::new(Vec3::new(0.25, 0.25, -1.0), -Vec3::Z);
-        assert_eq!(accel.closest(&below, &Opaque), Some(Hit { object: 1, primitive: 0 }), "an instance of the same mesh");
+        assert_eq!(
+            accel.closest(&below, &Opaque),
+            Some(Hit { object: 1, primitive: 0 }),
+            "an instance of the same mesh"
+        );
         let short = Ray { t_max: 0.5, ..inside };
         assert_eq!((accel.closest(&short, &Opaque), accel.occluded(&short, &Opaque)), (None, false));
         let late = Ray { t_min: 1.5, ..inside };

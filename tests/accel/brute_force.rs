@@ -1,8 +1,8 @@
 //! Every triangle against a ray in f64, and which answers of a backend that works in f32 are right.
 //!
-//! A backend sees a ray that is displaced by at most `displacement`. A triangle that the ray passes *clearly*, farther than
-//! that inside every edge, must be hit; one that it misses clearly must not be. Between them lie grazes, where either answer
-//! is right, and two hits whose distance is within the error of both are a tie.
+//! A backend sees a ray that is displaced by at most `displacement`. A triangle that the ray passes *clearly*, farther
+//! than that inside every edge, must be hit; one that it misses clearly must not be. Between them lie grazes, where
+//! either answer is right, and two hits whose distance is within the error of both are a tie.
 
 use etendue::geometry::{Geometry, Hit, Ray};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -86,9 +86,10 @@ impl Placed {
 
     /// How far from the true ray the one is that a backend effectively tests.
     ///
-    /// It subtracts the origin from the vertices (one rounding of the distance to them, which displaces them) and forms edge
-    /// functions of products (up to 7 more, relative to the same distance). A ray in object space went through an inverse of
-    /// relative error κ times about 8 roundings and through 8 roundings of its own terms, which the placement magnifies by κ.
+    /// It subtracts the origin from the vertices (one rounding of the distance to them, which displaces them) and forms
+    /// edge functions of products (up to 7 more, relative to the same distance). A ray in object space went through an
+    /// inverse of relative error κ times about 8 roundings and through 8 roundings of its own terms, which the
+    /// placement magnifies by κ.
     fn displacement(&self, origin: DVec3) -> f64 {
         let reach = self.vertices.iter().map(|&v| (v - origin).length()).fold(0.0, f64::max);
         let k = self.condition;

@@ -24,7 +24,8 @@ fn rays_that_are_none_return() {
         let scene = built(&geometry, setup);
         let mut random = Random(6);
         let mut odd = |regular: Vec3| {
-            let replaced = regular.to_array().map(|x| if random.below(2) == 0 { x } else { ODD[random.below(ODD.len())] });
+            let replaced =
+                regular.to_array().map(|x| if random.below(2) == 0 { x } else { ODD[random.below(ODD.len())] });
             (Vec3::from(replaced), ODD[random.below(ODD.len())])
         };
         for _ in 0..50_000 {
@@ -46,8 +47,12 @@ fn a_ray_without_points_or_direction_hits_nothing() {
     let empty = Ray { t_min: 2.0, t_max: 1.0, ..inward };
     for scene in each(&placed_cube()) {
         assert!(scene.occluded(&inward, &Opaque));
-        for ray in [empty, Ray { direction: nowhere, ..inward }, Ray { direction: nan, ..inward }, Ray { origin: nan, ..inward }]
-        {
+        for ray in [
+            empty,
+            Ray { direction: nowhere, ..inward },
+            Ray { direction: nan, ..inward },
+            Ray { origin: nan, ..inward },
+        ] {
             let answers = (scene.closest(&ray, &Opaque), scene.occluded(&ray, &Opaque));
             assert_eq!(answers, (None, false), "{:?} {ray:?}", scene.backend());
         }
@@ -70,14 +75,18 @@ fn what_a_backend_would_leave_out_in_silence_is_an_error() {
         scene_of(vec![triangle()], vec![(0, None, false), (0, Some(placement), false)])
     };
     for &backend in Backend::AVAILABLE {
-        let build = |geometry: &Geometry| Accel::build(geometry, backend, Build::Robust, 1).map(|_| ()).expect_err("invalid");
+        let build =
+            |geometry: &Geometry| Accel::build(geometry, backend, Build::Robust, 1).map(|_| ()).expect_err("invalid");
         let flat = build(&placed(Mat3::from_diagonal(Vec3::new(1.0, 1.0, 0.0))));
         assert_eq!(flat.kind, Kind::Scene);
         assert_eq!(flat.to_string(), "object 1 (mesh 'test') has a placement that cannot be inverted");
         let beyond_f32 = build(&placed(Mat3::from_diagonal(Vec3::splat(1e15)))); // its determinant is
         assert_eq!(beyond_f32.to_string(), flat.to_string());
         let huge = build(&placed(Mat3::from_diagonal(Vec3::new(2e18, 1.0, 1.0))));
-        assert_eq!((huge.kind, huge.to_string().as_str()), (Kind::Scene, "object 1 (mesh 'test') reaches beyond ±1.8e18"));
+        assert_eq!(
+            (huge.kind, huge.to_string().as_str()),
+            (Kind::Scene, "object 1 (mesh 'test') reaches beyond ±1.8e18")
+        );
         assert_eq!(build(&placed(Mat3::from_diagonal(Vec3::splat(f32::NAN)))).kind, Kind::Scene);
         assert_eq!(build(&scene_of(vec![triangle()], vec![(1, None, false)])).kind, Kind::Internal);
     }
@@ -138,12 +147,17 @@ fn triangles_without_area_and_copies_of_one_are_built_and_passed() {
         let scene = built(&geometry, setup);
         let hit = scene.closest(&Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z), &Opaque).expect("there are triangles");
         assert!(hit.primitive >= 600, "{setup:?} {hit:?}");
-        assert_eq!(scene.closest(&Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::new(0.0, 1e-3, 1.0)), &Opaque), None, "{setup:?}");
+        assert_eq!(
+            scene.closest(&Ray::new(Vec3::new(0.5, 0.5, -1.0), Vec3::new(0.0, 1e-3, 1.0)), &Opaque),
+            None,
+            "{setup:?}"
+        );
     }
 }
 
-/// Seen from 1e6 away the sheared corners of a triangle of 1e-3 fall together, and all edge functions of a point are zero. The
-/// pure Rust backend took that for a hit on every edge, up to a unit beside it, twice as far as rounding explains.
+/// Seen from 1e6 away the sheared corners of a triangle of 1e-3 fall together, and all edge functions of a point are
+/// zero. The pure Rust backend took that for a hit on every edge, up to a unit beside it, twice as far as rounding
+/// explains.
 #[test]
 fn a_triangle_that_rounding_makes_a_point_is_not_met_beside_it() {
     let small = mesh(vec![Vec3::ZERO, Vec3::X * 1e-3, Vec3::Y * 1e-3], vec![[0, 1, 2]]);

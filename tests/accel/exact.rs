@@ -59,14 +59,17 @@ impl Integers {
         let extra = 149usize;
         let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|axis| whole(axis.into()));
         let shift = difference(&whole(m.translation.into()), &whole(ray.origin)).map(|x| x << extra);
-        let place = |p: &Whole| std::array::from_fn(|k| (0..3).map(|j| &columns[j][k] * &p[j]).sum::<BigInt>() + &shift[k]);
+        let place =
+            |p: &Whole| std::array::from_fn(|k| (0..3).map(|j| &columns[j][k] * &p[j]).sum::<BigInt>() + &shift[k]);
         Integers { vertices: corners.each_ref().map(place), direction, extra }
     }
 }
 
 #[test]
 fn floats_are_whole_numbers_of_the_least() {
-    for (x, expected) in [(0.0, 0), (-0.0, 0), (f32::from_bits(1), 1), (-f32::from_bits(7), -7), (f32::MIN_POSITIVE, 1 << 23)] {
+    for (x, expected) in
+        [(0.0, 0), (-0.0, 0), (f32::from_bits(1), 1), (-f32::from_bits(7), -7), (f32::MIN_POSITIVE, 1 << 23)]
+    {
         assert_eq!(units(x), BigInt::from(expected), "{x}");
     }
     assert_eq!(units(-1.5), BigInt::from(-3) << 148);

@@ -116,7 +116,10 @@ fn a_panic_in_a_filter_reaches_the_caller_and_the_scene_goes_on() {
         assert_eq!(message(&|| _ = scene.closest(&instance, &panics)), "object 1");
         assert_eq!(message(&|| _ = scene.occluded(&instance, &panics)), "object 1");
         assert_eq!(scene.closest(&ray, &Opaque), Some(Hit { object: 0, primitive: 0 }));
-        assert_eq!(scene.closest(&ray, &Accept(|_: &Ray, hit: Hit| hit.object == 1)), Some(Hit { object: 1, primitive: 0 }));
+        assert_eq!(
+            scene.closest(&ray, &Accept(|_: &Ray, hit: Hit| hit.object == 1)),
+            Some(Hit { object: 1, primitive: 0 })
+        );
     }
 }
 
@@ -139,9 +142,15 @@ fn backends_agree_on_filtered_instances_that_are_mirrored_and_sheared() {
         let answers: Vec<_> = scenes.iter().map(|scene| scene.closest(&ray, &filter)).collect();
         for (scene, &answer) in scenes.iter().zip(&answers) {
             assert!(answer.is_none_or(is_even), "{:?} {ray:?}", scene.backend());
-            assert_ne!(agreement(&geometry, &ray, answers[0], answer), Agreement::Different, "{:?} {ray:?}", scene.backend());
+            assert_ne!(
+                agreement(&geometry, &ray, answers[0], answer),
+                Agreement::Different,
+                "{:?} {ray:?}",
+                scene.backend()
+            );
             let occluded = scene.occluded(&ray, &filter);
-            let met = answer.filter(|_| !occluded).map_or(Agreement::Same, |hit| agreement(&geometry, &ray, Some(hit), None));
+            let met =
+                answer.filter(|_| !occluded).map_or(Agreement::Same, |hit| agreement(&geometry, &ray, Some(hit), None));
             assert!(met != Agreement::Different && (answer.is_some() || !occluded), "{:?} {ray:?}", scene.backend());
         }
     }

@@ -1,5 +1,5 @@
-//! Every hard case under every backend: nothing leaks, answers differ by rounding only, and where they differ by more an exact
-//! judge says who is right. `--nocapture` prints the table.
+//! Every hard case under every backend: nothing leaks, answers differ by rounding only, and where they differ by more
+//! an exact judge says who is right. `--nocapture` prints the table.
 
 use crate::deep::deep;
 use crate::judge::{Judge, is_met};
@@ -17,12 +17,13 @@ const TOLERATED_PPM: u64 = 10;
 const ORDINARY: [&str; 7] =
     ["random", "surface-spawned", "segments", "sphere-random", "unnormalised", "instances-bent", "instances-outside"];
 
-/// Cases whose rays are aimed at vertices themselves. Embree's edge functions agree between the triangles of an edge but not
-/// between the edges of a vertex: its own rate of leaks there, as measured on icospheres, is allowed to it (see watertight.rs).
+/// Cases whose rays are aimed at vertices themselves. Embree's edge functions agree between the triangles of an edge
+/// but not between the edges of a vertex: its own rate of leaks there, as measured on icospheres, is allowed to it (see
+/// watertight.rs).
 const AT_VERTICES: [&str; 2] = ["sphere-vertices", "box-corners"];
 const EMBREE_AT_VERTICES_PPM: u64 = 5100;
-/// The case of subnormal coordinates: products of two of them vanish in f32, and Embree hits nothing. Scenes are scaled to a
-/// radius of 1 when they are loaded.
+/// The case of subnormal coordinates: products of two of them vanish in f32, and Embree hits nothing. Scenes are scaled
+/// to a radius of 1 when they are loaded.
 const BELOW_EMBREE: &str = "scale-1e-40";
 
 fn rays() -> u64 {
@@ -60,7 +61,14 @@ fn fault(case: &HardCase, row: &Category) -> Option<String> {
     }
     let allowed = if row.backend == "obvhs-robust" { 0 } else { allowed_to_embree(case.name(), t.rays) };
     if t.leaks > allowed {
-        return Some(format!("{} leaks {} of {} rays in {}: {:?}", row.backend, t.leaks, t.rays, case.name(), t.suspects));
+        return Some(format!(
+            "{} leaks {} of {} rays in {}: {:?}",
+            row.backend,
+            t.leaks,
+            t.rays,
+            case.name(),
+            t.suspects
+        ));
     }
     let differs = t.true_differences * 1_000_000 > TOLERATED_PPM * t.rays;
     (ORDINARY.contains(&case.name()) && differs).then(|| format!("{row:?}"))
@@ -114,7 +122,9 @@ fn judged(case: &HardCase, judge: &Judge<'_>, accels: &[Accel], index: u64) -> V
         accel.occluded(&ray, &Opaque) != answer.is_some() && met.is_none_or(|hit| !agree(case, &ray, Some(hit), None))
     };
     let wrong = accels.iter().zip(answers).filter(|&(accel, answer)| !is_right(answer) || contradicts(accel, answer));
-    wrong.map(|(accel, said)| Verdict { index, backend: accel.backend(), said, truth: nearest.first().copied() }).collect()
+    wrong
+        .map(|(accel, said)| Verdict { index, backend: accel.backend(), said, truth: nearest.first().copied() })
+        .collect()
 }
 
 #[test]
@@ -124,7 +134,8 @@ fn where_backends_differ_ours_is_right() {
         let build = |&backend: &Backend| Accel::build(case.geometry(), backend, Build::Robust, 0).expect("builds");
         let accels: Vec<Accel> = Backend::AVAILABLE.iter().map(build).collect();
         let judge = Judge::new(case.geometry());
-        let wrong: Vec<Verdict> = (0..rays()).into_par_iter().flat_map_iter(|i| judged(&case, &judge, &accels, i)).collect();
+        let wrong: Vec<Verdict> =
+            (0..rays()).into_par_iter().flat_map_iter(|i| judged(&case, &judge, &accels, i)).collect();
         let address = |v: &Verdict| format!("{}:{}", case.name(), v.index);
         let (of_obvhs, of_embree): (Vec<_>, Vec<_>) = wrong.into_iter().partition(|v| v.backend == Backend::Obvhs);
         println!("{:<20} wrong beyond rounding: obvhs {}, embree {}", case.name(), of_obvhs.len(), of_embree.len());

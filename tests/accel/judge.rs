@@ -1,8 +1,8 @@
 //! What a ray meets, decided exactly: signs of edge functions and the order of distances in integers.
 //!
-//! An f32 is an integer times 2⁻¹⁴⁹, a coordinate of a placed vertex an integer times 2⁻²⁹⁸; so every determinant of them is an
-//! integer, and nothing is rounded. A triangle is closed: a ray through its edge or vertex meets it. One without area, or whose
-//! plane holds the ray, is met by none. Parameters count from `t_min` to `t_max`, both included.
+//! An f32 is an integer times 2⁻¹⁴⁹, a coordinate of a placed vertex an integer times 2⁻²⁹⁸; so every determinant of
+//! them is an integer, and nothing is rounded. A triangle is closed: a ray through its edge or vertex meets it. One
+//! without area, or whose plane holds the ray, is met by none. Parameters count from `t_min` to `t_max`, both included.
 //!
 //! Most triangles are ruled out in f64 first, with the error bound that stands at [`Filtered`].
 
@@ -91,10 +91,11 @@ impl<'a> Judge<'a> {
 impl Placed {
     /// Whether the line of the ray certainly passes the triangle.
     ///
-    /// With D, B, C the largest components of d and of two vertices seen from the origin, and e their error, a triple product is
-    /// a sum of 6 products. Its entries are off by e, which moves it by at most 6 D (e C + B e + e²); at most 5 roundings of
-    /// each product and partial sum move it by 5 · 6 u D B C and terms of second order. 8 in place of 5 covers these and the
-    /// bound's own rounding. Nothing underflows: f32 has no number between 0 and 2⁻¹⁴⁹, and 2⁻⁴⁴⁷ is normal in f64.
+    /// With D, B, C the largest components of d and of two vertices seen from the origin, and e their error, a triple
+    /// product is a sum of 6 products. Its entries are off by e, which moves it by at most 6 D (e C + B e + e²); at
+    /// most 5 roundings of each product and partial sum move it by 5 · 6 u D B C and terms of second order. 8 in place
+    /// of 5 covers these and the bound's own rounding. Nothing underflows: f32 has no number between 0 and 2⁻¹⁴⁹, and
+    /// 2⁻⁴⁴⁷ is normal in f64.
     fn filter(&self, ray: &Ray) -> Filtered {
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let [a, b, c] = self.vertices.map(|v| v - o);

@@ -68,16 +68,20 @@ pub(crate) fn scene_of(meshes: Vec<Arc<TriangleMesh>>, objects: Vec<(u32, Option
     Geometry { meshes, objects }
 }
 
-/// A 3×3×3 grid of turned, sheared, stretched, shrunk and mirrored icosahedra of radius up to 1 around the origin, the same
-/// mesh once more where it is, and a large triangle; every third object is filtered.
+/// A 3×3×3 grid of turned, sheared, stretched, shrunk and mirrored icosahedra of radius up to 1 around the origin, the
+/// same mesh once more where it is, and a large triangle; every third object is filtered.
 pub(crate) fn placed_cube() -> Geometry {
     let mut random = Random(7);
-    let floor = mesh(vec![Vec3::new(-9.0, -3.0, -9.0), Vec3::new(9.0, -3.0, -9.0), Vec3::new(0.0, -3.0, 12.0)], vec![[0, 1, 2]]);
+    let floor = mesh(
+        vec![Vec3::new(-9.0, -3.0, -9.0), Vec3::new(9.0, -3.0, -9.0), Vec3::new(0.0, -3.0, 12.0)],
+        vec![[0, 1, 2]],
+    );
     let mut objects = vec![(0, None, true), (1, None, false)];
     for i in (0..27).filter(|&i| i != 13) {
         let cell = Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32) - Vec3::ONE;
         let mirror = if i % 2 == 0 { -1.0 } else { 1.0 };
-        let scale = Vec3::new(mirror * (0.4 + 0.5 * random.unit()), 0.4 + 0.5 * random.unit(), 0.4 + 0.5 * random.unit());
+        let scale =
+            Vec3::new(mirror * (0.4 + 0.5 * random.unit()), 0.4 + 0.5 * random.unit(), 0.4 + 0.5 * random.unit());
         let shear = Mat3::from_cols(Vec3::X, Vec3::new(0.3 * random.unit(), 1.0, 0.0), Vec3::Z);
         let turn = Mat3::from_quat(Quat::from_axis_angle(random.direction(), TAU * random.unit()));
         let linear = turn * shear * Mat3::from_diagonal(scale);

@@ -1,5 +1,5 @@
-//! A segment between two surfaces meets neither of them: no light is lost to its own source. Found by a scene scaled by 1e-4,
-//! where the pure Rust backend shadowed one sample in 10⁵ with the lamp that it was aimed at.
+//! A segment between two surfaces meets neither of them: no light is lost to its own source. Found by a scene scaled by
+//! 1e-4, where the pure Rust backend shadowed one sample in 10⁵ with the lamp that it was aimed at.
 
 use crate::scenes::{Random, built, mesh, scene_of, setups};
 use etendue::accel::Intersector;
@@ -24,8 +24,9 @@ fn pair(random: &mut Random, placed: bool) -> Geometry {
     scene_of(meshes.to_vec(), vec![(0, placement, false), (1, placement, false)])
 }
 
-/// Whether a segment between random points of the two triangles meets one of them; ends are moved by `share` of the bound.
-/// `None` where a triangle is seen so much edge-on that the side on which the segment leaves is a matter of rounding.
+/// Whether a segment between random points of the two triangles meets one of them; ends are moved by `share` of the
+/// bound. `None` where a triangle is seen so much edge-on that the side on which the segment leaves is a matter of
+/// rounding.
 fn meets_an_end(geometry: &Geometry, accel: &impl Intersector, random: &mut Random, share: f32) -> Option<bool> {
     let ends = [0, 1].map(|object| {
         let triangle: Triangle = geometry.triangle(Hit { object, primitive: 0 });

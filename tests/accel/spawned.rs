@@ -8,10 +8,10 @@ use glam::{Affine3A, Mat3, Vec3};
 use rayon::prelude::*;
 
 const TRIANGLES: u64 = 1000;
-/// The gap between two sheets above which a ray from one meets the other, in error bounds e of a point on the first. A spawned
-/// ray begins up to √3 e + e off the point, the sum's and the point's rounding included. A backend finds the other's plane
-/// within 16 u L, L being at most √3 times the sum of the edges, of which e is 12 u at least: 2.4 e. The second sheet's own
-/// vertices are rounded by e / 4. Together 5.4.
+/// The gap between two sheets above which a ray from one meets the other, in error bounds e of a point on the first. A
+/// spawned ray begins up to √3 e + e off the point, the sum's and the point's rounding included. A backend finds the
+/// other's plane within 16 u L, L being at most √3 times the sum of the edges, of which e is 12 u at least: 2.4 e. The
+/// second sheet's own vertices are rounded by e / 4. Together 5.4.
 const GAP: f32 = 5.5;
 
 fn rays_each() -> usize {
@@ -109,13 +109,15 @@ fn passed_the_wall(backend: Backend, gaps: f32) -> [usize; 2] {
         let most = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|b| triangle.point(b).1).into_iter().fold(error, f32::max);
         let moved = corners.iter().map(|&p| p + ng * (gaps * most)).collect();
         let [near, far] = [corners, moved].map(|corners| mesh(corners, vec![[0, 1, 2]]));
-        let accel = built(&scene_of(vec![near, far], vec![(0, None, false), (1, None, false)]), (backend, Build::Robust));
+        let accel =
+            built(&scene_of(vec![near, far], vec![(0, None, false), (1, None, false)]), (backend, Build::Robust));
         for _ in 0..rays_each() {
             let b = [0.2 + 0.4 * random.unit(), 0.2 + 0.15 * random.unit()];
             let (p, error) = triangle.point(b);
             // Within 60 degrees of the normal, so that it cannot pass beside.
             let d = (ng + random.direction() * 0.8).normalize();
-            count[0] += usize::from(accel.closest(&spawn_ray(p, error, ng, d), &Opaque).map(|hit| hit.object) != Some(1));
+            count[0] +=
+                usize::from(accel.closest(&spawn_ray(p, error, ng, d), &Opaque).map(|hit| hit.object) != Some(1));
             count[1] += 1;
         }
     }
@@ -149,7 +151,11 @@ fn nothing_leaks_between_touching_boxes() {
             // From the faces of the whole only inward.
             let leaves_all = p.dot(ng) > 0.999 && d.dot(ng) > 0.0;
             let ray = spawn_ray(p, error, ng, if leaves_all { -d } else { d });
-            assert!(accel.closest(&ray, &Opaque).is_some() && accel.occluded(&ray, &Opaque), "{:?} {ray:?}", accel.backend());
+            assert!(
+                accel.closest(&ray, &Opaque).is_some() && accel.occluded(&ray, &Opaque),
+                "{:?} {ray:?}",
+                accel.backend()
+            );
         }
     }
 }

@@ -38,7 +38,11 @@ fn spheres() -> Vec<(&'static str, Geometry, Vec3)> {
     vec![
         ("centred", scene_of(vec![icosphere(4, 1.0, Vec3::ZERO)], vec![(0, None, false)]), Vec3::ZERO),
         ("far", scene_of(vec![icosphere(4, 1.0, far)], vec![(0, None, false)]), far),
-        ("placed", scene_of(vec![icosphere(4, 1.0, Vec3::ZERO)], vec![(0, Some(placed), false)]), placed.translation.into()),
+        (
+            "placed",
+            scene_of(vec![icosphere(4, 1.0, Vec3::ZERO)], vec![(0, Some(placed), false)]),
+            placed.translation.into(),
+        ),
     ]
 }
 
@@ -78,10 +82,10 @@ fn no_ray_slips_through_beside_a_vertex() {
     }
 }
 
-/// Embree's edge functions agree between the two triangles of an edge, but not between the k edges of a vertex: aimed at the
-/// vertex itself all are rounding noise, and a ray escapes if all have one sign. Were the signs fair coins, that would be
-/// 2 of 2^k, at least 1 in 16 for the sphere's smallest k = 5; they are mostly exact, and the rate is below 1 in 200. Ours are
-/// exact: no ray escapes.
+/// Embree's edge functions agree between the two triangles of an edge, but not between the k edges of a vertex: aimed
+/// at the vertex itself all are rounding noise, and a ray escapes if all have one sign. Were the signs fair coins, that
+/// would be 2 of 2^k, at least 1 in 16 for the sphere's smallest k = 5; they are mostly exact, and the rate is below 1
+/// in 200. Ours are exact: no ray escapes.
 #[test]
 fn few_rays_slip_through_a_vertex_itself() {
     for (name, geometry, center) in spheres() {

@@ -33,7 +33,8 @@ const SAMPLES: [&str; 12] = [
 fn scenes() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let shared = std::env::var_os("ETENDUE_SHARED").map_or(root.join("../shared"), PathBuf::from);
-    let own = ["cornell-box", "modified-cornell", "glass-caustic"].map(|name| root.join(format!("scenes/{name}/scene.gltf")));
+    let own =
+        ["cornell-box", "modified-cornell", "glass-caustic"].map(|name| root.join(format!("scenes/{name}/scene.gltf")));
     let samples = SAMPLES.map(|name| shared.join("scenes/gltf-samples").join(name));
     own.into_iter().chain(samples).filter(|path| path.exists()).collect()
 }
@@ -43,8 +44,8 @@ fn load(path: &Path, backend: Backend) -> Scene {
     Scene::build(description, &BuildOptions { backend, build: Build::Robust, threads: 2 }).expect("a valid scene")
 }
 
-/// How far the distance of a hit may be off in f32: 16 roundings of the farthest vertex, magnified at grazing angles, and 4 of
-/// the distance.
+/// How far the distance of a hit may be off in f32: 16 roundings of the farthest vertex, magnified at grazing angles,
+/// and 4 of the distance.
 fn slack(scene: &Scene, ray: &Ray, point: &SurfacePoint) -> f64 {
     let triangle = scene.geometry().triangle(point.hit);
     let farthest = triangle.vertices.iter().map(|&v| f64::from(v.distance(ray.origin))).fold(0.0, f64::max);
@@ -86,7 +87,11 @@ fn pixel_centres_show_the_same_surfaces_but_for_ties() {
             ids += u32::from(differ(&|p| embree.ids(p)));
             if differ(&|p| [p.hit.object, p.hit.primitive]) {
                 triangles += 1;
-                assert!(!truly_different(&embree, &ray, [a.as_ref(), b.as_ref()]), "{}: {ray:?} {a:?} {b:?}", path.display());
+                assert!(
+                    !truly_different(&embree, &ray, [a.as_ref(), b.as_ref()]),
+                    "{}: {ray:?} {a:?} {b:?}",
+                    path.display()
+                );
             }
         }
         println!("{}: {ids} ids and {triangles} triangles of {} differ, all ties", path.display(), SIDE * SIDE);

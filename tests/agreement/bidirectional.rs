@@ -1,7 +1,7 @@
 //! Light tracing and bidirectional path tracing against path tracing, exact answers and themselves.
 //!
-//! Splats of one walk fall on several pixels, so that pixels are not independent: every error here is that between whole renders
-//! with seeds of their own, and every judgement Welch's or Student's at a family-wise level.
+//! Splats of one walk fall on several pixels, so that pixels are not independent: every error here is that between
+//! whole renders with seeds of their own, and every judgement Welch's or Student's at a family-wise level.
 
 use crate::deep::deep;
 use crate::equilibrium::{KINDS, Kind, equilibrium};
@@ -10,12 +10,12 @@ use crate::reciprocity::{IN_GLASS, INDEX, alcove};
 use crate::studio::{camera, matte, point_light};
 use crate::worlds::{World, all};
 use etendue::film::{Crop, Filter, Layout, PassFilm};
-use etendue::integrator::{self, Guards, Method, MetropolisOptions, Options, Prelude};
+use etendue::integrator::{self, Guards, IntegratorConfig, Method, MetropolisOptions, PilotEstimate};
 use etendue::parallel::Cancel;
 use etendue::path::{Technique, Techniques};
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
-use etendue::scene::description::{Camera, Projection};
+use etendue::scene::description::{CameraDescription, Projection};
 use etendue::stats::{Estimate, Moments, sidak_level, t_test, welch_test};
 use glam::DVec3;
 
@@ -56,7 +56,7 @@ impl How {
 pub(crate) fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f64> {
     let Shot { side, spp, method, depth, .. } = how.shot;
     let layout = Layout::new(side, side, how.crop, &[]);
-    let options = Options {
+    let options = IntegratorConfig {
         seed,
         max_depth: depth,
         filter: how.shot.filter,
@@ -64,7 +64,7 @@ pub(crate) fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f
         replicates: 1,
         techniques: how.techniques,
         metropolis: how.metropolis,
-        ..Options::new(&layout)
+        ..IntegratorConfig::new(&layout)
     };
     let camera = scene.camera(Some(&camera.to_string()), side, side).expect("a camera");
     let prelude = integrator::prelude(scene, &camera, &options, &layout);
@@ -102,13 +102,17 @@ impl Runs {
             };
             estimate(self.images.iter().map(mean))
         };
-        let blocks = (0..n * n).flat_map(|block| (0..3).map(move |lane| (block, lane))).map(|(block, lane)| of(block, lane));
+        let blocks =
+            (0..n * n).flat_map(|block| (0..3).map(move |lane| (block, lane))).map(|(block, lane)| of(block, lane));
         blocks.chain(std::iter::once(self.overall())).collect()
     }
 
     /// The same, so many times as bright.
     pub(crate) fn scaled(&self, factor: f64) -> Runs {
-        Runs { side: self.side, images: self.images.iter().map(|image| image.iter().map(|v| v * factor).collect()).collect() }
+        Runs {
+            side: self.side,
+            images: self.images.iter().map(|image| image.iter().map(|v| v * factor).collect()).collect(),
+        }
     }
 
     pub(crate) fn overall(&self) -> Estimate {
@@ -131,7 +135,10 @@ pub(crate) fn agree(a: &Runs, b: &Runs) -> Result<(), String> {
     let lit = pairs.iter().filter(|(a, b)| a.standard_error > 0.0 || b.standard_error > 0.0);
     let least = lit.map(|(a, b)| welch_test(a, b).p_value).fold(1.0, f64::min);
     let (a, b) = pairs[pairs.len() - 1];
-    let text = format!("least p {least:.1e}; {:.5} ± {:.5}, {:.5} ± {:.5}", a.value, a.standard_error, b.value, b.standard_error);
+    let text = format!(
+        "least p {least:.1e}; {:.5} ± {:.5}, {:.5} ± {:.5}",
+        a.value, a.standard_error, b.value, b.standard_error
+    );
     println!("{text}");
     if least > sidak_level(LEVEL, pairs.len() as u64) { Ok(()) } else { Err(text) }
 }
@@ -186,7 +193,8 @@ fn equilibrium_is_kept() {
         let scene = scene(description);
         let methods: &[Method] = if kind == Kind::Matte { &[Method::Bdpt, Method::Light] } else { &[Method::Bdpt] };
         for &method in methods {
-            let found = runs(&scene, &How::new(method, 16, spp(if method == Method::Light { 32 } else { 8 }))).overall();
+            let found =
+                runs(&scene, &How::new(method, 16, spp(if method == Method::Light { 32 } else { 8 }))).overall();
             println!("{kind:?} {round} {method:?}: {} ± {:.1e} of {expected}", found.value, found.standard_error);
             let level = sidak_level(LEVEL, 2 * cases.len() as u64);
             // In a scene that loses nothing every sample may be exact but for a few dozen roundings.
@@ -205,7 +213,7 @@ fn response(eye: DVec3, light: DVec3, method: Method, spp: u64) -> Estimate {
     let mut alcove = alcove();
     alcove.lights.push(point_light(light, 1.0));
     for axis in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
-        alcove.cameras.push(Camera { projection, ..camera(eye, eye + axis) });
+        alcove.cameras.push(CameraDescription { projection, ..camera(eye, eye + axis) });
     }
     let alcove = scene(alcove);
     let weight = |pixel: usize| {
@@ -223,8 +231,8 @@ fn response(eye: DVec3, light: DVec3, method: Method, spp: u64) -> Estimate {
     estimate((0..RUNS).map(of_run))
 }
 
-/// Camera and light swapped: see `reciprocity.rs`. The weights' change within a pixel of 1/8 is second order, 4e-3, and nearly the same
-/// both ways.
+/// CameraDescription and light swapped: see `reciprocity.rs`. The weights' change within a pixel of 1/8 is second
+/// order, 4e-3, and nearly the same both ways.
 #[test]
 fn the_renderer_is_reciprocal() {
     let (a, b) = (DVec3::new(-0.9, 1.3, 0.9), DVec3::new(0.9, 0.9, 0.6));
@@ -303,10 +311,10 @@ fn a_limit_of_depth_means_the_same() {
 fn threads_leave_no_trace() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     let layout = Layout::new(40, 40, None, &[]);
-    let options = Options::new(&layout);
+    let options = IntegratorConfig::new(&layout);
     let camera = scene.camera(None, 40, 40).expect("a camera");
     for method in [Method::Light, Method::Bdpt, Method::Pssmlt, Method::Mmlt, Method::Mlt] {
-        let integrator = integrator::build(method, &scene, camera.clone(), &options, &Prelude::default());
+        let integrator = integrator::build(method, &scene, camera.clone(), &options, &PilotEstimate::default());
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             let mut pass = PassFilm::new(&layout);

@@ -1,17 +1,18 @@
-//! Bodies in bodies, cameras and lamps in bodies, and panes between them: every method on every backend against closed forms. Bodies of
-//! index 1 do not bend light, so that what reaches the camera by one diffuse reflection is an integral over the film.
+//! Bodies in bodies, cameras and lamps in bodies, and panes between them: every method on every backend against closed
+//! forms. Bodies of index 1 do not bend light, so that what reaches the camera by one diffuse reflection is an integral
+//! over the film.
 
 use crate::picture::{Shot, agree, expect, render, scene_under};
 use crate::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, point_light};
 use etendue::accel::Backend;
 use etendue::bsdf::Shading;
 use etendue::integrator::Method;
-use etendue::path::{Tally, Walk};
-use etendue::sampling::{Address, Independent};
+use etendue::path::{RandomWalk, TraceStats};
+use etendue::sampling::{Address, IndependentSampler};
 use etendue::scene::Scene;
-use etendue::scene::description::{Description, Environment, Material, PunctualKind, Volume};
+use etendue::scene::description::{Description, EnvironmentDescription, Material, PunctualKind, Volume};
 use etendue::spectrum::Spectrum;
-use etendue::transport::Transport;
+use etendue::transport::TransportMode;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -66,7 +67,13 @@ impl Case {
         }
         for &(height, tint, transmission) in &self.panes {
             let wide = 2.5;
-            add_square(&mut scene, Vec3::Y * height as f32, Vec3::X * wide, Vec3::NEG_Z * wide, pane(tint, transmission));
+            add_square(
+                &mut scene,
+                Vec3::Y * height as f32,
+                Vec3::X * wide,
+                Vec3::NEG_Z * wide,
+                pane(tint, transmission),
+            );
         }
         let mut light = point_light(DVec3::from(self.lamp.unwrap_or_default()), INTENSITY);
         if self.lamp.is_none() {
@@ -246,16 +253,18 @@ fn walks_from_lights_and_chains_pass_panes() {
     [&FROM_LIGHTS[..], &CHAINS[..]].iter().for_each(|how| panes().iter().for_each(|case| case.check(how)));
 }
 
-/// A box of panes over a floor under a white sky: each direction crosses one pane. Lights found by walks and by samples are the same
-/// light, and it counts once.
+/// A box of panes over a floor under a white sky: each direction crosses one pane. Lights found by walks and by samples
+/// are the same light, and it counts once.
 #[test]
 fn a_sky_behind_panes_counts_once() {
     let mut description = Description::default();
     add_square(&mut description, Vec3::NEG_Y, Vec3::X, Vec3::NEG_Z, matte(ALBEDO, 0.0));
-    for (n, u) in [(Vec3::Y, Vec3::X), (Vec3::X, Vec3::Y), (Vec3::NEG_X, Vec3::Y), (Vec3::Z, Vec3::X), (Vec3::NEG_Z, Vec3::X)] {
+    for (n, u) in
+        [(Vec3::Y, Vec3::X), (Vec3::X, Vec3::Y), (Vec3::NEG_X, Vec3::Y), (Vec3::Z, Vec3::X), (Vec3::NEG_Z, Vec3::X)]
+    {
         add_square(&mut description, n, u, n.cross(u), pane(1.0, 1.0));
     }
-    description.environment = Some(Environment::Uniform(Spectrum::ONE));
+    description.environment = Some(EnvironmentDescription::Uniform(Spectrum::ONE));
     let view = camera(DVec3::new(0.0, -0.8, 0.0), DVec3::new(0.0, -1.0, 0.0));
     description.cameras.push(crate::studio::narrow(view, 0.02));
     let n = 400;
@@ -270,8 +279,12 @@ fn a_sky_behind_panes_counts_once() {
     }
     for &backend in Backend::AVAILABLE {
         let scene = scene_under(backend, description_again(&description));
-        let methods =
-            [(Method::PathNaive, 256, 0.1), (Method::PathNee, 64, 0.05), (Method::Path, 64, 0.02), (Method::Bdpt, 64, 0.05)];
+        let methods = [
+            (Method::PathNaive, 256, 0.1),
+            (Method::PathNee, 64, 0.05),
+            (Method::Path, 64, 0.02),
+            (Method::Bdpt, 64, 0.05),
+        ];
         for (method, spp, planted) in methods {
             let picture = render(&scene, Shot { depth: Some(1), ..Shot::new(method, 16, spp) });
             let value = f64::from(ALBEDO) * passed;
@@ -282,7 +295,8 @@ fn a_sky_behind_panes_counts_once() {
 }
 
 fn description_again(d: &Description) -> Description {
-    let mut copy = Description { environment: d.environment.clone(), cameras: d.cameras.clone(), ..Description::default() };
+    let mut copy =
+        Description { environment: d.environment.clone(), cameras: d.cameras.clone(), ..Description::default() };
     for mesh in &d.meshes {
         let p = &mesh.primitives[0];
         crate::studio::add(&mut copy, p.positions.clone(), p.triangles.clone(), d.materials[p.material].clone());
@@ -291,12 +305,12 @@ fn description_again(d: &Description) -> Description {
 }
 
 /// Where a ray comes out that goes on through every boundary it meets.
-fn comes_out(scene: &Scene, ray: etendue::geometry::Ray) -> Walk<'_> {
-    let mut walk = Walk::new(scene, ray);
-    let (mut numbers, mut tally) = (Independent::new(Address::new(1)), Tally::default());
+fn comes_out(scene: &Scene, ray: etendue::geometry::Ray) -> RandomWalk<'_> {
+    let mut walk = RandomWalk::new(scene, ray);
+    let (mut numbers, mut tally) = (IndependentSampler::new(Address::new(1)), TraceStats::default());
     while let Some(mut point) = walk.arrive(&mut numbers, &mut tally) {
         let surface = scene.surface(&mut point, walk.ray.bodies);
-        let shading = Shading::new(&point, &surface, -walk.ray.direction, Transport::Light).expect("flat faces");
+        let shading = Shading::new(&point, &surface, -walk.ray.direction, TransportMode::Radiance).expect("flat faces");
         let scatter = shading.sample([1.0 - f32::EPSILON, 0.5, 0.5]).expect("it goes on");
         walk.depart(&point, &scatter);
     }
@@ -318,20 +332,24 @@ fn boundaries_bend_by_the_indices_on_both_sides() {
             let caps = [[0, 6, 4], [0, 4, 2], [1, 5, 7], [1, 3, 5]];
             let triangles = sides.into_iter().chain(caps).collect();
             crate::studio::add(&mut description, corners, triangles, solid(ior as f32, 0.0));
-            description.environment = Some(Environment::Uniform(Spectrum::ONE));
+            description.environment = Some(EnvironmentDescription::Uniform(Spectrum::ONE));
             let scene = scene_under(backend, description);
             let origin = scene.rebase().point(DVec3::new(0.1, 2.0, 0.05)).as_vec3();
             let out = comes_out(&scene, etendue::geometry::Ray::new(origin, Vec3::NEG_Y)).ray.direction.as_dvec3();
             let inside = 30f64.to_radians() - (30f64.to_radians().sin() * outer / ior).asin();
             let sin = inside.sin() * ior;
             // Four refractions, each a dozen roundings.
-            assert!((out.x.abs() - sin.abs()).abs() < 48.0 * f64::from(f32::EPSILON), "{ior} in {outer}: {out} for {sin}");
+            assert!(
+                (out.x.abs() - sin.abs()).abs() < 48.0 * f64::from(f32::EPSILON),
+                "{ior} in {outer}: {out} for {sin}"
+            );
             assert_eq!(out.x > 1e-6, sin < -1e-6, "{out} for {sin}");
         }
     }
 }
 
-/// In a body under a white sky all that is clear is as bright: n² of the medium that the camera stands in, whatever else is there.
+/// In a body under a white sky all that is clear is as bright: n² of the medium that the camera stands in, whatever
+/// else is there.
 #[test]
 fn a_camera_in_water_sees_the_sky_through_glass() {
     let mut description = Description::default();
@@ -339,7 +357,7 @@ fn a_camera_in_water_sees_the_sky_through_glass() {
     Ball::new(2, 0.3).add(&mut description, DVec3::new(0.1, 0.0, -0.2), solid(1.5, 0.0));
     Ball::new(1, 0.1).add(&mut description, DVec3::new(0.1, 0.0, -0.2), solid(1.0, 0.0));
     add_box(&mut description, Vec3::new(0.9, 0.0, 0.0), Vec3::splat(0.25), solid(1.7, 0.0));
-    description.environment = Some(Environment::Uniform(Spectrum::ONE));
+    description.environment = Some(EnvironmentDescription::Uniform(Spectrum::ONE));
     description.cameras.push(camera(DVec3::new(0.0, 0.05, 0.8), DVec3::ZERO));
     for &backend in Backend::AVAILABLE {
         let scene = scene_under(backend, description_again(&description));

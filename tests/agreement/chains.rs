@@ -1,5 +1,5 @@
-//! Metropolis methods against bidirectional path tracing and exact answers. Passes are groups of chains: all that is compared are whole renders
-//! of seeds of their own.
+//! Metropolis methods against bidirectional path tracing and exact answers. Passes are groups of chains: all that is
+//! compared are whole renders of seeds of their own.
 
 use crate::bidirectional::{How, agree, expect_crop, runs, some_runs, spp, times};
 use crate::deep::deep;
@@ -53,8 +53,11 @@ fn samples_and_chains_share_the_light() {
 fn walks_from_lights_share_their_light_with_chains() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     let light = some_runs(&scene, &How::new(Method::Light, 16, spp(128)), 8);
-    let found =
-        some_runs(&scene, &how(Method::Mmlt, 16, 0.5).without(&[Technique::Hit, Technique::NextEvent, Technique::Connect]), 8);
+    let found = some_runs(
+        &scene,
+        &how(Method::Mmlt, 16, 0.5).without(&[Technique::Hit, Technique::NextEvent, Technique::Connect]),
+        8,
+    );
     agree(&light, &found).unwrap_or_else(|e| panic!("{e}"));
     assert!(agree(&light, &found.scaled(1.2)).is_err(), "20 % more is not convicted");
 }
@@ -74,7 +77,10 @@ fn chains_show_what_is_in_the_scenes() {
                 let metropolis = MetropolisOptions { limit, ..MetropolisOptions::default() };
                 let found = of(How { metropolis, ..How::new(method, 64, 64) });
                 agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}, {limit:?}: {e}"));
-                assert!(agree(&bdpt, &found.scaled(1.1)).is_err(), "{name}, {method:?}, {limit:?}: 10 % more is not convicted");
+                assert!(
+                    agree(&bdpt, &found.scaled(1.1)).is_err(),
+                    "{name}, {method:?}, {limit:?}: 10 % more is not convicted"
+                );
             }
         }
     }
@@ -83,7 +89,8 @@ fn chains_show_what_is_in_the_scenes() {
 /// A picture so small that a chain is short and its seed matters.
 fn expect_small_picture(method: Method, count: u64, metropolis: MetropolisOptions) {
     let World { scene, .. } = all().into_iter().find(|w| w.name == "dirac").expect("dirac");
-    let [bdpt, found] = [Method::Bdpt, method].map(|m| some_runs(&scene, &How { metropolis, ..How::new(m, 16, 16) }, count));
+    let [bdpt, found] =
+        [Method::Bdpt, method].map(|m| some_runs(&scene, &How { metropolis, ..How::new(m, 16, 16) }, count));
     agree(&bdpt, &found).unwrap_or_else(|e| panic!("{method:?}: {e}"));
 }
 
@@ -94,7 +101,11 @@ fn a_small_picture_of_paths_is_right() {
 
 #[test]
 fn a_small_picture_of_techniques_is_right() {
-    expect_small_picture(Method::Mmlt, 10, MetropolisOptions { limit: Some(0.0), lengths: 2, ..MetropolisOptions::default() });
+    expect_small_picture(
+        Method::Mmlt,
+        10,
+        MetropolisOptions { limit: Some(0.0), lengths: 2, ..MetropolisOptions::default() },
+    );
 }
 
 #[test]
@@ -150,8 +161,14 @@ fn chains_keep_equilibrium() {
             let level = sidak_level(LEVEL, (METHODS.len() * cases.len()) as u64);
             // In a scene that loses nothing every sample may be exact but for a few dozen roundings.
             let exact = (found.value - expected).abs() < 64.0 * f64::from(f32::EPSILON) * expected;
-            assert!(exact || t_test(&found, expected).p_value > level, "{kind:?} {round}, {method:?}: {found:?} of {expected}");
-            assert!(t_test(&times(found, 1.2), expected).p_value < level, "{kind:?} {round}, {method:?}: 20 % are not convicted");
+            assert!(
+                exact || t_test(&found, expected).p_value > level,
+                "{kind:?} {round}, {method:?}: {found:?} of {expected}"
+            );
+            assert!(
+                t_test(&times(found, 1.2), expected).p_value < level,
+                "{kind:?} {round}, {method:?}: 20 % are not convicted"
+            );
         }
     }
 }

@@ -11,8 +11,8 @@ use glam::{DVec3, Vec3, Vec4};
 
 const METHODS: [Method; 3] = [Method::PathNaive, Method::PathNee, Method::Path];
 
-/// Without next-event estimation alone: in a corner of emitting walls its variance, ∫ (cos cos / d²)², is infinite, and then no
-/// standard error means anything.
+/// Without next-event estimation alone: in a corner of emitting walls its variance, ∫ (cos cos / d²)², is infinite, and
+/// then no standard error means anything.
 const OF_FINITE_VARIANCE_IN_CORNERS: [Method; 2] = [Method::PathNaive, Method::Path];
 
 /// A closed room that emits `emission` and reflects `reflectance` everywhere: radiance is emission / (1 − reflectance).
@@ -43,8 +43,8 @@ fn a_closed_room_of_one_material_is_uniformly_bright() {
     }
 }
 
-/// A quarter of the paths of a room that reflects 99 % is longer than the events after which roulette goes by depth, and they carry a
-/// twelfth of its light.
+/// A quarter of the paths of a room that reflects 99 % is longer than the events after which roulette goes by depth,
+/// and they carry a twelfth of its light.
 #[test]
 fn roulette_by_depth_is_paid() {
     let picture = render(&furnace(0.99, 0.01), Shot::new(Method::Path, 16, 64));
@@ -108,7 +108,8 @@ fn a_point_light_falls_off_with_the_square_of_the_distance() {
     }
 }
 
-/// A lossless glass body in a furnace of radiance B shows B: reflected and refracted shares add up, η² cancels on the way out.
+/// A lossless glass body in a furnace of radiance B shows B: reflected and refracted shares add up, η² cancels on the
+/// way out.
 #[test]
 fn glass_in_a_furnace_cannot_be_seen() {
     let mut room = Description::default();
@@ -138,8 +139,8 @@ fn glass_in_a_furnace_cannot_be_seen() {
     expect_mean(&render(&room, Shot::new(Method::Path, 16, 64)), 1.0, "path");
 }
 
-/// Light through holes: a lamp whose alpha leaves half of it and a half-transparent screen before it. Three methods that find
-/// the lamp in different ways see one picture.
+/// Light through holes: a lamp whose alpha leaves half of it and a half-transparent screen before it. Three methods
+/// that find the lamp in different ways see one picture.
 #[test]
 fn alpha_means_the_same_to_every_method() {
     for mode in [AlphaMode::Blend, AlphaMode::Mask { cutoff: 0.5 }] {
@@ -154,7 +155,8 @@ fn alpha_means_the_same_to_every_method() {
         room.cameras.push(camera(DVec3::new(0.5, 0.8, 2.5), DVec3::new(0.0, 0.3, 0.0)));
         let room = scene(room);
         assert!(room.features().blends);
-        let [naive, nee, path] = METHODS.map(|m| render(&room, Shot::new(m, 32, if m == Method::PathNaive { 512 } else { 64 })));
+        let [naive, nee, path] =
+            METHODS.map(|m| render(&room, Shot::new(m, 32, if m == Method::PathNaive { 512 } else { 64 })));
         agree(&path, &nee, 4).unwrap_or_else(|e| panic!("{mode:?}, path and path-nee: {e}"));
         agree(&path, &naive, 4).unwrap_or_else(|e| panic!("{mode:?}, path and path-naive: {e}"));
     }

@@ -1,10 +1,11 @@
-//! Do the error bars hold what they say? Many renders of one scene that differ in the seed alone; the truth is what they
-//! agree on. A stated 95 % interval fails where the number of renders that it covers in rejects every rate from 93 to 97 %.
+//! Do the error bars hold what they say? Many renders of one scene that differ in the seed alone; the truth is what
+//! they agree on. A stated 95 % interval fails where the number of renders that it covers in rejects every rate from 93
+//! to 97 %.
 
 use crate::deep::deep;
 use crate::references::load;
 use etendue::film::{Film, Filter, ImageError, Layout, PassFilm, Plane};
-use etendue::integrator::{self, Method, MetropolisOptions, Options};
+use etendue::integrator::{self, IntegratorConfig, Method, MetropolisOptions};
 use etendue::parallel::Cancel;
 use etendue::render::target::{self, Check};
 use etendue::sampling::SamplerKind;
@@ -17,12 +18,12 @@ const SIDE: u32 = 16;
 /// The rates that a count must reject, all of them, to convict, and the level of either side.
 const RATES: [f64; 2] = [0.93, 0.97];
 const LEVEL: f64 = 1e-3;
-/// A t interval assumes that the four replicate means are normal. Where their skewness is above this it does not hold its
-/// level: such pixels are named and left out. Bins of [`judge_pixels`] below it count.
+/// A t interval assumes that the four replicate means are normal. Where their skewness is above this it does not hold
+/// its level: such pixels are named and left out. Bins of [`judge_pixels`] below it count.
 const SKEWED: f64 = 1.0;
-/// So are pixels whose replicate means take few values, which one replicate often agrees on with another: those of a quasi-random
-/// replicate on the edge of a lamp. They are told by their distribution's distance from a normal one (Kolmogorov's), which a
-/// skewness of 1 brings to 0.07 and the noise of 2,000 runs to 0.02.
+/// So are pixels whose replicate means take few values, which one replicate often agrees on with another: those of a
+/// quasi-random replicate on the edge of a lamp. They are told by their distribution's distance from a normal one
+/// (Kolmogorov's), which a skewness of 1 brings to 0.07 and the noise of 2,000 runs to 0.02.
 const LUMPY: f64 = 0.1;
 
 /// Whether `hits` of `runs` convict an interval that says 95 %, at `level` on either side, and of what.
@@ -79,7 +80,14 @@ impl Study<'_> {
         let replicates = method.replicates();
         let metropolis = MetropolisOptions { limit: self.subject.limit, ..MetropolisOptions::default() };
         let layout = Layout::new(SIDE, SIDE, None, &[]);
-        let options = Options { seed, sampler: self.sampler, filter, replicates, metropolis, ..Options::new(&layout) };
+        let options = IntegratorConfig {
+            seed,
+            sampler: self.sampler,
+            filter,
+            replicates,
+            metropolis,
+            ..IntegratorConfig::new(&layout)
+        };
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
         let prelude = integrator::prelude(self.scene, &camera, &options, &layout);
         let mut film = Film::new(layout.clone(), replicates, seed, prelude.units);
@@ -92,7 +100,9 @@ impl Study<'_> {
             film.commit(pass, &values);
             let colors = values.values().chunks_exact(layout.channels()).flat_map(|pixel| &pixel[..3]);
             let mean = &mut means[(pass % u64::from(replicates)) as usize];
-            mean.iter_mut().zip(colors).for_each(|(mean, &c)| *mean += f64::from(c) * f64::from(replicates) / spp as f64);
+            mean.iter_mut()
+                .zip(colors)
+                .for_each(|(mean, &c)| *mean += f64::from(c) * f64::from(replicates) / spp as f64);
             looks.extend(target::check(&film, method.independent(), ANY).map(|check| (check, image(&film))));
         }
         Run { film, replicates: means, looks }
@@ -116,7 +126,8 @@ impl Truth {
     fn of(runs: &[Run]) -> Self {
         let images: Vec<Vec<f64>> = runs.iter().map(|run| image(&run.film)).collect();
         let values = images[0].len();
-        let means: Vec<f64> = (0..values).map(|i| images.iter().map(|m| m[i]).sum::<f64>() / images.len() as f64).collect();
+        let means: Vec<f64> =
+            (0..values).map(|i| images.iter().map(|m| m[i]).sum::<f64>() / images.len() as f64).collect();
         let mean = means.iter().sum::<f64>() / values as f64;
         Truth { means, epsilon: (0.1 * mean).powi(2), images }
     }
@@ -201,7 +212,8 @@ fn judge_pixels(method: Method, runs: &[Run], truth: &Truth, out: &mut Outcome) 
     let mut bins = [[0; 2]; 5];
     let (mut skewed, mut lumpy) = (Vec::new(), Vec::new());
     for value in 0..truth.means.len() {
-        let covers = |r: &usize| (truth.images[*r][value] - truth.means[value]).abs() <= t * f64::from(errors[*r][value]);
+        let covers =
+            |r: &usize| (truth.images[*r][value] - truth.means[value]).abs() <= t * f64::from(errors[*r][value]);
         let hits = (0..runs.len()).filter(covers).count() as u64;
         let Some(shape) = Shape::of(runs, value) else { continue };
         let (pixel, channel, skewness) = (value / 3, ["R", "G", "B"][value % 3], shape.skewness.abs());
@@ -223,22 +235,29 @@ fn judge_pixels(method: Method, runs: &[Run], truth: &Truth, out: &mut Outcome) 
     }
     for (what, mut excepted) in [("skewness", skewed), ("distance from normal", lumpy)] {
         excepted.sort_by(|a, b| b.1.total_cmp(&a.1));
-        println!("  excepted for their {what}: {} of {} pixels × channels; the most:", excepted.len(), truth.means.len());
+        println!(
+            "  excepted for their {what}: {} of {} pixels × channels; the most:",
+            excepted.len(),
+            truth.means.len()
+        );
         for (name, figure, hits) in excepted.iter().take(5) {
             println!("    {name}: {figure:.2}, {:.1} %", 100.0 * *hits as f64 / runs.len() as f64);
         }
     }
-    for (bin, [hits, counted]) in ["to ¼", "to ½", "to 1", "to 2", "above"].iter().zip(bins).filter(|(_, b)| b[1] > 0) {
+    for (bin, [hits, counted]) in ["to ¼", "to ½", "to 1", "to 2", "above"].iter().zip(bins).filter(|(_, b)| b[1] > 0)
+    {
         println!("    skewness {bin}: {:.2} % of {}", 100.0 * hits as f64 / counted as f64, counted / count);
     }
     let [hits, counted] = bins[..3].iter().fold([0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     out.judge("intervals of the other pixels, together", hits, counted);
 }
 
-/// Runs that stop at the first look whose limit is below the target must have an expected error below it: at least 93 %.
-/// More than 97 % convicts nobody: doubling the passes overshoots most targets, and looks that share a level are cautious.
+/// Runs that stop at the first look whose limit is below the target must have an expected error below it: at least 93
+/// %. More than 97 % convicts nobody: doubling the passes overshoots most targets, and looks that share a level are
+/// cautious.
 fn judge_target(runs: &[Run], truth: &Truth, out: &mut Outcome) {
-    let expected = |look: usize| runs.iter().map(|run| truth.error_of(&run.looks[look].1)).sum::<f64>() / runs.len() as f64;
+    let expected =
+        |look: usize| runs.iter().map(|run| truth.error_of(&run.looks[look].1)).sum::<f64>() / runs.len() as f64;
     let errors: Vec<f64> = (0..runs[0].looks.len()).map(expected).collect();
     for target in errors.iter().flat_map(|error| [0.98, 1.02, 1.1, 1.5].map(|factor| factor * error)) {
         let stop = |run: &Run| {
@@ -280,8 +299,8 @@ const CORNELL: &[Subject] = &[
     Subject { method: Method::Bdpt, ..path("cornell-box", 64) },
 ];
 
-/// What the deep study adds. The last two by path tracing are too noisy for their own error and must say so. A splat under a wide filter falls on
-/// sixteen pixels at once; no lamp is seen there, whose edge would make most of the error.
+/// What the deep study adds. The last two by path tracing are too noisy for their own error and must say so. A splat
+/// under a wide filter falls on sixteen pixels at once; no lamp is seen there, whose edge would make most of the error.
 const DEEP: &[Subject] = &[
     path("sphere-cap", 64),
     path("sphere-lamp", 64),

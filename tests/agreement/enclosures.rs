@@ -35,9 +35,10 @@ fn a_sphere_that_emits_is_uniformly_bright() {
     }
 }
 
-/// ρ I / (π R² (1 − ρ)), with R² = A / 4π for the polyhedron's area A: in a closed diffuse room the mean over the walls of
-/// radiance is 4 ρ I / (A (1 − ρ)) exactly. At a point whose plane has the distance h, in the distance r, irradiance is
-/// I h / r³ with h ≤ r ≤ 1: everywhere within h⁻³ of the mean, direct and reflected. Deep: to 1e-4 of the sphere's value.
+/// ρ I / (π R² (1 − ρ)), with R² = A / 4π for the polyhedron's area A: in a closed diffuse room the mean over the walls
+/// of radiance is 4 ρ I / (A (1 − ρ)) exactly. At a point whose plane has the distance h, in the distance r, irradiance
+/// is I h / r³ with h ≤ r ≤ 1: everywhere within h⁻³ of the mean, direct and reflected. Deep: to 1e-4 of the sphere's
+/// value.
 #[test]
 fn a_sphere_around_a_point_light_is_uniformly_bright() {
     let (levels, side, spp) = if deep() { (8, 64, 4096) } else { (5, 32, 64) };
@@ -75,8 +76,8 @@ fn parallel_planes_exchange_light() {
     }
 }
 
-/// Walls of any reflectance ρ that emit 1 − ρ, and a mirror and a glass ball that emit nothing: radiance is 1 everywhere
-/// (Kirchhoff).
+/// Walls of any reflectance ρ that emit 1 − ρ, and a mirror and a glass ball that emit nothing: radiance is 1
+/// everywhere (Kirchhoff).
 #[test]
 fn a_room_in_thermal_equilibrium_shows_nothing() {
     for &backend in Backend::AVAILABLE {
@@ -93,8 +94,8 @@ fn a_room_in_thermal_equilibrium_shows_nothing() {
     }
 }
 
-/// Radiance over the square of the index is what stays: a camera inside glass of index 1.5 in a room of radiance 1 sees 1.5².
-/// From near the middle of a ball no ray is totally reflected; rough faces lose α² at such angles.
+/// Radiance over the square of the index is what stays: a camera inside glass of index 1.5 in a room of radiance 1 sees
+/// 1.5². From near the middle of a ball no ray is totally reflected; rough faces lose α² at such angles.
 #[test]
 fn a_camera_inside_glass_sees_radiance_times_the_square_of_the_index() {
     let spp = if deep() { 4096 } else { 256 };
@@ -106,7 +107,12 @@ fn a_camera_inside_glass_sees_radiance_times_the_square_of_the_index() {
             let room = scene_under(backend, inside(room));
             let picture = render(&room, Shot::new(Method::Path, 32, spp));
             let alpha = f64::from(roughness * roughness);
-            expect(&picture, about(2.25, alpha * alpha + ROUNDING), 0.02, &format!("inside glass, {backend:?}, α {alpha:.0e}"));
+            expect(
+                &picture,
+                about(2.25, alpha * alpha + ROUNDING),
+                0.02,
+                &format!("inside glass, {backend:?}, α {alpha:.0e}"),
+            );
         }
     }
 }
@@ -123,15 +129,27 @@ fn mirrors_in_a_row_multiply() {
                 let centre = Vec3::new(half, y, 0.0);
                 add_square(&mut row, centre, Vec3::X * half, Vec3::Z * (-3.0 * normal), metal(0.9, roughness));
             }
-            add_square(&mut row, Vec3::new(2.0 * half + 1.0, 0.5, 0.0), Vec3::Z * 40.0, Vec3::Y * 40.0, matte(0.0, 2.0));
+            add_square(
+                &mut row,
+                Vec3::new(2.0 * half + 1.0, 0.5, 0.0),
+                Vec3::Z * 40.0,
+                Vec3::Y * 40.0,
+                matte(0.0, 2.0),
+            );
             let eye = DVec3::new(0.0, 0.5, 0.0);
             row.cameras.push(narrow(camera(eye, eye + DVec3::new(1.0, 1.0, 0.0)), 1e-3));
-            let picture = render(&scene_under(backend, row), Shot::new(Method::Path, 16, if deep() { 4096 } else { 256 }));
+            let picture =
+                render(&scene_under(backend, row), Shot::new(Method::Path, 16, if deep() { 4096 } else { 256 }));
             let expected = 2.0 * 0.9f64.powi(COUNT);
             // Whoever deviates by 1/20 of the half distance to an edge may miss a mirror: α²/t² of the facets' slopes.
             let alpha = f64::from(roughness * roughness);
             let tails = f64::from(COUNT) * (alpha / 0.02).powi(2);
-            expect(&picture, about(expected, tails + ROUNDING), 2e-3, &format!("{COUNT} mirrors, {backend:?}, α {alpha:.0e}"));
+            expect(
+                &picture,
+                about(expected, tails + ROUNDING),
+                2e-3,
+                &format!("{COUNT} mirrors, {backend:?}, α {alpha:.0e}"),
+            );
         }
     }
 }

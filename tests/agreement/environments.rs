@@ -4,7 +4,7 @@ use crate::picture::{Picture, Shot, agree, limit, render, scene};
 use crate::studio::{add, add_square, camera, matte};
 use etendue::integrator::Method;
 use etendue::scene::Scene;
-use etendue::scene::description::{Description, Environment, Projection};
+use etendue::scene::description::{Description, EnvironmentDescription, Projection};
 use etendue::spectrum::Spectrum;
 use etendue::texture::RadianceMap;
 use glam::{DVec3, Vec3};
@@ -12,13 +12,13 @@ use std::sync::Arc;
 
 const METHODS: [Method; 3] = [Method::PathNaive, Method::PathNee, Method::Path];
 
-fn map(width: u32, height: u32, rotation: f64, texel: impl Fn(u32, u32) -> [f32; 3]) -> Environment {
+fn map(width: u32, height: u32, rotation: f64, texel: impl Fn(u32, u32) -> [f32; 3]) -> EnvironmentDescription {
     let texels = (0..width * height).map(|i| texel(i % width, i / width)).collect();
-    Environment::Map { map: Arc::new(RadianceMap::new(width, height, texels)), scale: 0.5, rotation }
+    EnvironmentDescription::Map { map: Arc::new(RadianceMap::new(width, height, texels)), scale: 0.5, rotation }
 }
 
 /// A square floor seen from above, with a wall on it for shadows and interreflection.
-fn courtyard(environment: Environment) -> Scene {
+fn courtyard(environment: EnvironmentDescription) -> Scene {
     let mut yard = Description { environment: Some(environment), ..Description::default() };
     add_square(&mut yard, Vec3::ZERO, Vec3::X, Vec3::NEG_Z, matte(0.6, 0.0));
     let corners = vec![Vec3::new(-0.5, 0.0, -0.4), Vec3::new(0.5, 0.0, -0.4), Vec3::new(0.0, 0.9, -0.2)];
@@ -38,7 +38,7 @@ fn has_mean(picture: &Picture, expected: f64, what: &str) {
 /// A Lambertian plane under constant radiance L shows ρ L, whether L is a map or a number; here L is 2 times the scale.
 #[test]
 fn a_plane_under_a_constant_map_shows_its_reflectance() {
-    for environment in [map(8, 4, 33.0, |_, _| [2.0; 3]), Environment::Uniform(Spectrum::ONE)] {
+    for environment in [map(8, 4, 33.0, |_, _| [2.0; 3]), EnvironmentDescription::Uniform(Spectrum::ONE)] {
         let name = format!("{environment:?}");
         let mut yard = Description { environment: Some(environment), ..Description::default() };
         add_square(&mut yard, Vec3::ZERO, Vec3::X, Vec3::NEG_Z, matte(0.6, 0.0));
@@ -77,7 +77,8 @@ fn the_camera_sees_the_map() {
 fn all_methods_see_one_picture_under_a_map() {
     let sun = |x, y| if (x, y) == (5, 1) { [40.0, 30.0, 20.0] } else { [0.3, 0.4, 0.5] };
     let yard = courtyard(map(16, 8, 50.0, sun));
-    let [naive, nee, path] = METHODS.map(|m| render(&yard, Shot::new(m, 32, if m == Method::PathNaive { 1024 } else { 64 })));
+    let [naive, nee, path] =
+        METHODS.map(|m| render(&yard, Shot::new(m, 32, if m == Method::PathNaive { 1024 } else { 64 })));
     agree(&path, &nee, 4).unwrap_or_else(|e| panic!("path and path-nee: {e}"));
     agree(&path, &naive, 4).unwrap_or_else(|e| panic!("path and path-naive: {e}"));
 }
@@ -85,12 +86,14 @@ fn all_methods_see_one_picture_under_a_map() {
 /// The environment shares the choice with other lights.
 #[test]
 fn a_map_and_a_lamp_are_both_found() {
-    let mut yard = Description { environment: Some(map(4, 2, 0.0, |x, _| [x as f32 * 0.2; 3])), ..Description::default() };
+    let mut yard =
+        Description { environment: Some(map(4, 2, 0.0, |x, _| [x as f32 * 0.2; 3])), ..Description::default() };
     add_square(&mut yard, Vec3::ZERO, Vec3::X, Vec3::NEG_Z, matte(0.6, 0.0));
     add_square(&mut yard, Vec3::Y * 0.6, Vec3::X * 0.2, Vec3::Z * 0.2, matte(0.0, 5.0));
     yard.cameras.push(camera(DVec3::new(0.0, 0.5, 1.2), DVec3::ZERO));
     let yard = scene(yard);
-    let [naive, nee, path] = METHODS.map(|m| render(&yard, Shot::new(m, 32, if m == Method::PathNaive { 512 } else { 64 })));
+    let [naive, nee, path] =
+        METHODS.map(|m| render(&yard, Shot::new(m, 32, if m == Method::PathNaive { 512 } else { 64 })));
     agree(&path, &nee, 4).unwrap_or_else(|e| panic!("path and path-nee: {e}"));
     agree(&path, &naive, 4).unwrap_or_else(|e| panic!("path and path-naive: {e}"));
 }

@@ -1,17 +1,19 @@
-//! Random scenes in thermal equilibrium (Kirchhoff's law): what a surface does not scatter it emits, so that radiance is one number
-//! everywhere (its square of the index times it inside glass), whatever stands in the room. Exact answers without limit.
+//! Random scenes in thermal equilibrium (Kirchhoff's law): what a surface does not scatter it emits, so that radiance
+//! is one number everywhere (its square of the index times it inside glass), whatever stands in the room. Exact answers
+//! without limit.
 //!
-//! A scene is a star-shaped room or a uniform sky, and in it up to eight bodies and some sheets: matte, textured, mirrors of any
-//! reflectance, glass of any index, clear and tinted windows, half-covered surfaces and lamps; ellipsoids and ragged stars, single
-//! and as instances, everything turned, moved and scaled. No surface lies on another:
-//! which of two is hit first is not defined then, and where one emits and the other lets light through, the answers of light sampling
-//! and of scattered rays do not add up (0.3 % of a room's brightness when two sheets of this generator did).
+//! A scene is a star-shaped room or a uniform sky, and in it up to eight bodies and some sheets: matte, textured,
+//! mirrors of any reflectance, glass of any index, clear and tinted windows, half-covered surfaces and lamps;
+//! ellipsoids and ragged stars, single and as instances, everything turned, moved and scaled. No surface lies on
+//! another: which of two is hit first is not defined then, and where one emits and the other lets light through, the
+//! answers of light sampling and of scattered rays do not add up (0.3 % of a room's brightness when two sheets of this
+//! generator did).
 //!
-//! What equilibrium cannot see: whatever keeps it. A wrong distribution of directions that is reciprocal and loses nothing, wrong
-//! normals of a Lambertian surface, distances, wrong textures (emission follows them), visibility (everything is as bright as what
-//! hides it), depth beyond roulette, and the model's colours. Closed forms and other renderers' images see those. Rough metal and
-//! glass lose light between their facets by an amount that depends on the angle, which no material here emits: they are in
-//! `rough_bodies.rs`.
+//! What equilibrium cannot see: whatever keeps it. A wrong distribution of directions that is reciprocal and loses
+//! nothing, wrong normals of a Lambertian surface, distances, wrong textures (emission follows them), visibility
+//! (everything is as bright as what hides it), depth beyond roulette, and the model's colours. Closed forms and other
+//! renderers' images see those. Rough metal and glass lose light between their facets by an amount that depends on the
+//! angle, which no material here emits: they are in `rough_bodies.rs`.
 
 use crate::deep::deep;
 use crate::picture::{Block, Picture, Shot, limit, render, scene_under};
@@ -19,9 +21,9 @@ use crate::random::Random;
 use crate::studio::{Ball, add, add_square, camera, glass, matte, metal};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
-use etendue::scene::description::{AlphaMode, Description, Environment, Instance, Material};
+use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription, Instance, Material};
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Filter, Image, RadianceMap, Texels, Texture, Wrap};
+use etendue::texture::{Encoding, Image, RadianceMap, Texels, Texture, TextureFilter, Wrap};
 use glam::{Affine2, DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec2, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -93,7 +95,9 @@ impl Maker {
         match kinds[self.one_of(kinds.len() as u32) as usize] {
             0 => complemented(matte(0.0, 0.0), self.colour(0.9)),
             1 => self.textured(),
-            2 => Material { alpha_mode: AlphaMode::Blend, alpha: 0.6, ..complemented(matte(0.0, 0.0), self.colour(0.9)) },
+            2 => {
+                Material { alpha_mode: AlphaMode::Blend, alpha: 0.6, ..complemented(matte(0.0, 0.0), self.colour(0.9)) }
+            }
             3 => Material { emission: Spectrum::ONE, double_sided: true, ..matte(0.0, 0.0) },
             4 => metal(1.0, 0.0),
             5 => Material { ior: self.between(1.1, 2.4) as f32, ..glass(0.0) },
@@ -121,7 +125,7 @@ impl Maker {
                 image: Arc::new(Image::new(8, 6, Texels::Rgba8(texels.into()))),
                 encoding: Encoding::Linear,
                 wrap: [Wrap::Repeat, Wrap::Mirror],
-                filter: Filter::Linear,
+                filter: TextureFilter::Linear,
                 uv_set: 0,
                 transform: Affine2::from_scale(Vec2::new(1.5, 0.7)),
             })
@@ -143,7 +147,8 @@ impl Maker {
         // One material for each eighth of it.
         let Ball { positions, triangles } = walls;
         for octant in triangles.chunks(triangles.len().div_ceil(8)) {
-            let material = if self.one_of(2) == 0 { self.textured() } else { complemented(matte(0.0, 0.0), self.colour(0.8)) };
+            let material =
+                if self.one_of(2) == 0 { self.textured() } else { complemented(matte(0.0, 0.0), self.colour(0.8)) };
             add(&mut self.scene, positions.clone(), octant.to_vec(), material);
             self.lay_texture();
         }
@@ -152,8 +157,9 @@ impl Maker {
     fn sky(&mut self) {
         let map = || Arc::new(RadianceMap::new(8, 4, vec![[2.0; 3]; 32]));
         let turned = self.between(0.0, 360.0);
-        let constant = Environment::Map { map: map(), scale: 0.5, rotation: turned };
-        self.scene.environment = Some(if self.one_of(2) == 0 { constant } else { Environment::Uniform(Spectrum::ONE) });
+        let constant = EnvironmentDescription::Map { map: map(), scale: 0.5, rotation: turned };
+        self.scene.environment =
+            Some(if self.one_of(2) == 0 { constant } else { EnvironmentDescription::Uniform(Spectrum::ONE) });
     }
 
     /// An ellipsoid or a ragged star in a ball of 0.26 around `centre`.
@@ -194,7 +200,8 @@ impl Maker {
         }
     }
 
-    /// A square between the bodies and the walls, at `height` from the middle; sheets are no closed bodies, so not of glass.
+    /// A square between the bodies and the walls, at `height` from the middle; sheets are no closed bodies, so not of
+    /// glass.
     fn sheet(&mut self, height: f32) {
         let material = self.material();
         if material.volume.is_some() {
@@ -253,9 +260,9 @@ const TESTS: usize = 13;
 /// How far a sample is from the mean at most, over the mean (hardly ever more).
 const REACH: f64 = 2.0;
 
-/// Whether the lanes of 2 × 2 blocks of pixels and the image mean of `spp` samples a pixel are `expected`, all within `limit`
-/// standard errors, the rounding, and Bernstein's term for what is not normal, limit² b / 3n: in a scene that loses nothing nearly
-/// every sample is exact, and the few that are not say little about their variance.
+/// Whether the lanes of 2 × 2 blocks of pixels and the image mean of `spp` samples a pixel are `expected`, all within
+/// `limit` standard errors, the rounding, and Bernstein's term for what is not normal, limit² b / 3n: in a scene that
+/// loses nothing nearly every sample is exact, and the few that are not say little about their variance.
 fn verdict(picture: &Picture, spp: u64, expected: f64, limit: f64) -> Result<(), String> {
     let pixels = (picture.side * picture.side) as f64;
     let off = |b: Block, pixels: f64| {
@@ -284,7 +291,8 @@ fn random_scenes_in_equilibrium_are_one_brightness() {
         let picture = render(&scene_under(backend, description), Shot::new(method, 16, spp));
         let overall = picture.overall();
         println!("{what}: {:.4} of {expected:.4}, standard error {:.1e}", overall.mean, overall.variance.sqrt());
-        verdict(&picture, spp, expected, limit).unwrap_or_else(|e| panic!("{what}: {} of {expected}, {e}", overall.mean));
+        verdict(&picture, spp, expected, limit)
+            .unwrap_or_else(|e| panic!("{what}: {} of {expected}, {e}", overall.mean));
         assert!(
             verdict(&picture.times(planted), spp, expected, limit).is_err(),
             "{what}: {planted} times as bright is not convicted"

@@ -20,8 +20,8 @@ fn shows(picture: &Picture, expected: f64, relative: f64, what: &str) {
     }
 }
 
-/// A lamp over the quadrant to the right and above of the view's middle: under a box filter the pixels of that quarter of the
-/// picture are it and nothing else, and no other pixel has any of it.
+/// A lamp over the quadrant to the right and above of the view's middle: under a box filter the pixels of that quarter
+/// of the picture are it and nothing else, and no other pixel has any of it.
 #[test]
 fn pixels_lie_where_the_camera_looks() {
     let mut quadrant = Description::default();
@@ -61,7 +61,8 @@ fn the_edge_of_a_spot_is_the_square_of_a_ramp() {
     }
 }
 
-/// Alpha above the cutoff everywhere is a screen that stops the light, below it there is no screen, whatever the method.
+/// Alpha above the cutoff everywhere is a screen that stops the light, below it there is no screen, whatever the
+/// method.
 #[test]
 fn a_masked_screen_shades_where_it_is_there() {
     for method in LIGHT_SAMPLING {
@@ -98,8 +99,8 @@ fn a_single_sided_lamp_is_dark_behind() {
     }
 }
 
-/// A pane before a wall of radiance 1, seen along its normal: of what comes through after 2 k reflections inside the faces'
-/// (1 − R)² R²ᵏ is left, and a²ᵏ⁺¹ of the glass, which leaves a on one way (Beer).
+/// A pane before a wall of radiance 1, seen along its normal: of what comes through after 2 k reflections inside the
+/// faces' (1 − R)² R²ᵏ is left, and a²ᵏ⁺¹ of the glass, which leaves a on one way (Beer).
 #[test]
 fn glass_absorbs_by_the_way_through_it() {
     const THICKNESS: f64 = 0.5;

@@ -6,13 +6,13 @@ use etendue::integrator::{Method, blind_spots};
 use etendue::scene::Features;
 use etendue::scene::description::{AlphaMode, Description, Material};
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Filter, Image, Texels, Texture, Wrap};
+use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
 fn strip(texels: Vec<[u8; 4]>) -> Option<Texture> {
     let image = Arc::new(Image::new(texels.len() as u32, 1, Texels::Rgba8(texels.into())));
-    let (wrap, filter, encoding) = ([Wrap::Repeat; 2], Filter::Linear, Encoding::Linear);
+    let (wrap, filter, encoding) = ([Wrap::Repeat; 2], TextureFilter::Linear, Encoding::Linear);
     Some(Texture { image, encoding, wrap, filter, uv_set: 0, transform: Affine2::IDENTITY })
 }
 
@@ -88,8 +88,11 @@ fn texels_count_where_they_are_used() {
     let mirrors = Material { metallic_roughness_texture: special([255; 4], [0, 0, 255, 255]), ..metal(0.8, 1.0) };
     let glass = Material { transmission_texture: special([0; 4], [255; 4]), ..glass(0.0) };
     let lamp = Material { emission_texture: special([0; 4], [255; 4]), ..matte(0.5, 4.0) };
-    let hole =
-        Material { base_color_texture: special([255; 4], [255, 255, 255, 0]), alpha_mode: AlphaMode::Blend, ..matte(0.5, 0.0) };
+    let hole = Material {
+        base_color_texture: special([255; 4], [255, 255, 255, 0]),
+        alpha_mode: AlphaMode::Blend,
+        ..matte(0.5, 0.0)
+    };
     let count = |m: &Material, uvs| {
         let scene = scene(wearing(m.clone(), uvs));
         let (f, lamps) = (scene.features(), scene.info().lights - 2);
@@ -115,12 +118,14 @@ fn texels_count_where_they_are_used() {
 fn vertex_alpha_makes_holes_where_it_is_below_one() {
     for (alpha, holes) in [(1.0, false), (0.9, true)] {
         let mut room = wearing(Material { alpha_mode: AlphaMode::Blend, ..matte(0.5, 0.0) }, [0.0, 1.0]);
-        room.meshes[0].primitives[0].colors = Some([1.0, alpha, 1.0, 1.0].map(|a| Vec4::new(1.0, 1.0, 1.0, a)).to_vec());
+        room.meshes[0].primitives[0].colors =
+            Some([1.0, alpha, 1.0, 1.0].map(|a| Vec4::new(1.0, 1.0, 1.0, a)).to_vec());
         assert_eq!(scene(room).features().blends, holes);
     }
 }
 
-/// Mirrors that only a texture makes are told of by the methods that do not see them, with the caustics of point lights.
+/// Mirrors that only a texture makes are told of by the methods that do not see them, with the caustics of point
+/// lights.
 #[test]
 fn mirrors_of_a_texture_are_blind_spots() {
     let rough = Material { metallic_roughness_texture: strip(vec![[255; 4], [0, 0, 255, 255]]), ..metal(0.8, 1.0) };

@@ -1,11 +1,13 @@
-//! Worlds whose tails luck may hide: small lamps with mirrors and glass, seen by methods that hardly sample what those throw.
+//! Worlds whose tails luck may hide: small lamps with mirrors and glass, seen by methods that hardly sample what those
+//! throw.
 
 use crate::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, narrow, point_light};
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
 use glam::{DVec3, Vec3};
 
-/// A lamp below the ceiling whose half side is `half`, of the power of one with half side ¼ and radiance 8; it faces down.
+/// A lamp below the ceiling whose half side is `half`, of the power of one with half side ¼ and radiance 8; it faces
+/// down.
 fn lamp(world: &mut Description, at: Vec3, half: f32, power: f32) {
     let radiance = power * (0.25 / half).powi(2) * 8.0;
     let mut material = matte(0.0, radiance);
@@ -99,7 +101,8 @@ pub(crate) fn world(name: &str) -> Scene {
             w.meshes.truncate(2);
             w.instances.truncate(2);
             w.materials.truncate(2);
-            w.environment = Some(etendue::scene::description::Environment::Uniform(etendue::spectrum::Spectrum::ONE));
+            w.environment =
+                Some(etendue::scene::description::EnvironmentDescription::Uniform(etendue::spectrum::Spectrum::ONE));
             add_square(&mut w, Vec3::new(0.0, -1.0, 0.0), Vec3::Z, Vec3::X, matte(0.6, 0.0));
             ball(&mut w, [0.3, -0.6, -0.2], 0.35, metal(0.95, 0.0));
         }

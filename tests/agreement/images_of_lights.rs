@@ -1,4 +1,5 @@
-//! Lights seen by mirrors, through glass and over polygons: irradiances known on paper (light-transport.md, section 3.2).
+//! Lights seen by mirrors, through glass and over polygons: irradiances known on paper (light-transport.md, section
+//! 3.2).
 
 use crate::deep::deep;
 use crate::lamps::{ground, reflected};
@@ -7,8 +8,10 @@ use crate::random::Random;
 use crate::studio::{Ball, add, add_box, add_square, camera, glass, matte, metal, narrow};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
-use etendue::light::LatLong;
-use etendue::scene::description::{Camera, Description, Environment, Material, Projection, Volume};
+use etendue::light::EnvironmentMap;
+use etendue::scene::description::{
+    CameraDescription, Description, EnvironmentDescription, Material, Projection, Volume,
+};
 use etendue::spectrum::Spectrum;
 use etendue::texture::RadianceMap;
 use glam::{DVec3, Vec3};
@@ -18,7 +21,8 @@ use std::sync::Arc;
 /// Roundings of positions and products of a sample.
 const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
 
-/// Irradiance at the origin on a plane of normal +y under a polygon of radiance 1 above it: ½ |Σ Θᵢ Γᵢ·n| over its edges.
+/// Irradiance at the origin on a plane of normal +y under a polygon of radiance 1 above it: ½ |Σ Θᵢ Γᵢ·n| over its
+/// edges.
 fn lambert(corners: &[DVec3]) -> f64 {
     let edge = |i: usize| {
         let (a, b) = (corners[i].normalize(), corners[(i + 1) % corners.len()].normalize());
@@ -50,7 +54,12 @@ fn triangles_of_light_give_the_irradiance_of_lamberts_formula() {
         for method in [Method::Path, Method::PathNee] {
             let picture = render(&scene, Shot::new(method, 16, spp));
             // The patch's own extent, 1e-3 wide, moves its mean by as much squared over the distance's square.
-            expect(&picture, about(reflected(5.0 * exact), 1e-5 + ROUNDING), 0.05, &format!("triangle {i}, {method:?}"));
+            expect(
+                &picture,
+                about(reflected(5.0 * exact), 1e-5 + ROUNDING),
+                0.05,
+                &format!("triangle {i}, {method:?}"),
+            );
         }
     }
 }
@@ -59,7 +68,8 @@ fn triangles_of_light_give_the_irradiance_of_lamberts_formula() {
 #[test]
 fn a_plane_mirror_shows_the_image_of_the_lamp() {
     const MIRROR: f32 = 0.7;
-    let lamp = |x: f64| [(-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3)].map(|(u, v)| DVec3::new(x + u, 1.0 + 0.5 * u, v));
+    let lamp =
+        |x: f64| [(-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3)].map(|(u, v)| DVec3::new(x + u, 1.0 + 0.5 * u, v));
     let image = lamp(0.2).map(|p| DVec3::new(2.0 - p.x, p.y, p.z));
     let exact = lambert(&lamp(0.2)) + f64::from(MIRROR) * lambert(&image);
     for &backend in Backend::AVAILABLE {
@@ -68,7 +78,8 @@ fn a_plane_mirror_shows_the_image_of_the_lamp() {
         add(&mut scene, lamp(0.2).map(|p| p.as_vec3()).to_vec(), vec![[0, 1, 2], [0, 2, 3]], matte(0.0, 5.0));
         let scene = scene_under(backend, scene);
         for method in [Method::Path, Method::PathNee] {
-            let picture = render(&scene, Shot { depth: Some(2), ..Shot::new(method, 16, if deep() { 8192 } else { 512 }) });
+            let picture =
+                render(&scene, Shot { depth: Some(2), ..Shot::new(method, 16, if deep() { 8192 } else { 512 }) });
             let what = format!("plane mirror, {method:?}, {backend:?}");
             expect(&picture, about(reflected(5.0 * exact), 1e-5 + ROUNDING), 0.05, &what);
             // The test sees whether the image is there.
@@ -100,7 +111,8 @@ impl Slab {
         low
     }
 
-    /// Directly transmitted irradiance at `x`: the flux T sin θ dθ dφ over the ring x dx dφ, T by Fresnel's equations twice.
+    /// Directly transmitted irradiance at `x`: the flux T sin θ dθ dφ over the ring x dx dφ, T by Fresnel's equations
+    /// twice.
     fn irradiance(x: f64) -> f64 {
         const STEP: f64 = 1e-5; // differences are good to its square
         let theta = Self::angle(x);
@@ -120,8 +132,9 @@ fn the_slabs_irradiances_are_those_of_the_table() {
     }
 }
 
-/// No method here finds a point light through glass, so light and camera are swapped: what a pinhole receives from a small patch
-/// of radiance 1, ∫ L dω, is the patch's area times the irradiance that a point light of intensity 1 gives it.
+/// No method here finds a point light through glass, so light and camera are swapped: what a pinhole receives from a
+/// small patch of radiance 1, ∫ L dω, is the patch's area times the irradiance that a point light of intensity 1 gives
+/// it.
 #[test]
 fn a_patch_behind_a_glass_slab_is_as_bright_as_fresnel_and_snell_say() {
     const HALF: f64 = 0.01;
@@ -156,7 +169,8 @@ fn a_patch_behind_a_glass_slab_is_as_bright_as_fresnel_and_snell_say() {
     }
 }
 
-/// A mirror ball scatters parallel rays evenly in all directions: seen by parallel rays it shows the mean of what surrounds it.
+/// A mirror ball scatters parallel rays evenly in all directions: seen by parallel rays it shows the mean of what
+/// surrounds it.
 #[test]
 fn a_mirror_ball_scatters_parallel_rays_in_every_direction_alike() {
     let (reflectance, side) = (0.9f32, 32);
@@ -165,7 +179,7 @@ fn a_mirror_ball_scatters_parallel_rays_in_every_direction_alike() {
         [(2.0 + polar.sin() * azimuth.cos() + 0.7 * polar.cos()) as f32; 3]
     };
     let map = Arc::new(RadianceMap::new(32, 16, (0..32 * 16).map(texel).collect()));
-    let light = LatLong::new(Arc::clone(&map), 1.0, 0.0).expect("light");
+    let light = EnvironmentMap::new(Arc::clone(&map), 1.0, 0.0).expect("light");
     let radiance = |w: DVec3| f64::from(light.along(w.as_vec3()).0.mean());
     let backward = DVec3::new(0.3, 0.5, 0.8).normalize();
     // The polyhedron's own sum over its facets, and the claim for the sphere.
@@ -186,17 +200,19 @@ fn a_mirror_ball_scatters_parallel_rays_in_every_direction_alike() {
     assert!((sum / area / everywhere - 1.0).abs() < 2e-3, "{} {everywhere}", sum / area); // facets are 3 degrees wide
     let share = area / 4.0;
     let expected = share * f64::from(reflectance) * everywhere + (1.0 - share) * radiance(-backward);
-    let mut room =
-        Description { environment: Some(Environment::Map { map, scale: 1.0, rotation: 0.0 }), ..Description::default() };
+    let mut room = Description {
+        environment: Some(EnvironmentDescription::Map { map, scale: 1.0, rotation: 0.0 }),
+        ..Description::default()
+    };
     ball.add(&mut room, DVec3::ZERO, metal(reflectance, 0.0));
     let projection = Projection::Orthographic { xmag: 1.0, ymag: 1.0 };
-    room.cameras.push(Camera { projection, ..camera(backward * 3.0, DVec3::ZERO) });
+    room.cameras.push(CameraDescription { projection, ..camera(backward * 3.0, DVec3::ZERO) });
     let picture = render(&scene(room), Shot::new(Method::Path, side, 64));
     expect(&picture, about(expected, 2e-3), 0.01, "mirror ball"); // see above
 }
 
-/// Straight through coloured glass: colour^(thickness / attenuation distance), without reflection at index 1, and with two faces of
-/// ((n − 1) / (n + 1))² at index 1.5, whatever unit the file is in.
+/// Straight through coloured glass: colour^(thickness / attenuation distance), without reflection at index 1, and with
+/// two faces of ((n − 1) / (n + 1))² at index 1.5, whatever unit the file is in.
 #[test]
 fn coloured_glass_absorbs_by_its_thickness() {
     for (index, scale) in [(1.0, 1.0), (1.5, 1.0), (1.5, 100.0)] {
@@ -207,7 +223,7 @@ fn coloured_glass_absorbs_by_its_thickness() {
         add_square(&mut room, Vec3::Z * -size, Vec3::X * size, Vec3::Y * size, matte(0.0, 1.0));
         add_box(&mut room, Vec3::ZERO, Vec3::new(0.8, 0.8, 0.2) * size, Material { ior: index, volume, ..glass(0.0) });
         let projection = Projection::Orthographic { xmag: 0.5 * scale, ymag: 0.5 * scale };
-        room.cameras.push(Camera { projection, ..camera(DVec3::Z * scale, DVec3::ZERO) });
+        room.cameras.push(CameraDescription { projection, ..camera(DVec3::Z * scale, DVec3::ZERO) });
         let shot = Shot { depth: Some(2), ..Shot::new(Method::Path, 16, if deep() { 4096 } else { 64 }) };
         let picture = render(&scene(room), shot);
         let faces = 1.0 - ((f64::from(index) - 1.0) / (f64::from(index) + 1.0)).powi(2);
@@ -217,7 +233,8 @@ fn coloured_glass_absorbs_by_its_thickness() {
             let expected = faces * faces * f64::from(colour).powf(0.4 / 0.25);
             // Three lanes that are copies: a third of the variance is missing.
             let one = Picture { variance: one.variance.iter().map(|v| 3.0 * v).collect(), ..one };
-            // A ray in glass begins beyond the face by the face's error: lengths are rounded, and the exponent multiplies that.
+            // A ray in glass begins beyond the face by the face's error: lengths are rounded, and the exponent
+            // multiplies that.
             let slack = ROUNDING * (1.0 - expected.ln());
             expect(&one, about(expected, slack), 0.03, &format!("lane {lane}, index {index}, scale {scale}"));
         }

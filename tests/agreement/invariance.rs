@@ -68,8 +68,8 @@ fn instances_and_copies_are_the_same_scene() {
     agree(&a, &b, 4).unwrap_or_else(|e| panic!("{e}"));
 }
 
-/// Smooth bodies squeezed by their nodes: a mesh that two nodes share keeps its normals in its own space, one that stands at one
-/// place has them moved with it. A point light shades them without noise but for the pixels' own.
+/// Smooth bodies squeezed by their nodes: a mesh that two nodes share keeps its normals in its own space, one that
+/// stands at one place has them moved with it. A point light shades them without noise but for the pixels' own.
 #[test]
 fn shared_and_moved_normals_are_the_same() {
     let squeeze = |x: f64| DAffine3::from_translation(DVec3::X * x) * DAffine3::from_scale(DVec3::new(0.3, 1.0, 0.8));

@@ -14,8 +14,8 @@ const REFLECTANCE: f32 = 0.5;
 /// Roundings of positions and products of a sample.
 const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
 
-/// A plane of half side `half` through the origin, facing up, and a camera that looks at so small a part around the origin
-/// that irradiance is constant there to second order in 1e-3.
+/// A plane of half side `half` through the origin, facing up, and a camera that looks at so small a part around the
+/// origin that irradiance is constant there to second order in 1e-3.
 pub(crate) fn ground(half: f32) -> Description {
     let mut scene = Description::default();
     add_square(&mut scene, Vec3::ZERO, Vec3::X * half, Vec3::NEG_Z * half, matte(REFLECTANCE, 0.0));
@@ -34,8 +34,8 @@ fn between(irradiances: [f64; 2]) -> [f64; 2] {
     [low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)]
 }
 
-/// π L (R / d)² cos for a ball above the horizon; a polyhedron lies between its inner and its outer sphere, and more lamp
-/// is more light.
+/// π L (R / d)² cos for a ball above the horizon; a polyhedron lies between its inner and its outer sphere, and more
+/// lamp is more light.
 #[test]
 fn a_sphere_gives_the_irradiance_of_its_disk() {
     let (levels, spp) = if deep() { (7, 8192) } else { (5, 256) };
@@ -48,7 +48,12 @@ fn a_sphere_gives_the_irradiance_of_its_disk() {
             let range = between([lamp.inner_radius(), f64::from(radius)].map(|r| PI * 5.0 * r * r / d2 * cos));
             lamp.add(&mut scene, centre, matte(0.0, 5.0));
             let picture = render(&scene_under(backend, scene), Shot::new(method, 16, spp));
-            expect(&picture, range, if deep() { 5e-3 } else { 0.05 }, &format!("sphere light, {method:?}, {backend:?}"));
+            expect(
+                &picture,
+                range,
+                if deep() { 5e-3 } else { 0.05 },
+                &format!("sphere light, {method:?}, {backend:?}"),
+            );
         }
     }
 }
@@ -67,7 +72,12 @@ fn a_speck_of_a_millionth_is_a_point_light() {
             let irradiance = f64::from(1e12f32) * (2.0 * HALF).powi(2) * y * y; // d is 1, both cosines are y
             let picture = render(&scene_under(backend, scene), Shot::new(method, 8, 16));
             // The patch's own extent, 1e-3 wide, moves its mean by as much squared.
-            expect(&picture, about(reflected(irradiance), 1e-6 + ROUNDING), 1e-4, &format!("speck, {method:?}, {backend:?}"));
+            expect(
+                &picture,
+                about(reflected(irradiance), 1e-6 + ROUNDING),
+                1e-4,
+                &format!("speck, {method:?}, {backend:?}"),
+            );
         }
     }
 }
@@ -95,8 +105,8 @@ pub(crate) fn add_sun(scene: &mut Description, toward: DVec3, distance: f64, sid
 /// Half of the sun's width in the sky.
 const HALF_ANGLE_DEGREES: f64 = 0.265;
 
-/// π L sin² cos: the irradiance of a cone of directions above the horizon. The polygon lies between its inner and its outer
-/// circle, whose tangents' ratio is the cosine of half a side's angle.
+/// π L sin² cos: the irradiance of a cone of directions above the horizon. The polygon lies between its inner and its
+/// outer circle, whose tangents' ratio is the cosine of half a side's angle.
 #[test]
 fn a_sun_at_1e8_gives_the_irradiance_of_its_cone() {
     const SIDES: u32 = 256;

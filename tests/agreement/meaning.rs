@@ -6,9 +6,11 @@ use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::scene::Scene;
 use etendue::scene::description::PunctualLight;
-use etendue::scene::description::{Camera, Description, Environment, Instance, Material, MetalFresnel, Projection, PunctualKind};
+use etendue::scene::description::{
+    CameraDescription, Description, EnvironmentDescription, Instance, Material, MetalFresnel, Projection, PunctualKind,
+};
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Filter, Image, Texels, Texture, Wrap};
+use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
 use glam::{Affine2, DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -28,14 +30,14 @@ fn mirror() -> Material {
 }
 
 /// Straight down at `y`, over a square of half side .1, from a height of .5 above it.
-fn from_above(y: f64) -> Camera {
+fn from_above(y: f64) -> CameraDescription {
     let axes = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);
     let transform = DAffine3 { matrix3: axes, translation: DVec3::Y * (y + 0.5) };
-    Camera { name: "above".into(), projection: Projection::Orthographic { xmag: 0.1, ymag: 0.1 }, transform }
+    CameraDescription { name: "above".into(), projection: Projection::Orthographic { xmag: 0.1, ymag: 0.1 }, transform }
 }
 
-fn surrounded(radiance: [f32; 3], camera: Camera) -> Description {
-    let environment = Some(Environment::Uniform(Spectrum::from_rgb(radiance)));
+fn surrounded(radiance: [f32; 3], camera: CameraDescription) -> Description {
+    let environment = Some(EnvironmentDescription::Uniform(Spectrum::from_rgb(radiance)));
     Description { environment, cameras: vec![camera], ..Description::default() }
 }
 
@@ -122,8 +124,8 @@ fn a_square_scaled_flat_stays_and_so_do_its_copies() {
             let mut scene = surrounded([0.0, 0.0, 1.0], from_above(0.0));
             add_floor(&mut scene, 3.0, 1.0, true, matte(0.0, 0.5));
             for i in 0..copies {
-                let transform =
-                    DAffine3::from_translation(DVec3::X * 2.5 * f64::from(i)) * DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
+                let transform = DAffine3::from_translation(DVec3::X * 2.5 * f64::from(i))
+                    * DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
                 let flat = Instance { name: format!("flat {i}"), mesh: 0, transform };
                 if i == 0 { scene.instances[0] = flat } else { scene.instances.push(flat) }
             }
@@ -159,7 +161,8 @@ fn a_frame_of_which_everything_is_hidden_shows_its_surroundings() {
     expect(&make, &[Method::Path, Method::Bdpt, Method::Light], [0.25, 0.5, 1.0], QUANTA);
 }
 
-/// The slope of a normal map in two ways: turned by the map's transform, and by coordinates that were turned beforehand.
+/// The slope of a normal map in two ways: turned by the map's transform, and by coordinates that were turned
+/// beforehand.
 #[test]
 fn a_normal_map_is_turned_with_its_transform() {
     for set in [0, 1] {
@@ -167,8 +170,8 @@ fn a_normal_map_is_turned_with_its_transform() {
             for angle in [0.5, 2.0, -1.0_f32] {
                 let shine = |baked: bool| sloped(set, mirrored, angle, baked);
                 for &backend in Backend::AVAILABLE {
-                    let [turned, baked] =
-                        [false, true].map(|b| render(&scene_under(backend, shine(b)), Shot::new(Method::Path, 2, 4)).mean[0]);
+                    let [turned, baked] = [false, true]
+                        .map(|b| render(&scene_under(backend, shine(b)), Shot::new(Method::Path, 2, 4)).mean[0]);
                     // Some dozen roundings of coordinates, tangents and cosines.
                     assert!(
                         (turned - baked).abs() < 32.0 * f64::from(f32::EPSILON),
@@ -186,11 +189,12 @@ fn sloped(set: usize, mirrored: bool, angle: f32, baked: bool) -> Description {
     let image = Arc::new(Image::new(1, 1, Texels::Rgba8(texel.to_vec().into())));
     let turn = Affine2::from_angle(angle) * Affine2::from_scale(Vec2::new(if mirrored { -2.0 } else { 2.0 }, 0.5));
     let transform = if baked { Affine2::IDENTITY } else { turn };
-    let (wrap, filter) = ([Wrap::Repeat; 2], Filter::Nearest);
+    let (wrap, filter) = ([Wrap::Repeat; 2], TextureFilter::Nearest);
     let map = Texture { image, encoding: Encoding::Linear, wrap, filter, uv_set: set, transform };
     let mut scene = surrounded([0.0; 3], from_above(0.0));
     add_floor(&mut scene, 0.0, 1.0, true, Material { normal_texture: Some((map, 1.0)), ..matte(0.5, 0.0) });
-    let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|uv| if baked { turn.transform_point2(uv) } else { uv });
+    let corners =
+        [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|uv| if baked { turn.transform_point2(uv) } else { uv });
     scene.meshes[0].primitives[0].uvs[set] = Some(corners.to_vec());
     let sun = DAffine3::from_axis_angle(DVec3::new(1.0, 0.5, 0.0).normalize(), -1.2);
     let (kind, intensity) = (PunctualKind::Directional, Spectrum::splat(3.0));

@@ -1,8 +1,8 @@
 //! The scenes in scenes/ below another root node: moved by 1e6, scaled by 1e-4 and 1e4. The camera goes along, and the
 //! intensities of point lights grow with the square of the scale, so that the picture must stay.
 //!
-//! The same seed takes the same decisions at every vertex unless rounding tips one over; what is measured is how often. A
-//! path that tips over is one sample of noise and no error, but it moves its pixel by more than 1e-3.
+//! The same seed takes the same decisions at every vertex unless rounding tips one over; what is measured is how often.
+//! A path that tips over is one sample of noise and no error, but it moves its pixel by more than 1e-3.
 
 use crate::deep::deep;
 use crate::picture::{BLOCK_LEVEL, Picture, Shot, limit_at, render};

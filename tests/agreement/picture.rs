@@ -2,7 +2,7 @@
 
 use etendue::accel::Backend;
 use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
-use etendue::integrator::{self, Guards, Method, Options, PassReport};
+use etendue::integrator::{self, Guards, IntegratorConfig, Method, PassReport};
 use etendue::parallel::Cancel;
 use etendue::sampling::SamplerKind;
 use etendue::scene::description::Description;
@@ -10,8 +10,8 @@ use etendue::scene::{BuildOptions, Scene};
 use etendue::stats::sidak_level;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Family-wise level of every test in this binary: with fixed seeds it is the chance that a right renderer is convicted by
-/// the seeds that happen to be written here.
+/// Family-wise level of every test in this binary: with fixed seeds it is the chance that a right renderer is convicted
+/// by the seeds that happen to be written here.
 pub(crate) const LEVEL: f64 = 1e-4;
 
 /// Replicates: enough for a standard error of blocks whose pixels are pooled.
@@ -28,7 +28,7 @@ pub(crate) struct Picture {
     pub(crate) variance: Vec<f64>,
 }
 
-/// What of [`Options`] the tests vary.
+/// What of [`IntegratorConfig`] the tests vary.
 #[derive(Clone, Copy)]
 pub(crate) struct Shot {
     pub(crate) method: Method,
@@ -66,13 +66,13 @@ pub(crate) fn render(scene: &Scene, shot: Shot) -> Picture {
 /// As [`render`], and how often each guard fired.
 pub(crate) fn render_guarded(scene: &Scene, shot: Shot) -> (Picture, Guards) {
     let layout = Layout::new(shot.side, shot.side, None, &[]);
-    let options = Options {
+    let options = IntegratorConfig {
         seed: shot.seed,
         sampler: shot.sampler,
         filter: shot.filter,
         max_depth: shot.depth,
         replicates: REPLICATES,
-        ..Options::new(&layout)
+        ..IntegratorConfig::new(&layout)
     };
     let camera = scene.camera(None, shot.side, shot.side).expect("a camera");
     let prelude = integrator::prelude(scene, &camera, &options, &layout);
@@ -156,7 +156,11 @@ pub(crate) fn agree(a: &Picture, b: &Picture, n: usize) -> Result<(), String> {
     let worst = pairs.iter().map(|(a, b)| a.z(*b).abs()).fold(0.0, f64::max);
     let (a, b) = pairs[pairs.len() - 1];
     let overall = a.z(b);
-    if worst <= limit { Ok(()) } else { Err(format!("largest |z| {worst:.2} > {limit:.2}; image mean: z {overall:.2}")) }
+    if worst <= limit {
+        Ok(())
+    } else {
+        Err(format!("largest |z| {worst:.2} > {limit:.2}; image mean: z {overall:.2}"))
+    }
 }
 
 /// Whether the image mean lies between `range`, which a bound says it must, at [`LEVEL`].
@@ -169,10 +173,17 @@ pub(crate) fn verdict(picture: &Picture, range: [f64; 2]) -> Result<(), String> 
 
 /// [`verdict`] must be in favour, and against the picture made brighter or darker by the share `planted`.
 pub(crate) fn expect(picture: &Picture, range: [f64; 2], planted: f64, what: &str) {
-    println!("{what}: {} in {range:?}, standard error {:.1e}", picture.overall().mean, picture.overall().variance.sqrt());
+    println!(
+        "{what}: {} in {range:?}, standard error {:.1e}",
+        picture.overall().mean,
+        picture.overall().variance.sqrt()
+    );
     verdict(picture, range).unwrap_or_else(|e| panic!("{what}: {e}"));
     for wrong in [1.0 + planted, 1.0 - planted] {
-        assert!(verdict(&picture.clone().times(wrong), range).is_err(), "{what}: {wrong} times as bright is not convicted");
+        assert!(
+            verdict(&picture.clone().times(wrong), range).is_err(),
+            "{what}: {wrong} times as bright is not convicted"
+        );
     }
 }
 

@@ -1,12 +1,12 @@
-//! Pixels are what the filter makes of the picture: the edge of a bright half-plane is blurred by the filter's integral, around the
-//! pixel's centre, across and down.
+//! Pixels are what the filter makes of the picture: the edge of a bright half-plane is blurred by the filter's
+//! integral, around the pixel's centre, across and down.
 
 use crate::picture::{Picture, Shot, limit, render, scene};
 use crate::studio::{add_square, camera, matte};
 use etendue::film::Filter;
 use etendue::integrator::Method;
 use etendue::sampling::SamplerKind;
-use etendue::scene::description::{Camera, Description, Projection};
+use etendue::scene::description::{CameraDescription, Description, Projection};
 use glam::{DVec3, Vec3};
 
 /// Pixels along a side, each a scene unit wide.
@@ -21,7 +21,7 @@ fn half_plane(toward: Vec3, filter: Filter) -> Picture {
     add_square(&mut room, toward * (50.0 - edge), toward * 50.0, along * 50.0, matte(0.0, 1.0));
     let half = 0.5 * SIDE as f64;
     let projection = Projection::Orthographic { xmag: half, ymag: half };
-    room.cameras.push(Camera { projection, ..camera(DVec3::Z * 5.0, DVec3::ZERO) });
+    room.cameras.push(CameraDescription { projection, ..camera(DVec3::Z * 5.0, DVec3::ZERO) });
     let shot = Shot::new(Method::Path, SIDE as u32, SPP);
     render(&scene(room), Shot { filter, sampler: SamplerKind::Independent, depth: Some(0), ..shot })
 }

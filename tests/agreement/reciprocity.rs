@@ -1,15 +1,15 @@
-//! Reciprocity of the renderer: swap a point light and a pinhole that counts radiance from everywhere, and the response is the same;
-//! with one of them in glass, the same but for the square of its index: f(wi, wo) / η²_o is what is symmetric. This sees adjoint factors, η² and light choice
-//! together, which tests of each surface alone do not.
+//! Reciprocity of the renderer: swap a point light and a pinhole that counts radiance from everywhere, and the response
+//! is the same; with one of them in glass, the same but for the square of its index: f(wi, wo) / η²_o is what is
+//! symmetric. This sees adjoint factors, η² and light choice together, which tests of each surface alone do not.
 //!
-//! The pinhole is six cameras of 90 degrees. Paths that leave the pinhole or the light over a mirror would be found from one side
-//! only, so everything here is rough. Shading normals are not reciprocal in themselves: there are none.
+//! The pinhole is six cameras of 90 degrees. Paths that leave the pinhole or the light over a mirror would be found
+//! from one side only, so everything here is rough. Shading normals are not reciprocal in themselves: there are none.
 
 use crate::deep::deep;
 use crate::picture::{Block, Shot, limit, render, scene};
 use crate::studio::{Ball, add_square, camera, glass, matte, metal, point_light};
 use etendue::integrator::Method;
-use etendue::scene::description::{Camera, Description, Material, Projection};
+use etendue::scene::description::{CameraDescription, Description, Material, Projection};
 use glam::{DVec3, Vec3};
 
 const SIDE: usize = 32;
@@ -37,7 +37,7 @@ fn response(eye: DVec3, light: DVec3, method: Method, spp: u64) -> Block {
     for (i, axis) in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z].into_iter().enumerate() {
         let mut scene = alcove();
         scene.lights.push(point_light(light, 1.0));
-        scene.cameras.push(Camera { projection, ..camera(eye, eye + axis) });
+        scene.cameras.push(CameraDescription { projection, ..camera(eye, eye + axis) });
         let picture = render(&self::scene(scene), Shot { seed: i as u64, ..Shot::new(method, SIDE as u32, spp) });
         for pixel in 0..SIDE * SIDE {
             let at = |k: usize| (2 * k + 1) as f64 / SIDE as f64 - 1.0;
@@ -58,8 +58,8 @@ fn times(block: Block, factor: f64) -> Block {
 /// Tests of this file.
 const TESTS: usize = 3;
 
-/// `forth` = `factor` × `back`, and not if it is `planted` times as bright. The weights' change within a pixel of 1/16 is second
-/// order, 1e-3, and nearly the same both ways.
+/// `forth` = `factor` × `back`, and not if it is `planted` times as bright. The weights' change within a pixel of 1/16
+/// is second order, 1e-3, and nearly the same both ways.
 fn expect(forth: Block, back: Block, factor: f64, planted: f64, what: &str) {
     let back = times(back, factor);
     println!(

@@ -4,7 +4,7 @@ use crate::deep::deep;
 use crate::picture::{Picture, Shot, agree, limit, render};
 use etendue::integrator::Method;
 use etendue::io::{exr, gltf};
-use etendue::render::{Choices, Stage};
+use etendue::render::{LoadedScene, SettingsPatch};
 use etendue::scene::{BuildOptions, Scene};
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,8 @@ fn at_4096_spp_the_cornell_box_matches_in_mean_and_blocks() {
     for method in [Method::Path, Method::PathNee] {
         let picture = render(&box_, Shot { depth: Some(64), ..Shot::new(method, 256, 4096) });
         let mean = picture.overall().mean / reference.overall().mean - 1.0;
-        let lanes = |p: &Picture| -> Vec<f64> { p.blocks(8).chunks(3).map(|b| b.iter().map(|b| b.mean).sum()).collect() };
+        let lanes =
+            |p: &Picture| -> Vec<f64> { p.blocks(8).chunks(3).map(|b| b.iter().map(|b| b.mean).sum()).collect() };
         let ratios = lanes(&picture).into_iter().zip(lanes(&reference)).map(|(a, b)| (a / b - 1.0).abs());
         let worst = ratios.fold(0.0, f64::max);
         println!("{method:?}: mean {:+.4} %, worst block {:.3} %", mean * 100.0, worst * 100.0);
@@ -89,9 +90,9 @@ fn mirror_and_glass_balls_have_the_right_mean() {
     }
 }
 
-/// Deep: two million triangles under a map with a small sun. The reference is brighter by 0.34 % for two reasons that were put to
-/// the test (docs/measurements.md): Mitsuba's ray offset, which skips bumps, 0.26 %, and its rows at the poles. The bound is
-/// these and half as much again.
+/// Deep: two million triangles under a map with a small sun. The reference is brighter by 0.34 % for two reasons that
+/// were put to the test (docs/measurements.md): Mitsuba's ray offset, which skips bumps, 0.26 %, and its rows at the
+/// poles. The bound is these and half as much again.
 #[test]
 fn the_landscape_has_the_right_mean() {
     if !deep() {
@@ -100,9 +101,10 @@ fn the_landscape_has_the_right_mean() {
     let shared = std::env::var_os("ETENDUE_SHARED").map_or(project("../shared"), PathBuf::from);
     let Some(reference) = reference(&shared.join("peers/references/S7.exr"), 1.54e-4) else { return };
     let path = project("scenes/landscape/scene.gltf");
-    let choices = Choices::beside(&path).expect("its settings");
-    let (surroundings, settings) = (choices.surroundings().expect("its environment"), choices.settings(None).expect("valid"));
-    let stage = Stage::open(&path, surroundings, &settings.moment(), &settings.build_options(2))
+    let choices = SettingsPatch::beside(&path).expect("its settings");
+    let (surroundings, settings) =
+        (choices.surroundings().expect("its environment"), choices.settings(None).expect("valid"));
+    let stage = LoadedScene::open(&path, surroundings, &settings.moment(), &settings.build_options(2))
         .expect("a valid scene: run `make scenes`");
     for method in [Method::Path, Method::PathNee] {
         let picture = render(&stage.scene, Shot { depth: Some(64), ..Shot::new(method, 256, 256) });

@@ -1,5 +1,5 @@
-//! Rough surfaces in a white furnace: a convex body between black walls of radiance 1 scatters every path once, so that it shows
-//! its directional albedo, which quadrature knows.
+//! Rough surfaces in a white furnace: a convex body between black walls of radiance 1 scatters every path once, so that
+//! it shows its directional albedo, which quadrature knows.
 
 use crate::deep::deep;
 use crate::picture::{Shot, about, expect, render, scene};
@@ -7,7 +7,7 @@ use crate::studio::{Ball, add_room, camera, matte, metal};
 use etendue::bsdf::Ggx;
 use etendue::bsdf::albedo::{ERROR, moments};
 use etendue::integrator::Method;
-use etendue::scene::description::{Camera, Description, Material, Projection};
+use etendue::scene::description::{CameraDescription, Description, Material, Projection};
 use glam::DVec3;
 
 /// Roundings of throughputs and film of one sample.
@@ -16,9 +16,9 @@ const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
 const HALF: f64 = 0.5;
 
 /// A camera of parallel rays along −z over a square of half side [`HALF`].
-fn parallel() -> Camera {
+fn parallel() -> CameraDescription {
     let projection = Projection::Orthographic { xmag: HALF, ymag: HALF };
-    Camera { projection, ..camera(DVec3::Z * 0.9, DVec3::ZERO) }
+    CameraDescription { projection, ..camera(DVec3::Z * 0.9, DVec3::ZERO) }
 }
 
 /// The view's mean: what faces the camera shows `albedo(cos)`, the rest the walls.

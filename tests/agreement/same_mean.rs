@@ -1,12 +1,13 @@
-//! Does the test of equal means that `compare` and `verify` share hold its level, whatever the pixels of a method share? Pairs of
-//! renders that differ in the seed alone are the hypothesis: at level .05 they are said to differ one time of twenty at most.
+//! Does the test of equal means that `compare` and `verify` share hold its level, whatever the pixels of a method
+//! share? Pairs of renders that differ in the seed alone are the hypothesis: at level .05 they are said to differ one
+//! time of twenty at most.
 
 use crate::deep::deep;
 use crate::references::load;
 use etendue::film::{Film, Filter, Layout, PassFilm};
-use etendue::integrator::{self, Method, MetropolisOptions, Options};
+use etendue::integrator::{self, IntegratorConfig, Method, MetropolisOptions};
 use etendue::parallel::Cancel;
-use etendue::render::same_mean::{Outcome, Picture, Pyramid, judge};
+use etendue::render::same_mean::{Outcome, Pyramid, TestedPicture, judge};
 use etendue::scene::Scene;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
@@ -37,7 +38,13 @@ impl Subject {
         let Subject { method, side, spp, replicates, .. } = *self;
         let metropolis = MetropolisOptions { limit: self.all_to_chains.then_some(0.0), ..MetropolisOptions::default() };
         let layout = Layout::new(side, side, None, &[]);
-        let options = Options { seed, replicates, metropolis, filter: Filter::BlackmanHarris, ..Options::new(&layout) };
+        let options = IntegratorConfig {
+            seed,
+            replicates,
+            metropolis,
+            filter: Filter::BlackmanHarris,
+            ..IntegratorConfig::new(&layout)
+        };
         let camera = scene.camera(None, side, side).expect("a camera");
         let prelude = integrator::prelude(scene, &camera, &options, &layout);
         let mut film = Film::new(layout.clone(), replicates, seed, prelude.units);
@@ -55,7 +62,7 @@ impl Subject {
     /// What the pair number `pair` comes to, the second picture being brighter by `factor`.
     fn outcome(&self, scene: &Scene, pair: u64, factor: f32, level: f64) -> Outcome {
         let pictures = [self.render(scene, 2 * pair + 1, factor), self.render(scene, 2 * pair + 2, 1.0)];
-        let pictures = pictures.each_ref().map(|pyramid| Picture { pyramid, method: self.method, doubt: None });
+        let pictures = pictures.each_ref().map(|pyramid| TestedPicture { pyramid, method: self.method, doubt: None });
         judge(&pictures, level).outcome()
     }
 
@@ -71,12 +78,15 @@ fn most(pairs: u64) -> u64 {
     Binomial::new(LEVEL, pairs).expect("a rate").inverse_cdf(1.0 - ALPHA)
 }
 
-/// The level holds for pairs of one mean. Holm's method and the guard against skewness make fewer convictions than it allows: there is no
-/// lower bound, and [`expect_power`] says that the test sees.
+/// The level holds for pairs of one mean. Holm's method and the guard against skewness make fewer convictions than it
+/// allows: there is no lower bound, and [`expect_power`] says that the test sees.
 fn expect(name: &str, scene: &Scene, subject: Subject, pairs: u64) {
     let found = subject.convictions(scene, pairs);
     println!("{name}, {subject:?}: {found} of {pairs} convicted, at most {} allowed", most(pairs));
-    assert!(found <= most(pairs), "{name}, {subject:?}: {found} of {pairs} healthy pairs are convicted at level {LEVEL}");
+    assert!(
+        found <= most(pairs),
+        "{name}, {subject:?}: {found} of {pairs} healthy pairs are convicted at level {LEVEL}"
+    );
 }
 
 /// Twenty per cent more light is convicted at level 1e-3.

@@ -4,7 +4,7 @@ use crate::picture::{Shot, render, scene};
 use crate::studio::{add_square, camera, matte, point_light};
 use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
 use etendue::geometry::Ray;
-use etendue::integrator::{self, Method, Options};
+use etendue::integrator::{self, IntegratorConfig, Method};
 use etendue::parallel::Cancel;
 use etendue::scene::Scene;
 use etendue::scene::description::{AlphaMode, Description, Instance, Material, Volume};
@@ -50,7 +50,8 @@ fn the_camera_sees_through_the_back_of_a_single_sided_surface() {
 
 #[test]
 fn the_back_of_glass_is_a_surface_of_it() {
-    let volume = Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: etendue::spectrum::Spectrum::ONE });
+    let volume =
+        Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: etendue::spectrum::Spectrum::ONE });
     let glass = Material { transmission: 1.0, volume, ..curtain() };
     let at = |panel| {
         let scene = before_a_wall(panel);
@@ -105,8 +106,9 @@ fn mirrored_placements_keep_their_fronts() {
             add_square(&mut description, Vec3::ZERO, Vec3::Y, Vec3::X, curtain());
             let transform = DAffine3::from_scale(DVec3::new(flip, 1.0, 1.0));
             let at = |z: f64| DAffine3::from_translation(DVec3::Z * z) * transform;
-            description.instances =
-                (0..copies).map(|i| Instance { name: format!("{i}"), mesh: 0, transform: at(-2.0 - f64::from(i)) }).collect();
+            description.instances = (0..copies)
+                .map(|i| Instance { name: format!("{i}"), mesh: 0, transform: at(-2.0 - f64::from(i)) })
+                .collect();
             description.cameras.push(camera(DVec3::ZERO, DVec3::NEG_Z));
             let scene = self::scene(description);
             let from = |p: DVec3| scene.rebase().point(p).as_vec3();
@@ -122,12 +124,14 @@ fn features_are_those_of_what_is_seen() {
     let layout = Layout::new(side, side, None, &[Plane::Depth, Plane::Alpha]);
     let scene = before_a_wall(curtain());
     let camera = scene.camera(None, side, side).expect("a camera");
-    let options = Options { seed: 1, filter: Filter::Box, ..Options::new(&layout) };
+    let options = IntegratorConfig { seed: 1, filter: Filter::Box, ..IntegratorConfig::new(&layout) };
     let prelude = integrator::prelude(&scene, &camera, &options, &layout);
     let mut film = Film::new(layout.clone(), options.replicates, options.seed, prelude.units);
     let mut pass = PassFilm::new(&layout);
     let ids = integrator::ids(&scene, &camera, &layout);
-    integrator::build(Method::Path, &scene, camera, &options, &prelude).run_pass(0, &Cancel::new(), &mut pass).expect("a pass");
+    integrator::build(Method::Path, &scene, camera, &options, &prelude)
+        .run_pass(0, &Cancel::new(), &mut pass)
+        .expect("a pass");
     film.commit(0, &pass);
     assert!(film.mean(Plane::Alpha).iter().all(|&a| a >= 1.0));
     // The field of view is 60 degrees: its corners are √(1 + 2/3) times as far as its middle, and the panel is at 2.

@@ -21,8 +21,9 @@ fn fall(scene: &Scene, exact: f64, shot: Shot) -> f64 {
     slope(&points)
 }
 
-/// Independent samples: −1. The logarithm of a mean over 1024 pixels deviates by √(2/1024) = 0.044 for normal errors and by twice
-/// that for these skewed ones, the slope by 0.088 / (ln 2 √28) = 0.024: four of these, level 6e-5, are within the survey's 0.1.
+/// Independent samples: −1. The logarithm of a mean over 1024 pixels deviates by √(2/1024) = 0.044 for normal errors
+/// and by twice that for these skewed ones, the slope by 0.088 / (ln 2 √28) = 0.024: four of these, level 6e-5, are
+/// within the survey's 0.1.
 #[test]
 fn the_error_of_independent_samples_falls_with_their_number() {
     let mut room = Description::default();
@@ -34,8 +35,9 @@ fn the_error_of_independent_samples_falls_with_their_number() {
     assert!((slope + 1.0).abs() < 0.1, "{slope}");
 }
 
-/// Owen-scrambled points on a smooth integrand of two dimensions: −3 in the limit [Owen97]; steeper than −2 between 4 and 256, of
-/// which each of the four replicates takes a quarter. A lamp of one triangle leaves no choice but that of its point.
+/// Owen-scrambled points on a smooth integrand of two dimensions: −3 in the limit [Owen97]; steeper than −2 between 4
+/// and 256, of which each of the four replicates takes a quarter. A lamp of one triangle leaves no choice but that of
+/// its point.
 #[test]
 fn the_error_of_sobol_points_falls_faster_where_light_is_smooth() {
     let mut room = Description::default();

@@ -1,18 +1,19 @@
-//! Bodies whose normals are averaged over their edges in a white surrounding: what is clear or white shows 1 there, however far the
-//! shading normals are from the faces.
+//! Bodies whose normals are averaged over their edges in a white surrounding: what is clear or white shows 1 there,
+//! however far the shading normals are from the faces.
 
 use crate::bidirectional::{How, agree, runs, spp};
 use crate::picture::{Shot, about, expect, render, scene, scene_under};
 use crate::studio::{add_box, camera, glass, metal};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
-use etendue::scene::description::{Description, Environment, Material};
+use etendue::scene::description::{Description, EnvironmentDescription, Material};
 use etendue::spectrum::Spectrum;
 use glam::{DVec3, Vec3};
 
 /// A cube with corner normals, 55 degrees from its faces, that fills most of the view.
 fn cube(material: Material) -> Description {
-    let mut description = Description { environment: Some(Environment::Uniform(Spectrum::ONE)), ..Description::default() };
+    let mut description =
+        Description { environment: Some(EnvironmentDescription::Uniform(Spectrum::ONE)), ..Description::default() };
     add_box(&mut description, Vec3::ZERO, Vec3::splat(0.45), material);
     let primitive = &mut description.meshes.last_mut().expect("just added").primitives[0];
     primitive.normals = Some(primitive.positions.iter().map(|p| p.normalize()).collect());
@@ -20,7 +21,8 @@ fn cube(material: Material) -> Description {
     description
 }
 
-/// No path is lost, and none is trapped: then every sample is 1 but for roundings, a few to each of some hundred events.
+/// No path is lost, and none is trapped: then every sample is 1 but for roundings, a few to each of some hundred
+/// events.
 #[test]
 fn a_clear_cube_with_corner_normals_shows_what_surrounds_it() {
     const ROUNDING: f64 = 1024.0 * f32::EPSILON as f64;

@@ -1,7 +1,8 @@
 //! Scenes made for tests.
 
 use etendue::scene::description::{
-    Camera, Description, Instance, Material, Mesh, MetalFresnel, Primitive, Projection, PunctualKind, PunctualLight, Volume,
+    CameraDescription, Description, Instance, Material, Mesh, MetalFresnel, Primitive, Projection, PunctualKind,
+    PunctualLight, Volume,
 };
 use etendue::spectrum::Spectrum;
 use glam::{DAffine3, DVec3, Vec3};
@@ -56,13 +57,13 @@ pub(crate) fn add_room(scene: &mut Description, material: &Material) {
 }
 
 /// A pinhole camera at `eye` that looks at `target`, with a field of view of 60 degrees.
-pub(crate) fn camera(eye: DVec3, target: DVec3) -> Camera {
+pub(crate) fn camera(eye: DVec3, target: DVec3) -> CameraDescription {
     let backward = (eye - target).normalize();
     let up = if backward.y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
     let right = up.cross(backward).normalize();
     let transform = DAffine3::from_cols(right, backward.cross(right), backward, eye);
     let projection = Projection::Perspective { yfov: 60f64.to_radians(), aspect: None };
-    Camera { name: "camera".into(), projection, transform }
+    CameraDescription { name: "camera".into(), projection, transform }
 }
 
 /// A point light.
@@ -76,8 +77,8 @@ pub(crate) fn point_light(position: DVec3, intensity: f32) -> PunctualLight {
 }
 
 /// `camera` with a vertical field of view of `yfov` radians.
-pub(crate) fn narrow(camera: Camera, yfov: f64) -> Camera {
-    Camera { projection: Projection::Perspective { yfov, aspect: None }, ..camera }
+pub(crate) fn narrow(camera: CameraDescription, yfov: f64) -> CameraDescription {
+    CameraDescription { projection: Projection::Perspective { yfov, aspect: None }, ..camera }
 }
 
 /// A perfect reflector of `reflectance` at every angle, of perceptual roughness `roughness` (α is its square).

@@ -1,11 +1,11 @@
-//! What must not change a picture, or only as the claim says: turning the scene, its size (not even the noise), the resolution,
-//! cropping, splitting lights, cutting triangles.
+//! What must not change a picture, or only as the claim says: turning the scene, its size (not even the noise), the
+//! resolution, cropping, splitting lights, cutting triangles.
 
 use crate::invariance::still_life;
 use crate::picture::{Picture, Shot, agree, render, scene};
 use crate::studio::{add_square, matte, point_light};
 use etendue::film::{Crop, Layout, PassFilm};
-use etendue::integrator::{self, Method, Options, Prelude};
+use etendue::integrator::{self, IntegratorConfig, Method, PilotEstimate};
 use etendue::parallel::Cancel;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
@@ -35,13 +35,14 @@ fn expect_same(a: &Picture, b: &Picture, what: &str) {
 fn a_scene_that_is_turned_and_moved_looks_alike() {
     let here = here();
     for (axis, angle) in [(DVec3::new(1.0, 2.0, -0.5), 2.0), (DVec3::X, std::f64::consts::FRAC_PI_2)] {
-        let motion = DAffine3::from_translation(DVec3::new(3.0, -7.0, 11.0)) * DAffine3::from_axis_angle(axis.normalize(), angle);
+        let motion = DAffine3::from_translation(DVec3::new(3.0, -7.0, 11.0))
+            * DAffine3::from_axis_angle(axis.normalize(), angle);
         expect_same(&here, &again(still_life(motion)), &format!("{angle} about {axis}"));
     }
 }
 
-/// The same numbers take the same decisions at any size, so that errors are the same share of the picture but for the rare path
-/// that rounding tips over.
+/// The same numbers take the same decisions at any size, so that errors are the same share of the picture but for the
+/// rare path that rounding tips over.
 #[test]
 fn noise_does_not_know_the_size_of_the_scene() {
     let noise = |picture: &Picture| picture.variance.iter().sum::<f64>() / picture.overall().mean.powi(2);
@@ -63,10 +64,10 @@ fn resolution_does_not_change_what_is_seen() {
 /// One pass over `crop`.
 fn pass(scene: &Scene, crop: Option<Crop>, sampler: SamplerKind) -> PassFilm {
     let layout = Layout::new(32, 24, crop, &[]);
-    let options = Options { seed: 5, sampler, ..Options::new(&layout) };
+    let options = IntegratorConfig { seed: 5, sampler, ..IntegratorConfig::new(&layout) };
     let camera = scene.camera(None, 32, 24).expect("a camera");
     let mut film = PassFilm::new(&layout);
-    integrator::build(Method::Path, scene, camera, &options, &Prelude::default())
+    integrator::build(Method::Path, scene, camera, &options, &PilotEstimate::default())
         .run_pass(6, &Cancel::new(), &mut film)
         .expect("a pass");
     film
@@ -82,7 +83,8 @@ fn a_crop_is_a_piece_of_the_picture() {
         let part: Vec<u32> = part.values().iter().map(|v| v.to_bits()).collect();
         let whole = whole.values();
         let rows = (crop.y0..crop.y1).flat_map(|y| (crop.x0..crop.x1).map(move |x| (y * 32 + x) as usize));
-        let same: Vec<u32> = rows.flat_map(|pixel| whole[3 * pixel..3 * pixel + 3].to_vec()).map(f32::to_bits).collect();
+        let same: Vec<u32> =
+            rows.flat_map(|pixel| whole[3 * pixel..3 * pixel + 3].to_vec()).map(f32::to_bits).collect();
         assert_eq!(part, same, "{sampler:?}");
         assert!(same.iter().any(|&bits| bits != 0), "something is seen");
     }

@@ -4,24 +4,25 @@ use crate::picture::{Picture, Shot, agree, render, scene};
 use crate::studio::{add_square, camera, matte, narrow, point_light};
 use etendue::integrator::Method;
 use etendue::scene::description::{Description, Material};
-use etendue::texture::{Encoding, Filter, Image, Texels, Texture, Wrap};
+use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 fn texture(width: u32, encoding: Encoding, texels: Vec<[u8; 4]>) -> Texture {
     let image = Arc::new(Image::new(width, texels.len() as u32 / width, Texels::Rgba8(texels.into())));
-    let (wrap, filter) = ([Wrap::Clamp; 2], Filter::Nearest);
+    let (wrap, filter) = ([Wrap::Clamp; 2], TextureFilter::Nearest);
     Texture { image, encoding, wrap, filter, uv_set: 0, transform: Affine2::IDENTITY }
 }
 
-/// The corners of `add_square`'s squares in a picture whose u runs along the first half edge and whose v against the second.
+/// The corners of `add_square`'s squares in a picture whose u runs along the first half edge and whose v against the
+/// second.
 fn corners() -> Vec<Vec2> {
     [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].map(Vec2::from).to_vec()
 }
 
-/// A lamp close above a floor, with one half ten times as bright as the other: found by chance or sampled, its light falls to
-/// the same places.
+/// A lamp close above a floor, with one half ten times as bright as the other: found by chance or sampled, its light
+/// falls to the same places.
 #[test]
 fn a_textured_lamp_lights_alike_by_every_method() {
     let mut room = Description::default();
@@ -38,9 +39,9 @@ fn a_textured_lamp_lights_alike_by_every_method() {
     agree(&path, &naive, 4).unwrap_or_else(|e| panic!("path and path-naive: {e}"));
 }
 
-/// A matte floor whose map bends all normals one way, under a point light: radiance is ρ I cos / (π d²) by the angle to the bent
-/// normal. Red bends along the tangent (u), green along the bitangent (against v, since v runs downward), or the other way
-/// where the handedness is −1 [glTF 2.0 §3.9.3].
+/// A matte floor whose map bends all normals one way, under a point light: radiance is ρ I cos / (π d²) by the angle to
+/// the bent normal. Red bends along the tangent (u), green along the bitangent (against v, since v runs downward), or
+/// the other way where the handedness is −1 [glTF 2.0 §3.9.3].
 #[test]
 fn normal_maps_bend_where_the_specification_says() {
     let light = DVec3::new(0.6, 1.5, -0.9);

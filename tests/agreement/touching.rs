@@ -8,7 +8,7 @@ use etendue::accel::Backend;
 use etendue::geometry::Ray;
 use etendue::integrator::Method;
 use etendue::scene::Scene;
-use etendue::scene::description::{AlphaMode, Description, Environment, Instance, Material};
+use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription, Instance, Material};
 use etendue::spectrum::Spectrum;
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
@@ -43,7 +43,8 @@ fn somewhere(random: &mut Random) -> (DAffine3, f64) {
     )
 }
 
-/// A table in the plane y = 0 and a glass cube on it `gap` above, everything placed by `place`; `twice` makes the cube an instance.
+/// A table in the plane y = 0 and a glass cube on it `gap` above, everything placed by `place`; `twice` makes the cube
+/// an instance.
 fn on_a_table(place: DAffine3, gap: f64, twice: bool) -> Description {
     let mut scene = Description::default();
     add_square(&mut scene, Vec3::ZERO, Vec3::X, Vec3::NEG_Z, matte(0.5, 0.0));
@@ -79,7 +80,8 @@ fn glass_on_a_table_never_hides_it() {
             let scene = scene_under(backend, on_a_table(place, gap, index % 3 == 0));
             let missed = |_: &usize| {
                 let [x, z] = [0, 0].map(|_| number(&mut random, -0.2, 0.2));
-                let slant = DVec3::new(number(&mut random, -0.3, 0.3), -1.0, number(&mut random, -0.3, 0.3)).normalize();
+                let slant =
+                    DVec3::new(number(&mut random, -0.3, 0.3), -1.0, number(&mut random, -0.3, 0.3)).normalize();
                 let eye = place.transform_point3(DVec3::new(x, 0.0, z) - slant);
                 let origin = scene.rebase().point(eye).as_vec3();
                 let found = met(&scene, Ray::new(origin, place.transform_vector3(slant).normalize().as_vec3()));
@@ -91,7 +93,8 @@ fn glass_on_a_table_never_hides_it() {
     }
 }
 
-/// Three blended layers in the plane of an opaque wall: each once, the later in the file the nearer as seen from the front.
+/// Three blended layers in the plane of an opaque wall: each once, the later in the file the nearer as seen from the
+/// front.
 #[test]
 fn layers_that_coincide_count_once_each_in_the_order_of_the_file() {
     for &backend in Backend::AVAILABLE {
@@ -117,8 +120,11 @@ fn layers_that_coincide_count_once_each_in_the_order_of_the_file() {
 #[test]
 fn a_decal_shows_the_wall_behind_it_whatever_the_gap() {
     let methods = [Method::PathNee, Method::Path, Method::Light, Method::Bdpt];
-    for (gap, backend) in [0.0, 1e-7, 1e-6, 2e-6].into_iter().flat_map(|gap| Backend::AVAILABLE.iter().map(move |&b| (gap, b))) {
-        let mut decal = Description { environment: Some(Environment::Uniform(Spectrum::ONE)), ..Description::default() };
+    for (gap, backend) in
+        [0.0, 1e-7, 1e-6, 2e-6].into_iter().flat_map(|gap| Backend::AVAILABLE.iter().map(move |&b| (gap, b)))
+    {
+        let mut decal =
+            Description { environment: Some(EnvironmentDescription::Uniform(Spectrum::ONE)), ..Description::default() };
         let colored = |material: Material, rgb| Material { base_color: Spectrum::from_rgb(rgb), ..material };
         add_square(&mut decal, Vec3::ZERO, Vec3::X, Vec3::Y, colored(matte(0.0, 0.0), [0.5, 0.0, 0.0]));
         let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| Vec3::new(x, y, gap));

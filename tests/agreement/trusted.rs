@@ -1,12 +1,12 @@
-//! Do intervals that claim trust deserve it, where luck hides the tail? Many renders of a world that differ in the seed alone: the
-//! truth is what they agree on. Of all intervals by one method that claim trust 93 to 97 % must hold (as in coverage.rs, a count convicts
-//! that rejects all of these rates), and on plain worlds most must claim it.
+//! Do intervals that claim trust deserve it, where luck hides the tail? Many renders of a world that differ in the seed
+//! alone: the truth is what they agree on. Of all intervals by one method that claim trust 93 to 97 % must hold (as in
+//! coverage.rs, a count convicts that rejects all of these rates), and on plain worlds most must claim it.
 
 use crate::coverage::conviction;
 use crate::deep::deep;
 use crate::hidden_tails::{HARD, PLAIN, lit_by, world};
 use etendue::film::{Film, ImageError, Known, Layout, PassFilm, Plane, Reason};
-use etendue::integrator::{self, Method, Options};
+use etendue::integrator::{self, IntegratorConfig, Method};
 use etendue::parallel::Cancel;
 use etendue::scene::Scene;
 use rayon::prelude::*;
@@ -17,15 +17,15 @@ const LEVEL: f64 = 1e-3;
 const METHODS: [Method; 3] = [Method::Path, Method::Bdpt, Method::Light];
 
 /// A render's mean and error at one number of samples.
-struct Look {
+struct ToneMapping {
     image: Vec<f64>,
     error: ImageError,
 }
 
 /// The looks at a render of `seed` when it has so many samples as `counts` says, in rising order.
-fn looks(scene: &Scene, method: Method, counts: &[u64], seed: u64) -> Vec<Look> {
+fn looks(scene: &Scene, method: Method, counts: &[u64], seed: u64) -> Vec<ToneMapping> {
     let layout = Layout::new(SIDE, SIDE, None, &[]);
-    let options = Options { seed, ..Options::new(&layout) };
+    let options = IntegratorConfig { seed, ..IntegratorConfig::new(&layout) };
     let camera = scene.camera(None, SIDE, SIDE).expect("a camera");
     let prelude = integrator::prelude(scene, &camera, &options, &layout);
     let mut film = Film::new(layout.clone(), options.replicates, seed, prelude.units);
@@ -38,7 +38,7 @@ fn looks(scene: &Scene, method: Method, counts: &[u64], seed: u64) -> Vec<Look> 
         film.commit(pass, &values);
         if counts.contains(&(pass + 1)) {
             let image = film.mean(Plane::Color).into_iter().map(f64::from).collect();
-            found.push(Look { image, error: film.image_error(known).expect("replicates") });
+            found.push(ToneMapping { image, error: film.image_error(known).expect("replicates") });
         }
     }
     found
@@ -53,14 +53,14 @@ struct Study {
 
 impl Study {
     fn of(scene: &Scene, method: Method, counts: &[u64], runs: u64) -> Self {
-        let all: Vec<Vec<Look>> =
+        let all: Vec<Vec<ToneMapping>> =
             (0..runs).into_par_iter().map(|seed| looks(scene, method, counts, 0x7e57_0000 + seed)).collect();
         let (n, last) = (runs as f64, counts.len() - 1);
         let values = all[0][last].image.len();
         let means: Vec<f64> = (0..values).map(|v| all.iter().map(|run| run[last].image[v]).sum::<f64>() / n).collect();
         let epsilon = (0.1 * means.iter().sum::<f64>() / values as f64).powi(2);
         let relative = |(x, m): (&f64, &f64)| (x - m).powi(2) / (m * m + epsilon);
-        let error = |look: &Look| look.image.iter().zip(&means).map(relative).sum::<f64>() / values as f64;
+        let error = |look: &ToneMapping| look.image.iter().zip(&means).map(relative).sum::<f64>() / values as f64;
         let found = |i: usize| all.iter().map(|run| error(&run[i])).sum::<f64>() / n;
         // Images are part of the mean that they are held against, each with the samples of its earlier looks.
         let of_mean = found(last) / (n - 1.0);
@@ -91,7 +91,10 @@ fn of_the_intervals_that_claim_trust_95_percent_hold() {
                 all = [all[0] + claimed, all[1] + held];
                 let is_plain = PLAIN.contains(name) && *spp >= 64;
                 if is_plain && claimed * 10 < study.runs * 9 {
-                    convicted.push(format!("{name} by {method:?} at {spp} spp: only {claimed} of {} claim trust", study.runs));
+                    convicted.push(format!(
+                        "{name} by {method:?} at {spp} spp: only {claimed} of {} claim trust",
+                        study.runs
+                    ));
                 }
             }
         }
@@ -102,11 +105,12 @@ fn of_the_intervals_that_claim_trust_95_percent_hold() {
     assert!(convicted.is_empty(), "{}", convicted.join("\n"));
 }
 
-/// The two scenes of the issue, by kind: bdpt where mirrors show caustics of a small lamp. A few renders are enough to see that none
-/// claims trust, as luck would have it that most meet nothing rare.
+/// The two scenes of the issue, by kind: bdpt where mirrors show caustics of a small lamp. A few renders are enough to
+/// see that none claims trust, as luck would have it that most meet nothing rare.
 #[test]
 fn renders_that_met_no_caustic_do_not_claim_trust() {
-    for (name, method) in [("mirrors-shaded", Method::Bdpt), ("glass-mirror", Method::Bdpt), ("mirror-ball-small", Method::Path)]
+    for (name, method) in
+        [("mirrors-shaded", Method::Bdpt), ("glass-mirror", Method::Bdpt), ("mirror-ball-small", Method::Path)]
     {
         for look in (0..6).flat_map(|seed| looks(&world(name), method, &[16], 0x7e57_0000 + seed)) {
             let trust = look.error.trust();
@@ -127,8 +131,8 @@ fn plain_worlds_are_trusted() {
     }
 }
 
-/// A room with two lamps by path tracing at 16 spp: the mean of what renders state is within 2 % of what they show, and within
-/// 4 standard errors of both.
+/// A room with two lamps by path tracing at 16 spp: the mean of what renders state is within 2 % of what they show, and
+/// within 4 standard errors of both.
 #[test]
 fn relmse_of_a_room_with_two_lamps_is_right() {
     let runs = if deep() { 400 } else { 40 };
@@ -140,15 +144,16 @@ fn relmse_of_a_room_with_two_lamps_is_right() {
     assert!((stated / truth - 1.0).abs() < 0.02 + noise, "{stated} {truth}");
 }
 
-/// What the pilot decides is the same for all seeds, also where its mean is next to a power of two: there one seed in two would fall on
-/// the other side (twenty alike by chance: P = 2e-6).
+/// What the pilot decides is the same for all seeds, also where its mean is next to a power of two: there one seed in
+/// two would fall on the other side (twenty alike by chance: P = 2e-6).
 #[test]
 fn the_pilot_decides_alike_for_all_seeds() {
     let layout = Layout::new(SIDE, SIDE, None, &[]);
     let typical = |power: f32, seed: u64| {
         let scene = lit_by(power);
         let camera = scene.camera(None, SIDE, SIDE).expect("a camera");
-        integrator::prelude(&scene, &camera, &Options { seed, ..Options::new(&layout) }, &layout).typical
+        integrator::prelude(&scene, &camera, &IntegratorConfig { seed, ..IntegratorConfig::new(&layout) }, &layout)
+            .typical
     };
     let (mut below, mut above) = (1.0, 2.0);
     let first = typical(below, 0);

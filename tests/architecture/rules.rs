@@ -33,7 +33,11 @@ pub(crate) fn floors(source: &Source, floors: Floors<'_>) -> Vec<Finding> {
     let module = source.module();
     let Some(&own) = module.first() else { return Vec::new() }; // lib.rs and main.rs stand above all floors
     let Some(own_floor) = floor(floors, own) else {
-        return vec![finding(source, 1, format!("module `{own}` has no floor: add it to the table in tests/architecture.rs"))];
+        return vec![finding(
+            source,
+            1,
+            format!("module `{own}` has no floor: add it to the table in tests/architecture.rs"),
+        )];
     };
     let judge = |(line, target): (usize, String)| {
         if target == own || target == "error" {
@@ -111,7 +115,8 @@ pub(crate) fn reference_keys(table: &str) -> Vec<&str> {
     rows.map(str::trim).filter(|key| !key.is_empty() && *key != "key").collect()
 }
 
-/// The keys that the file's comments cite, as in `[Veach97 §10.2]` or `[Walter07; Heitz14 (5)]`: letters and then a number.
+/// The keys that the file's comments cite, as in `[Veach97 §10.2]` or `[Walter07; Heitz14 (5)]`: letters and then a
+/// number.
 pub(crate) fn citations(source: &Source) -> Vec<(usize, String)> {
     let is_key = |word: &str| {
         let letters = word.chars().take_while(|c| c.is_alphabetic()).count();
@@ -138,7 +143,8 @@ pub(crate) fn uncited(source: &Source, keys: &[&str]) -> Vec<Finding> {
 /// Numbers of this size are tolerances until something says what they are.
 const LARGEST_EPSILON: f64 = 1e-3;
 
-/// A number above 0 and up to 1e-3 outside of tests is part of a named constant or has a comment on its line or just above.
+/// A number above 0 and up to 1e-3 outside of tests is part of a named constant or has a comment on its line or just
+/// above.
 pub(crate) fn bare_epsilons(source: &Source) -> Vec<Finding> {
     if source.path.ends_with("tests.rs") {
         return Vec::new(); // the house's name for a test module in a file of its own
@@ -168,7 +174,8 @@ fn value(number: &str) -> Option<f64> {
 
 /// Ranges of tokens from `const NAME:` or `static NAME:` to the semicolon.
 fn constants(source: &Source) -> Vec<std::ops::Range<usize>> {
-    let starts = (0..source.tokens.len()).filter(|&i| ["const", "static"].contains(&source.text(i)) && source.text(i + 2) == ":");
+    let starts = (0..source.tokens.len())
+        .filter(|&i| ["const", "static"].contains(&source.text(i)) && source.text(i + 2) == ":");
     starts.map(|i| i..source.find_level(i, &[";"])).collect()
 }
 
@@ -188,7 +195,11 @@ pub(crate) fn functions(source: &Source) -> Vec<Function> {
         let body = source.find_level(i, &["{", ";"]);
         let end = source.tokens.get(source.find_level(body + 1, &["}"]))?;
         let first = source.tokens[i].line;
-        (source.text(body) == "{").then(|| Function { name: source.text(i + 1).into(), line: first, lines: end.line - first + 1 })
+        (source.text(body) == "{").then(|| Function {
+            name: source.text(i + 1).into(),
+            line: first,
+            lines: end.line - first + 1,
+        })
     });
     bodies.collect()
 }
@@ -217,8 +228,7 @@ mod tests {
 
     #[test]
     fn lower_floors_the_own_folder_and_errors_may_be_imported() {
-        let text =
-            "use crate::{error::Result, numeric::{Scalar, gamma}};\nuse crate::geometry::Ray;\nfn f(x: crate::error::Error) {}";
+        let text = "use crate::{error::Result, numeric::{Scalar, gamma}};\nuse crate::geometry::Ray;\nfn f(x: crate::error::Error) {}";
         assert!(broken_floors("src/geometry/mesh.rs", text).is_empty());
         assert!(broken_floors("src/numeric/mod.rs", "use crate::error::Error;").is_empty());
         assert!(broken_floors("src/lib.rs", "use crate::film::Film;").is_empty());
@@ -253,8 +263,7 @@ mod tests {
 
     #[test]
     fn what_is_not_an_import_is_left_alone() {
-        let text =
-            "//! See crate::film.\npub(crate) fn f() { g(\"crate::film\") }\nmod tests { use super::*; use super::super::mesh; }";
+        let text = "//! See crate::film.\npub(crate) fn f() { g(\"crate::film\") }\nmod tests { use super::*; use super::super::mesh; }";
         assert!(broken_floors("src/geometry/mesh.rs", text).is_empty());
     }
 
@@ -267,7 +276,8 @@ mod tests {
 
     #[test]
     fn unfinished_code_is_caught() {
-        let source = Source::new("src/x.rs", "// todo!()\nfn f() { todo!() } fn g() { dbg!(1); unimplemented!() } fn todo() {}");
+        let source =
+            Source::new("src/x.rs", "// todo!()\nfn f() { todo!() } fn g() { dbg!(1); unimplemented!() } fn todo() {}");
         assert_eq!(unfinished(&source).len(), 3);
     }
 
@@ -276,7 +286,8 @@ mod tests {
         let keys = reference_keys("text\n\n| key | what |\n|---|---|\n| Veach97 | thesis |\n| glTF20 | spec |\n");
         assert_eq!(keys, ["Veach97", "glTF20"]);
         let text = "/// As in [Veach97 §10.2], [glTF20] and [`Vec3`], not [f32; 3].\n// [Knuth68 (1)], [Veach97; Heitz14b §2]\nlet x = [Foo12];";
-        let missing: Vec<_> = uncited(&Source::new("src/x.rs", text), &keys).into_iter().map(|f| (f.line, f.what)).collect();
+        let missing: Vec<_> =
+            uncited(&Source::new("src/x.rs", text), &keys).into_iter().map(|f| (f.line, f.what)).collect();
         let expected = ["[Knuth68] has no row in src/references.md", "[Heitz14b] has no row in src/references.md"];
         assert_eq!(missing, expected.map(|what| (2, what.to_owned())));
     }
@@ -306,8 +317,10 @@ mod tests {
 
     #[test]
     fn long_files_and_functions_are_caught() {
-        let long =
-            format!("trait T {{ fn a(&self, x: [u8; 2]); }}\nfn b() {{\n{}}}\nfn c() -> fn(u8) {{}}\n", "x();\n".repeat(5));
+        let long = format!(
+            "trait T {{ fn a(&self, x: [u8; 2]); }}\nfn b() {{\n{}}}\nfn c() -> fn(u8) {{}}\n",
+            "x();\n".repeat(5)
+        );
         let source = Source::new("src/x.rs", &long);
         let measured: Vec<_> = functions(&source).into_iter().map(|f| (f.name, f.line, f.lines)).collect();
         assert_eq!(measured, [("b".to_owned(), 2, 7), ("c".to_owned(), 9, 1)]);

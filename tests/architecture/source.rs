@@ -1,5 +1,5 @@
-//! A Rust source file as the rules see it: tokens and comments with their lines. Not a parser: it knows comments, literals
-//! and brackets, which is what it takes not to mistake a word in a string for code.
+//! A Rust source file as the rules see it: tokens and comments with their lines. Not a parser: it knows comments,
+//! literals and brackets, which is what it takes not to mistake a word in a string for code.
 
 use std::path::Path;
 
@@ -240,7 +240,10 @@ mod tests {
 
     #[test]
     fn numbers_keep_their_exponents_and_ranges_are_cut() {
-        assert_eq!(tokens("1e-4 1..2 0xE-1 2.5f32 x.0"), ["1e-4", "1", ".", ".", "2", "0xE", "-", "1", "2.5f32", "x", ".", "0"]);
+        assert_eq!(
+            tokens("1e-4 1..2 0xE-1 2.5f32 x.0"),
+            ["1e-4", "1", ".", ".", "2", "0xE", "-", "1", "2.5f32", "x", ".", "0"]
+        );
     }
 
     #[test]

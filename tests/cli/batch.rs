@@ -226,7 +226,9 @@ fn films_and_machines_are_described() {
 fn what_takes_too_much_memory_is_refused_in_time() {
     let place = Place::new();
     place.run(&format!("render {} --memory 1M -o x.exr", cornell())).fails(33, "GB are to be had");
-    place.run(&format!("render {} --memory plenty -o x.exr", cornell())).fails(2, "'plenty' is not an amount of memory");
+    place
+        .run(&format!("render {} --memory plenty -o x.exr", cornell()))
+        .fails(2, "'plenty' is not an amount of memory");
     assert_eq!(place.run(&format!("render {} --spp 4 --memory 2G -o x.exr", cornell())).code(), 0);
 }
 
@@ -244,7 +246,8 @@ fn viewers_are_shown_the_picture() {
     let line = format!("render {} --spp 4 -o x.exr --view 127.0.0.1:{port}", cornell());
     let shown = place.pixels(&line);
     let bytes = seen.join().unwrap();
-    // Each packet begins with its length; the first makes an image (4) and the others fill it, a number a pixel and channel.
+    // Each packet begins with its length; the first makes an image (4) and the others fill it, a number a pixel and
+    // channel.
     let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
     assert_eq!(bytes[4], 4);
     assert!(String::from_utf8_lossy(&bytes[..length]).contains("cornell-box"));

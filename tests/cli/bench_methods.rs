@@ -36,27 +36,32 @@ fn curves_have_five_points_and_ratios_leave_the_blind_out() {
         assert_eq!(scene["ratios"].as_array().unwrap().len(), seeing * (seeing - 1));
     }
     let rows = std::fs::read_to_string(place.path("out/points.csv")).unwrap();
-    assert!(rows.starts_with("scene,curve,is_blind,repetition,spp,cpu_seconds,") && rows.lines().count() > 2 * METHODS * 2 * 5);
+    assert!(
+        rows.starts_with("scene,curve,is_blind,repetition,spp,cpu_seconds,")
+            && rows.lines().count() > 2 * METHODS * 2 * 5
+    );
     assert!(place.path("out/index.html").is_file() && place.path("out/report.json").is_file());
     assert!(place.path("out/reference-cornell-box.exr").is_file());
 }
 
-/// At a fixed number of passes, relMSE is that of the film: with a render of the same picture as reference and its noise known,
-/// what is measured agrees with the standard error that images carry. 64×64 pixels of 3 lanes in 2 renders; the noise of an
-/// average over 4096 pixels is some per cent, and a factor of 1.5 would show a reference that is not subtracted (2) or an
-/// error of the mean instead of its square (√).
+/// At a fixed number of passes, relMSE is that of the film: with a render of the same picture as reference and its
+/// noise known, what is measured agrees with the standard error that images carry. 64×64 pixels of 3 lanes in 2
+/// renders; the noise of an average over 4096 pixels is some per cent, and a factor of 1.5 would show a reference that
+/// is not subtracted (2) or an error of the mean instead of its square (√).
 #[test]
 fn errors_agree_with_those_that_images_carry() {
     let place = Place::new();
     let big = format!("{} --size 64x64", scene("cornell-box"));
     place.report(&format!("render {big} --spp 64 --seed 99 -o reference.exr"));
     let film = place.report(&format!("render {big} --spp 64 --seed 5 -o image.exr"));
-    let line =
-        format!("bench methods {big} --methods path --backends obvhs --budget 1ms --repetitions 2 --reference reference.exr");
+    let line = format!(
+        "bench methods {big} --methods path --backends obvhs --budget 1ms --repetitions 2 --reference reference.exr"
+    );
     let report = place.report(&format!("{line} -o out"));
     let scene = &report["scenes"][0];
     let point = scene["curves"][0]["points"].as_array().unwrap().iter().find(|p| p["spp"] == 64).unwrap();
-    let (measured, carried) = (point["relmse"]["value"].as_f64().unwrap(), film["error"]["relmse"]["value"].as_f64().unwrap());
+    let (measured, carried) =
+        (point["relmse"]["value"].as_f64().unwrap(), film["error"]["relmse"]["value"].as_f64().unwrap());
     assert!((measured / carried - 1.0).abs() < 0.5, "{measured} {carried}");
     // The reference has as many samples as the image.
     let share = scene["reference_share"].as_f64().unwrap();
@@ -67,12 +72,15 @@ fn errors_agree_with_those_that_images_carry() {
 #[test]
 fn the_slope_of_independent_samples_is_minus_one() {
     let place = Place::new();
-    let line =
-        format!("bench methods {} --size 32x32 --sampler independent --methods path-nee --backends obvhs", scene("cornell-box"));
+    let line = format!(
+        "bench methods {} --size 32x32 --sampler independent --methods path-nee --backends obvhs",
+        scene("cornell-box")
+    );
     let report = place.report(&format!("{line} --budget 200ms --reference-budget 300s --repetitions 4 -o out"));
     let slope = &report["scenes"][0]["curves"][0]["slope_in_samples"];
     let end = |name: &str| slope[name].as_f64().unwrap();
-    // The interval holds −1 in 95 of 100 runs; at three times its width in all but one of 1,000 (t, 3 degrees of freedom).
+    // The interval holds −1 in 95 of 100 runs; at three times its width in all but one of 1,000 (t, 3 degrees of
+    // freedom).
     let (middle, half) = (end("value"), 3.0 * (end("high") - end("value")));
     assert!((middle + 1.0).abs() < half && half < 0.6, "{slope}");
 }

@@ -34,7 +34,8 @@ fn rows_are_backends_and_builds_and_classes_are_the_rays_of_the_pass() {
     let place = Place::new();
     let report = place.report(&format!("{} --rounds 2 --backends obvhs --builds robust,fast -o out", cornell()));
     let box_scene = &report["scenes"][0];
-    let counted: u64 = ["camera", "bounce", "shadow"].iter().map(|kind| box_scene["counted"][*kind].as_u64().unwrap()).sum();
+    let counted: u64 =
+        ["camera", "bounce", "shadow"].iter().map(|kind| box_scene["counted"][*kind].as_u64().unwrap()).sum();
     let classes: u64 = list(box_scene, "classes").iter().map(|class| class["rays"].as_u64().unwrap()).sum();
     assert!(counted > 1000 && counted == classes && box_scene["rays"] == counted, "{box_scene}");
     assert_eq!(box_scene["classes"][0]["rays"], 256, "a camera ray for each pixel");
@@ -69,9 +70,15 @@ fn the_console_has_rates_and_hits_of_every_row() {
     let ran = Place::new().run(&format!("{} --rounds 1 --backends obvhs --hard-cases --rays-per-case 50", cornell()));
     assert_eq!(ran.code(), 0, "{}", ran.stderr());
     let text = ran.stdout();
-    for what in
-        ["median of 1 rounds", "2 threads", "share", "by class: camera", "obvhs-cwbvh", "0 true differences", "rows have true"]
-    {
+    for what in [
+        "median of 1 rounds",
+        "2 threads",
+        "share",
+        "by class: camera",
+        "obvhs-cwbvh",
+        "0 true differences",
+        "rows have true",
+    ] {
         assert!(text.contains(what), "{what}: {text}");
     }
 }
@@ -115,7 +122,8 @@ fn files_that_are_no_streams_are_refused_in_one_sentence() {
     flipped[200] ^= 1;
     let mut boastful = whole.clone();
     boastful[48..56].fill(0xff);
-    for (name, bytes) in [("flipped", &flipped[..]), ("cut", &whole[..whole.len() / 2]), ("empty", &[]), ("boastful", &boastful)]
+    for (name, bytes) in
+        [("flipped", &flipped[..]), ("cut", &whole[..whole.len() / 2]), ("empty", &[]), ("boastful", &boastful)]
     {
         std::fs::write(place.path(name), bytes).unwrap();
         place.run(&format!("{} --load {name}", cornell())).fails(3, &format!("cannot read ray stream {name}: it"));
@@ -142,7 +150,9 @@ fn hard_cases_need_no_scene_and_their_rays_can_be_asked_again() {
     let replay = place.report("bench rays --replay sphere-edges:12 --backends obvhs");
     assert!(replay["address"] == "sphere-edges:12" && replay["bits"].as_array().unwrap().len() == 8);
     assert_eq!(backends(list(&replay, "answers")), ["obvhs-robust", "obvhs-cwbvh"]);
-    assert!(replay["answers"][0]["closest"]["t"].as_f64().unwrap() > 0.0 && replay["answers"][0]["agreement"] == "same");
+    assert!(
+        replay["answers"][0]["closest"]["t"].as_f64().unwrap() > 0.0 && replay["answers"][0]["agreement"] == "same"
+    );
 }
 
 /// An address means the same ray in the stream of a render and in its file, whatever rows are asked.
@@ -154,7 +164,10 @@ fn rays_of_scenes_can_be_asked_again() {
     let loaded = place.report(&format!("{} --replay cornell-box/shadow:7 --load a.rays --backends obvhs", cornell()));
     assert_eq!(recorded["bits"], loaded["bits"]);
     let text = place.run(&format!("{} --replay cornell-box/shadow:7", cornell())).stdout();
-    assert!(text.starts_with("cornell-box/shadow:7\n") && text.contains("direction") && text.contains("obvhs-robust"), "{text}");
+    assert!(
+        text.starts_with("cornell-box/shadow:7\n") && text.contains("direction") && text.contains("obvhs-robust"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -174,9 +187,12 @@ fn mistakes_are_told() {
     ] {
         place.run(&line).fails(2, what);
     }
-    for (line, what) in
-        [("", "SCENES"), ("--replay shadow", "no address"), ("s.gltf --builds loose", "loose"), ("s.gltf --rays 0", "0")]
-    {
+    for (line, what) in [
+        ("", "SCENES"),
+        ("--replay shadow", "no address"),
+        ("s.gltf --builds loose", "loose"),
+        ("s.gltf --rays 0", "0"),
+    ] {
         let ran = place.run(&format!("bench rays {line}"));
         assert!(ran.code() == 2 && ran.stderr().contains(what), "{}", ran.stderr());
     }

@@ -143,7 +143,8 @@ fn only_like_can_be_compared() {
     }
 }
 
-/// What pixels share is in the record that images carry, and no part of the pixels: where those were edited it says nothing of them.
+/// What pixels share is in the record that images carry, and no part of the pixels: where those were edited it says
+/// nothing of them.
 #[test]
 fn methods_whose_pixels_share_samples_are_compared_by_their_record() {
     let place = Place::new();

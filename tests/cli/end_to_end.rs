@@ -103,7 +103,8 @@ fn the_report_file_is_the_document_on_stdout() {
     assert!(relmse["low"].as_f64().unwrap() <= relmse["value"].as_f64().unwrap());
     assert!(relmse["value"].as_f64().unwrap() <= relmse["high"].as_f64().unwrap());
     // The verdict is data, and its reasons have names and figures.
-    let (trusted, reasons) = (report["error"]["trusted"].as_bool().unwrap(), report["error"]["reasons"].as_array().unwrap());
+    let (trusted, reasons) =
+        (report["error"]["trusted"].as_bool().unwrap(), report["error"]["reasons"].as_array().unwrap());
     assert_eq!(trusted, reasons.is_empty());
     assert!(reasons.iter().all(|r| r["reason"].is_string() && r["limit"].is_f64()));
     let image = etendue::io::exr::read(&place.path("x.exr")).unwrap();
@@ -137,7 +138,8 @@ fn a_failed_render_leaves_the_old_image_whole() {
     assert_eq!(std::fs::read(place.path("x.exr")).unwrap(), b"old");
 }
 
-/// Options that a method does not read are no part of a picture: films merge, and a finished picture is not rendered again.
+/// Options that a method does not read are no part of a picture: films merge, and a finished picture is not rendered
+/// again.
 #[test]
 fn options_that_the_method_does_not_read_change_nothing() {
     let place = Place::new();

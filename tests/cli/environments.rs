@@ -1,4 +1,5 @@
-//! `--env` and its companions: where files are looked for, what is refused, and that a picture remembers its environment.
+//! `--env` and its companions: where files are looked for, what is refused, and that a picture remembers its
+//! environment.
 
 use crate::run::Place;
 use etendue::io::exr::{self, Layer};
@@ -32,7 +33,11 @@ fn paths_are_seen_from_where_they_are_written() {
     let place = place([1.0, 2.0, 3.0, 4.0]);
     let by_line = place.pixels(&format!("{LINE} --env s/map.exr --env-scale 2 -o a.exr"));
     let environment = &place.report(&format!("{LINE} --env s/map.exr --env-scale 2 -o a.exr"))["scene"]["environment"];
-    assert_eq!((&environment["environment"]["File"], &environment["scale"]), (&"map.exr".into(), &2.0.into()), "{environment}");
+    assert_eq!(
+        (&environment["environment"]["File"], &environment["scale"]),
+        (&"map.exr".into(), &2.0.into()),
+        "{environment}"
+    );
     place.run(&format!("{LINE} --env map.exr -o a.exr")).fails(3, "map.exr");
     std::fs::write(place.path("s/render.toml"), "env = \"map.exr\"\nenv-scale = 2.0\n").unwrap();
     assert_eq!(place.pixels(&format!("{LINE} -o a.exr")), by_line);
@@ -96,9 +101,12 @@ fn films_remember_their_environment_and_refuse_others() {
     shard(1, "--env other.exr --env-rotation 30");
     assert_eq!(place.pixels("merge 0.film 1.film -o a.exr"), whole);
     write_map(&place, "other.exr", [1.0, 2.0, 3.0, 5.0]);
-    for env in
-        ["--env other.exr --env-rotation 30", "--env s/map.exr", "--env s/map.exr --env-rotation 30 --env-scale 2", "--env 1"]
-    {
+    for env in [
+        "--env other.exr --env-rotation 30",
+        "--env s/map.exr",
+        "--env s/map.exr --env-rotation 30 --env-scale 2",
+        "--env 1",
+    ] {
         shard(1, env);
         place.run("merge 0.film 1.film -o a.exr").fails(2, "scenes");
     }

@@ -18,7 +18,8 @@ fn moments(count: u64, most: u64) -> impl Iterator<Item = Duration> {
 #[test]
 fn kills_at_any_moment_lose_nothing() {
     let place = Place::new();
-    let line = format!("render {} -m bdpt --spp 256 --size 64x64 -o x.exr --skip-complete --checkpoint 10ms", cornell_file());
+    let line =
+        format!("render {} -m bdpt --spp 256 --size 64x64 -o x.exr --skip-complete --checkpoint 10ms", cornell_file());
     let whole = place.pixels(&line.replace("x.exr", "whole.exr"));
     std::fs::write(place.path("x.exr"), "old").unwrap();
     let (mut films, mut kills) = (0, 0);
@@ -61,7 +62,8 @@ fn a_full_disk_is_told_and_old_files_stay() {
     let place = Place::new();
     for (file, options) in [("x.exr", "-o x.exr"), ("x.film", "-o x.film"), ("x.png", "-o x.png")] {
         std::fs::write(place.path(file), "old").unwrap();
-        let render = format!("{} render {} --size 256x256 --spp 4 {options}", env!("CARGO_BIN_EXE_etendue"), cornell_file());
+        let render =
+            format!("{} render {} --size 256x256 --spp 4 {options}", env!("CARGO_BIN_EXE_etendue"), cornell_file());
         let limited = format!("trap '' XFSZ; ulimit -f 8; exec {render}");
         let ran = Command::new("bash").args(["-c", &limited]).current_dir(place.path(".")).output().unwrap();
         let said = String::from_utf8_lossy(&ran.stderr);
@@ -98,8 +100,8 @@ fn damaged_films_are_refused() {
     }
 }
 
-/// A network folder that goes while a picture is rendered costs a warning, and in the end an exit code that says to try again; the
-/// samples are kept where they can be.
+/// A network folder that goes while a picture is rendered costs a warning, and in the end an exit code that says to try
+/// again; the samples are kept where they can be.
 #[test]
 fn a_folder_that_vanishes_loses_no_sample() {
     for stop in [false, true] {
@@ -157,7 +159,10 @@ fn a_folder_that_vanishes_under_a_batch_costs_one_picture() {
     stderr.read_to_string(&mut said).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(4), "{said}");
-    assert!(said.contains("out-path/x.exr: cannot write") && said.contains("nothing is lost: etendue resume"), "{said}");
+    assert!(
+        said.contains("out-path/x.exr: cannot write") && said.contains("nothing is lost: etendue resume"),
+        "{said}"
+    );
     let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let outcomes = summary["pictures"].as_array().unwrap().iter().map(|row| row["outcome"].as_str().unwrap());
     assert_eq!(outcomes.collect::<Vec<_>>(), ["failed", "rendered"]);

@@ -1,5 +1,5 @@
-//! What the console says of a scene: lamps that are there twice, sizes at which arithmetic ends, views that an image does not fit, values
-//! that a file should not have.
+//! What the console says of a scene: lamps that are there twice, sizes at which arithmetic ends, views that an image
+//! does not fit, values that a file should not have.
 
 use crate::run::Place;
 use base64::Engine;
@@ -83,6 +83,10 @@ fn values_that_have_a_default_are_noted_and_strict_refuses_them() {
     odd["materials"][0]["alphaMode"] = "MASKED".into();
     let place = place(&odd);
     let said = place.run("render s.gltf --size 4x2 --spp 1 -o x.exr");
-    assert!(said.code() == 0 && said.stderr().contains("materials[0].alphaMode has an invalid value"), "{}", said.stderr());
+    assert!(
+        said.code() == 0 && said.stderr().contains("materials[0].alphaMode has an invalid value"),
+        "{}",
+        said.stderr()
+    );
     place.run("render s.gltf --size 4x2 --spp 1 --strict -o x.exr").fails(3, "alphaMode");
 }

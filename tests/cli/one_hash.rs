@@ -17,8 +17,8 @@ fn shards_in_any_order_give_one_picture() {
         let whole = place.pixels(&line(method, "-o whole.exr"));
         // Five divide neither 4 nor 16 replicates.
         for shard in 0..5 {
-            let ran =
-                place.run(&line(method, &format!("--shard {shard}/5 -o {method}-{shard}.film --threads {}", 1 + shard % 3)));
+            let ran = place
+                .run(&line(method, &format!("--shard {shard}/5 -o {method}-{shard}.film --threads {}", 1 + shard % 3)));
             assert_eq!(ran.code(), 0, "{}", ran.stderr());
         }
         for order in [[3, 0, 4, 1, 2], [4, 3, 2, 1, 0]] {
@@ -41,8 +41,9 @@ fn threads_and_batches_give_one_picture() {
             );
         }
         let scene = cornell_file();
-        let job =
-            format!("settings.size = '32x32'\nsettings.spp = {SPP}\n[[render]]\nscenes = ['{scene}']\nmethods = ['{method}']\n");
+        let job = format!(
+            "settings.size = '32x32'\nsettings.spp = {SPP}\n[[render]]\nscenes = ['{scene}']\nmethods = ['{method}']\n"
+        );
         std::fs::write(place.path("job.toml"), job).unwrap();
         let ran = place.run("batch job.toml --json --again");
         let summary: serde_json::Value = serde_json::from_str(&ran.stdout()).unwrap();

@@ -13,7 +13,8 @@ fn a_render_stops_when_it_is_good_enough() {
     let (spp, look) = (report["render"]["spp"].as_u64().unwrap(), &report["target"]["last_look"]);
     assert!(reached(&report) && spp >= 16 && (spp / 4).is_power_of_two(), "{spp}");
     assert!(look["upper_limit"].as_f64().unwrap() <= 0.05 && look["passes"].as_u64() == Some(spp));
-    // It would not have stopped had it looked at half as many samples, nor does a target above what it has reached go on.
+    // It would not have stopped had it looked at half as many samples, nor does a target above what it has reached go
+    // on.
     let earlier = place.report(&format!("render {} --target-error 0.05 --spp {} -o x.exr", cornell(), spp / 2));
     assert!(spp == 16 || !reached(&earlier));
     let same = place.pixels(&format!("render {} --spp {spp} -o x.exr", cornell()));
@@ -45,14 +46,15 @@ fn targets_need_a_whole_picture_with_replicates() {
 #[test]
 fn the_first_of_several_ends_the_render() {
     let place = Place::new();
-    let spp = |more: &str| place.report(&format!("render {} {more} -o x.exr", cornell()))["render"]["spp"].as_u64().unwrap();
+    let spp =
+        |more: &str| place.report(&format!("render {} {more} -o x.exr", cornell()))["render"]["spp"].as_u64().unwrap();
     assert_eq!(spp("--spp 8 --time 1h"), 8);
     assert_eq!(spp("--spp 8 --time 1h --target-error 1e-9"), 8);
     assert!(spp("--spp 1000000 --time 1s") < 1_000_000);
 }
 
-/// Within 5 % of the budget or one pass. The passes here are a thousandth of it; a busy machine may hold one of them up, but
-/// not the last one of each of four renders.
+/// Within 5 % of the budget or one pass. The passes here are a thousandth of it; a busy machine may hold one of them
+/// up, but not the last one of each of four renders.
 #[test]
 fn a_time_budget_is_used_up_and_not_overrun() {
     let off_by = || {

@@ -39,7 +39,8 @@ fn wrong_command_lines_are_told_apart_from_other_failures() {
 #[test]
 fn help_and_version_are_answers() {
     let place = Place::new();
-    for (line, what) in [("--help", "Examples:"), ("render --help", "--spp"), ("--version", env!("CARGO_PKG_VERSION"))] {
+    for (line, what) in [("--help", "Examples:"), ("render --help", "--spp"), ("--version", env!("CARGO_PKG_VERSION"))]
+    {
         let ran = place.run(line);
         assert_eq!((ran.code(), ran.stderr()), (0, String::new()), "{line}");
         assert!(ran.stdout().contains(what), "{line}");
@@ -65,7 +66,9 @@ fn a_file_that_is_no_film_is_refused() {
 #[test]
 fn outputs_that_cannot_be_written_are_told_before_the_scene_is_read() {
     let place = Place::new();
-    for option in ["-o none/x.exr", "-o x.exr --film none/x.film", "-o x.exr --report none/x.json", "-o /dev/null/x.exr"] {
+    for option in
+        ["-o none/x.exr", "-o x.exr --film none/x.film", "-o x.exr --report none/x.json", "-o /dev/null/x.exr"]
+    {
         place.run(&format!("render none.gltf {option}")).fails(4, "cannot write");
     }
 }

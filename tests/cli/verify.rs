@@ -49,13 +49,18 @@ fn a_candidate_can_be_rendered_again() {
     let report = place.report(&box_line("--spp 32 --backends obvhs -o pictures"));
     let candidate = &report["candidates"][1];
     let (method, seed) = (candidate["method"].as_str().unwrap(), &candidate["seed"]);
-    let line = format!("render {} --method {method} --backend obvhs --seed {seed} --spp 32 --replicates 32 -o x.exr", cornell());
+    let line = format!(
+        "render {} --method {method} --backend obvhs --seed {seed} --spp 32 --replicates 32 -o x.exr",
+        cornell()
+    );
     let again = place.report(&line);
     let mean: f64 = candidate["mean"].as_array().unwrap().iter().map(|m| m.as_f64().unwrap()).sum::<f64>() / 3.0;
     // Two orders of summation of some thousand values of about the same size.
     assert!((again["error"]["mean"].as_f64().unwrap() / mean - 1.0).abs() < 1e-9, "{again}");
-    let names: Vec<String> =
-        std::fs::read_dir(place.path("pictures")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    let names: Vec<String> = std::fs::read_dir(place.path("pictures"))
+        .unwrap()
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect();
     // two files for each of eight methods, and for the pair that differs most
     assert_eq!(names.len(), 2 * 8 + 2, "{names:?}");
     assert!(names.iter().any(|n| n.starts_with("z-path-") && n.ends_with(".png")), "{names:?}");
@@ -78,7 +83,8 @@ fn a_budget_is_kept() {
     let place = Place::new();
     let (start, budget) = (Instant::now(), 4.0);
     let report = place.report(&box_line("--budget 4s --backends obvhs"));
-    let seconds: Vec<f64> = report["candidates"].as_array().unwrap().iter().map(|c| c["seconds"].as_f64().unwrap()).collect();
+    let seconds: Vec<f64> =
+        report["candidates"].as_array().unwrap().iter().map(|c| c["seconds"].as_f64().unwrap()).collect();
     let total: f64 = seconds.iter().sum();
     // Blocks of 32 passes of 32×32 pixels take a few hundredths of a second; a busy machine some tenths.
     assert!((0.7 * budget..1.5 * budget).contains(&total), "{seconds:?} of {:?}", start.elapsed());
@@ -122,7 +128,8 @@ fn a_stopped_verification_says_that_nothing_was_verified() {
     Ran(output).fails(75, "nothing was verified");
 }
 
-/// Wrong in one method or differently in each: seen. (What is wrong alike in all of them is not: `roughness-not-squared`.)
+/// Wrong in one method or differently in each: seen. (What is wrong alike in all of them is not:
+/// `roughness-not-squared`.)
 #[cfg(feature = "defects")]
 #[test]
 fn wrong_methods_are_convicted() {
@@ -136,7 +143,11 @@ fn wrong_methods_are_convicted() {
     ] {
         let ran = place.run_with(defect, &line(methods, spp));
         ran.fails(7, "DIFFERENT");
-        assert!(ran.stdout().contains("the image's") || ran.stdout().contains("most at pixels"), "{defect}: {}", ran.stdout());
+        assert!(
+            ran.stdout().contains("the image's") || ran.stdout().contains("most at pixels"),
+            "{defect}: {}",
+            ran.stdout()
+        );
     }
     assert_eq!(place.run_with("roughness-not-squared", &line("path-nee,path", 1024)).code(), 0);
 }

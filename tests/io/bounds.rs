@@ -65,7 +65,8 @@ fn parts_at_places_are_bounded_and_so_are_lights() {
     nodes(&mut lights, 2000);
     assert!(lights.load().is_ok());
     lights.json["materials"] = json!([{ "emissiveFactor": [0, 0, 1] }]);
-    // Two million lights: bounded by the memory to be had, whatever the file's size, and the mesh that makes them is named.
+    // Two million lights: bounded by the memory to be had, whatever the file's size, and the mesh that makes them is
+    // named.
     assert!(lights.load().is_ok());
     let error = with_memory(&lights, 500_000_000).expect_err("too many");
     assert_eq!(error.kind, Kind::Memory);
@@ -93,7 +94,8 @@ fn names_are_cut_and_stay_on_one_line() {
 #[test]
 fn buffers_in_one_file_share_it() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("a.bin"), bytemuck::cast_slice::<f32, u8>(TRIANGLE.as_flattened())).expect("written");
+    std::fs::write(folder.path().join("a.bin"), bytemuck::cast_slice::<f32, u8>(TRIANGLE.as_flattened()))
+        .expect("written");
     let mut file = File::triangle(json!({}));
     // A thousand buffers of different lengths, by two names of one file; the last is the one that is used.
     let buffer = |i: usize| {
@@ -165,8 +167,7 @@ fn images_that_claim_more_than_the_memory_are_refused_by_their_headers() {
         });
         let error = with_memory(&file, 4_000_000_000).expect_err("too large");
         assert_eq!(error.kind, Kind::Memory);
-        let what =
-            "decoding the images would take 4.50 GB and 4.00 GB are to be had: the largest is 'image 0' with 30000×30000 texels";
+        let what = "decoding the images would take 4.50 GB and 4.00 GB are to be had: the largest is 'image 0' with 30000×30000 texels";
         assert!(error.chain().contains(what) && error.chain().contains("--memory"), "{}", error.chain());
     }
 }

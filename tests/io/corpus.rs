@@ -4,7 +4,7 @@ use crate::support::shared;
 use etendue::accel::{Backend, Build};
 use etendue::error::{Error, Kind};
 use etendue::io::gltf;
-use etendue::render::Choices;
+use etendue::render::SettingsPatch;
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
 use std::panic::catch_unwind;
@@ -28,7 +28,8 @@ fn kept(target: &str) -> Vec<PathBuf> {
 
 pub(crate) fn files_below(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path());
-    let mut files: Vec<_> = entries.flat_map(|path| if path.is_dir() { files_below(&path) } else { vec![path] }).collect();
+    let mut files: Vec<_> =
+        entries.flat_map(|path| if path.is_dir() { files_below(&path) } else { vec![path] }).collect();
     files.sort();
     files
 }
@@ -56,7 +57,9 @@ fn every_kept_gltf_loads_or_is_one_sentence() {
     assert!(files.len() > 300, "{} files", files.len());
     let load = |file: &PathBuf| {
         let bytes = std::fs::read(file).expect("a file");
-        let at = |seconds: Option<f64>| survives(file, || gltf::parse_at(&bytes, Path::new("nowhere"), seconds).and_then(built));
+        let at = |seconds: Option<f64>| {
+            survives(file, || gltf::parse_at(&bytes, Path::new("nowhere"), seconds).and_then(built))
+        };
         [at(None).is_some(), at(Some(0.25)).is_some()]
     };
     let results: Vec<[bool; 2]> = files.iter().map(load).collect();
@@ -82,7 +85,7 @@ fn every_kept_film_image_stream_and_configuration_is_read_or_one_sentence() {
     }
     for file in kept("config") {
         let bytes = std::fs::read(&file).expect("a file");
-        survives(&file, || Choices::parse(&String::from_utf8_lossy(&bytes)));
+        survives(&file, || SettingsPatch::parse(&String::from_utf8_lossy(&bytes)));
     }
     let forged = folder.path().join("forged.film");
     let mut read = [0; 2];

@@ -32,8 +32,7 @@ fn what_does_not_fit_names_the_accessor() {
 fn elements_without_data_are_bounded_by_the_file() {
     let mut file = File::triangle(json!({}));
     let view = file.view(&[0; 12]);
-    let sparse =
-        json!({ "count": 1, "indices": { "bufferView": view, "componentType": 5121 }, "values": { "bufferView": view } });
+    let sparse = json!({ "count": 1, "indices": { "bufferView": view, "componentType": 5121 }, "values": { "bufferView": view } });
     let zeros = json!({ "componentType": 5126, "type": "VEC3", "count": 4_000_000_000u64, "sparse": sparse });
     let accessor = push(&mut file.json["accessors"], zeros);
     file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(accessor);
@@ -62,9 +61,11 @@ fn views_and_strides_are_checked() {
 
 #[test]
 fn indices_out_of_range_are_errors() {
-    let file = File::mesh(&crate::support::TRIANGLE, |f| json!({ "indices": f.accessor(5121, "SCALAR", 3, &[0, 1, 3]) }));
+    let file =
+        File::mesh(&crate::support::TRIANGLE, |f| json!({ "indices": f.accessor(5121, "SCALAR", 3, &[0, 1, 3]) }));
     assert_eq!(file.error(), "mesh 'm': index 3 is out of range, there are 3 vertices");
-    let signed = File::mesh(&crate::support::TRIANGLE, |f| json!({ "indices": f.accessor(5122, "SCALAR", 3, &[0; 6]) }));
+    let signed =
+        File::mesh(&crate::support::TRIANGLE, |f| json!({ "indices": f.accessor(5122, "SCALAR", 3, &[0; 6]) }));
     assert!(signed.error().contains("accessor 1: I16 Scalar elements are not for indices"));
     let mut absent = File::triangle(json!({}));
     absent.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(99);
@@ -126,7 +127,8 @@ fn containers_that_lie_are_errors() {
 
 #[test]
 fn no_changed_byte_makes_the_loader_panic() {
-    let mut file = File::mesh(&crate::support::TRIANGLE, |f| json!({ "indices": f.accessor(5121, "SCALAR", 3, &[0, 1, 2]) }));
+    let mut file =
+        File::mesh(&crate::support::TRIANGLE, |f| json!({ "indices": f.accessor(5121, "SCALAR", 3, &[0, 1, 2]) }));
     let view = file.view(&[1, 0, 0, 0]);
     let part = json!({ "bufferView": view, "componentType": 5121 });
     file.json["accessors"][0]["sparse"] = json!({ "count": 1, "indices": part, "values": { "bufferView": 0 } });
@@ -162,13 +164,15 @@ fn every_validator_case_loads_or_is_one_error_and_valid_ones_load() {
     let mut wrongly_refused = Vec::new();
     for case in cases {
         let start = Instant::now();
-        let result = catch_unwind(|| etendue::io::gltf::load(&case)).unwrap_or_else(|_| panic!("{} panics", case.display()));
+        let result =
+            catch_unwind(|| etendue::io::gltf::load(&case)).unwrap_or_else(|_| panic!("{} panics", case.display()));
         // The largest case has some kilobytes; this is to find what never ends.
         assert!(start.elapsed() < Duration::from_secs(10), "{} takes too long", case.display());
         if let Err(error) = result {
             let chain = error.chain();
             assert!(chain.starts_with(&*case.to_string_lossy()) && !chain.contains('\n'), "{chain}");
-            let refused = REFUSED.iter().any(|end| case.ends_with(end)) || chain.contains("requires what is not supported");
+            let refused =
+                REFUSED.iter().any(|end| case.ends_with(end)) || chain.contains("requires what is not supported");
             if !refused && is_valid(&case) {
                 wrongly_refused.push(chain);
             }

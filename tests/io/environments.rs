@@ -175,8 +175,8 @@ fn infinite_texels_are_clamped_and_told() {
     assert!(loaded.lost[0].contains("sun.exr: 1 texels are infinite and count as 9"), "{:?}", loaded.lost);
 }
 
-/// A picture of one colour, with its chromaticities in the header of a Radiance file: XYZ of (.5 .25 .125) in Rec. 709, and the
-/// same in ACES's AP0.
+/// A picture of one colour, with its chromaticities in the header of a Radiance file: XYZ of (.5 .25 .125) in Rec. 709,
+/// and the same in ACES's AP0.
 #[test]
 fn colours_become_rec_709() {
     let folder = Folder::new();

@@ -56,7 +56,8 @@ fn normalised_integers_reach_both_ends_of_their_range() {
     let positions = |normalized: bool| {
         let file = File::mesh(&TRIANGLE, |f| {
             // Rows of three bytes are padded to four.
-            let padded: Vec<u8> = bytes.chunks(3).take(3).flat_map(|v| [v[0] as u8, v[1] as u8, v[2] as u8, 0]).collect();
+            let padded: Vec<u8> =
+                bytes.chunks(3).take(3).flat_map(|v| [v[0] as u8, v[1] as u8, v[2] as u8, 0]).collect();
             let accessor = f.accessor(5120, "VEC3", 3, &padded);
             let view = f.json["accessors"][accessor]["bufferView"].as_u64().expect("a view") as usize;
             f.json["bufferViews"][view]["byteStride"] = json!(4);
@@ -65,7 +66,10 @@ fn normalised_integers_reach_both_ends_of_their_range() {
         });
         file.primitive().positions
     };
-    assert_eq!(positions(true), [[1.0, -1.0, -1.0], [0.0, 0.0, 1.0], [-1.0 / 127.0, 1.0 / 127.0, 64.0 / 127.0]].map(Vec3::from));
+    assert_eq!(
+        positions(true),
+        [[1.0, -1.0, -1.0], [0.0, 0.0, 1.0], [-1.0 / 127.0, 1.0 / 127.0, 64.0 / 127.0]].map(Vec3::from)
+    );
     assert_eq!(positions(false), [[127.0, -127.0, -128.0], [0.0, 0.0, 127.0], [-1.0, 1.0, 64.0]].map(Vec3::from));
 }
 
@@ -123,8 +127,7 @@ fn a_sparse_accessor_without_data_starts_from_zero() {
     let mut file = File::triangle(json!({}));
     let indices = file.view(&[1, 2]);
     let values = file.view(bytemuck::cast_slice(&[[5.0f32, 0.0, 0.0], [0.0, 7.0, 0.0]]));
-    let sparse =
-        json!({ "count": 2, "indices": { "bufferView": indices, "componentType": 5121 }, "values": { "bufferView": values } });
+    let sparse = json!({ "count": 2, "indices": { "bufferView": indices, "componentType": 5121 }, "values": { "bufferView": values } });
     let positions = json!({ "componentType": 5126, "type": "VEC3", "count": 3, "sparse": sparse });
     let accessor = push(&mut file.json["accessors"], positions);
     file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(accessor);
@@ -134,7 +137,8 @@ fn a_sparse_accessor_without_data_starts_from_zero() {
 #[test]
 fn vertices_that_no_triangle_uses_are_dropped() {
     let indices = [3u32, 1, 2];
-    let file = File::mesh(&QUAD, |f| json!({ "indices": f.accessor(5125, "SCALAR", 3, bytemuck::cast_slice(&indices)) }));
+    let file =
+        File::mesh(&QUAD, |f| json!({ "indices": f.accessor(5125, "SCALAR", 3, bytemuck::cast_slice(&indices)) }));
     let primitive = file.primitive();
     assert_eq!(primitive.positions, [QUAD[1], QUAD[2], QUAD[3]].map(Vec3::from));
     assert_eq!(primitive.triangles, [[2, 0, 1]]);
@@ -152,7 +156,8 @@ fn buffers_may_be_data_uris() {
 
 #[test]
 fn quantised_positions_are_read_though_the_extension_is_required() {
-    let required = json!({ "extensionsRequired": ["KHR_mesh_quantization"], "extensionsUsed": ["KHR_mesh_quantization"] });
+    let required =
+        json!({ "extensionsRequired": ["KHR_mesh_quantization"], "extensionsUsed": ["KHR_mesh_quantization"] });
     let description = File::triangle(required).load().expect("a valid file");
     assert!(description.ignored.is_empty());
 }
@@ -170,7 +175,8 @@ fn with_type(attribute: &str, shape: &str, component: u32, normalized: bool) -> 
 #[test]
 fn every_attribute_has_the_types_of_the_table_and_no_others() {
     let [i8, u8, i16, u16, u32, f32] = [5120, 5121, 5122, 5123, 5125, 5126];
-    let integers = [(i8, false), (i8, true), (u8, false), (u8, true), (i16, false), (i16, true), (u16, false), (u16, true)];
+    let integers =
+        [(i8, false), (i8, true), (u8, false), (u8, true), (i16, false), (i16, true), (u16, false), (u16, true)];
     let signed_units = [(i8, true), (i16, true)];
     let unsigned_units = [(u8, true), (u16, true)];
     for (attribute, shape, allowed) in [

@@ -37,7 +37,8 @@ fn rotations_rounded_to_f32_do_not_scale() {
 #[test]
 fn the_default_scene_is_loaded_else_the_first_else_all_roots() {
     let names = |more: Value| {
-        let mut file = nodes(json!([{ "name": "a", "mesh": 0 }, { "name": "b", "mesh": 0, "children": [2] }, { "mesh": 0 }]));
+        let mut file =
+            nodes(json!([{ "name": "a", "mesh": 0 }, { "name": "b", "mesh": 0, "children": [2] }, { "mesh": 0 }]));
         merge(&mut file.json, more);
         file.load().expect("a valid file").instances.into_iter().map(|i| i.name).collect::<Vec<_>>()
     };
@@ -54,7 +55,8 @@ fn cycles_and_second_parents_are_errors() {
     let mut listed = own;
     listed.json["scenes"] = json!([{ "nodes": [0] }]);
     assert!(listed.error().contains("node 'loop' is its own ancestor"), "{}", listed.error());
-    let itself = File::triangle(json!({ "scenes": [{ "nodes": [0] }], "nodes": [{ "name": "self", "children": [0] }] }));
+    let itself =
+        File::triangle(json!({ "scenes": [{ "nodes": [0] }], "nodes": [{ "name": "self", "children": [0] }] }));
     assert!(itself.error().contains("node 'self' is its own ancestor"), "{}", itself.error());
     let shared = nodes(json!([{ "name": "p", "children": [2] }, { "name": "q", "children": [2] }, { "name": "c" }]));
     assert_eq!(shared.error(), "node 'c' has two parents, 'p' and 'q'");
@@ -114,7 +116,8 @@ fn cameras_keep_f64() {
 
 #[test]
 fn punctual_lights_keep_their_numbers() {
-    let at = |light: u32| json!({ "translation": [0, 1, 0], "extensions": { "KHR_lights_punctual": { "light": light } } });
+    let at =
+        |light: u32| json!({ "translation": [0, 1, 0], "extensions": { "KHR_lights_punctual": { "light": light } } });
     let nodes = [0, 1, 2].map(at);
     let file = File::triangle(json!({
         "nodes": nodes,
@@ -170,7 +173,9 @@ fn defects_of_the_extension_are_errors() {
         json!({ "TRANSLATION": two, "SCALE": 0 })
     });
     assert_eq!(differing, "node 'n': EXT_mesh_gpu_instancing has 2 elements of one attribute and 3 of another");
-    assert!(error(|_| json!({ "TRANSLATION": 77 })).ends_with("TRANSLATION of EXT_mesh_gpu_instancing: it does not exist"));
+    assert!(
+        error(|_| json!({ "TRANSLATION": 77 })).ends_with("TRANSLATION of EXT_mesh_gpu_instancing: it does not exist")
+    );
     assert!(error(|_| json!({ "ROTATION": 0 })).contains("4 components"));
     let zero = error(|f| json!({ "ROTATION": f.accessor(5126, "VEC4", 1, &[0; 16]) }));
     assert!(zero.contains("rotation 0 of EXT_mesh_gpu_instancing is not a unit quaternion"), "{zero}");
@@ -229,8 +234,9 @@ fn doubtful_lights_shine_as_far_as_they_say_something() {
         let description = file.load().expect("a valid file");
         (description.lights.first().map(|l| (l.kind, l.intensity.max_lane())), description.ignored.len())
     };
-    let spot =
-        |inner: f64, outer: f64| light(json!({ "type": "spot", "spot": { "innerConeAngle": inner, "outerConeAngle": outer } }));
+    let spot = |inner: f64, outer: f64| {
+        light(json!({ "type": "spot", "spot": { "innerConeAngle": inner, "outerConeAngle": outer } }))
+    };
     let cone = |inner, outer| Some((PunctualKind::Spot { inner, outer }, 1.0));
     assert_eq!(spot(0.25, 0.5), (cone(0.25, 0.5), 0));
     assert_eq!(spot(0.5, 0.5), (cone(0.5, 0.5), 1));

@@ -3,7 +3,7 @@
 use crate::support::{File, merge};
 use etendue::scene::description::{AlphaMode, Material, MetalFresnel};
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Filter, Wrap};
+use etendue::texture::{Encoding, TextureFilter, Wrap};
 use glam::{Vec3, Vec4};
 use image::{DynamicImage, ImageFormat};
 use serde_json::{Value, json};
@@ -115,7 +115,10 @@ fn samplers_and_transforms_are_read_and_only_used_images_are_decoded() {
     let description = file.load().expect("a valid file");
     assert_eq!(description.images.len(), 1);
     let (texture, _) = description.materials[0].normal_texture.as_ref().expect("a normal map");
-    assert_eq!((texture.wrap, texture.filter, texture.uv_set), ([Wrap::Clamp, Wrap::Mirror], Filter::Nearest, 1));
+    assert_eq!(
+        (texture.wrap, texture.filter, texture.uv_set),
+        ([Wrap::Clamp, Wrap::Mirror], TextureFilter::Nearest, 1)
+    );
     assert_eq!(texture.transform.transform_point2(glam::Vec2::ONE), glam::Vec2::new(2.25, 4.5));
 }
 
@@ -126,27 +129,34 @@ fn every_mode_of_a_sampler_is_read() {
         file.json["samplers"][0] = sampler;
         file.load().expect("a valid file").materials.remove(0).emission_texture.expect("a texture")
     };
-    let wraps =
-        [(json!(33071), Wrap::Clamp), (json!(33648), Wrap::Mirror), (json!(10497), Wrap::Repeat), (Value::Null, Wrap::Repeat)];
+    let wraps = [
+        (json!(33071), Wrap::Clamp),
+        (json!(33648), Wrap::Mirror),
+        (json!(10497), Wrap::Repeat),
+        (Value::Null, Wrap::Repeat),
+    ];
     for (s, in_u) in &wraps {
         for (t, in_v) in &wraps {
             let mut sampler = json!({});
-            [("wrapS", s), ("wrapT", t)].into_iter().filter(|(_, w)| !w.is_null()).for_each(|(k, w)| sampler[k] = w.clone());
+            [("wrapS", s), ("wrapT", t)]
+                .into_iter()
+                .filter(|(_, w)| !w.is_null())
+                .for_each(|(k, w)| sampler[k] = w.clone());
             assert_eq!(texture(sampler).wrap, [*in_u, *in_v]);
         }
     }
     // Magnification decides; without it minification does, of which only what is no mipmap is left.
     for (min, without_mag) in [
-        (9728, Filter::Nearest),
-        (9729, Filter::Linear),
-        (9984, Filter::Nearest),
-        (9985, Filter::Linear),
-        (9986, Filter::Nearest),
-        (9987, Filter::Linear),
+        (9728, TextureFilter::Nearest),
+        (9729, TextureFilter::Linear),
+        (9984, TextureFilter::Nearest),
+        (9985, TextureFilter::Linear),
+        (9986, TextureFilter::Nearest),
+        (9987, TextureFilter::Linear),
     ] {
         assert_eq!(texture(json!({ "minFilter": min })).filter, without_mag, "{min}");
-        assert_eq!(texture(json!({ "minFilter": min, "magFilter": 9728 })).filter, Filter::Nearest);
-        assert_eq!(texture(json!({ "minFilter": min, "magFilter": 9729 })).filter, Filter::Linear);
+        assert_eq!(texture(json!({ "minFilter": min, "magFilter": 9728 })).filter, TextureFilter::Nearest);
+        assert_eq!(texture(json!({ "minFilter": min, "magFilter": 9729 })).filter, TextureFilter::Linear);
     }
 }
 
@@ -158,7 +168,8 @@ fn sixteen_bits_have_the_curve_of_eight() {
     for encoding in [Encoding::Srgb, Encoding::Linear] {
         for x in 0..256 {
             let (a, b) = (eight.texel(x, 0, encoding), sixteen.texel(x, 0, encoding));
-            // i/255 and 257 i/65535 are one number, each rounded once; the curve's slope is at most 2.3, and alpha has none.
+            // i/255 and 257 i/65535 are one number, each rounded once; the curve's slope is at most 2.3, and alpha has
+            // none.
             assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2.5 * f32::EPSILON), "{x}: {a:?} {b:?}");
         }
     }
@@ -182,7 +193,8 @@ fn images_keep_their_depth() {
 
 #[test]
 fn two_textures_of_one_image_share_it() {
-    let material = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } }, "emissiveTexture": { "index": 0 } });
+    let material =
+        json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } }, "emissiveTexture": { "index": 0 } });
     let description = file(material).load().expect("a valid file");
     assert_eq!(description.images.len(), 1);
     // One here, one in each of two textures.
@@ -257,7 +269,10 @@ fn numbers_that_mean_nothing_are_errors() {
         "material 'a': the refractive index is out of range"
     );
     let volume = json!({ "attenuationDistance": 0 });
-    assert_eq!(error(extension("KHR_materials_volume", volume)), "material 'a': the attenuation distance is out of range");
+    assert_eq!(
+        error(extension("KHR_materials_volume", volume)),
+        "material 'a': the attenuation distance is out of range"
+    );
     let glow = json!({ "name": "a", "emissiveFactor": [1e300, 0, 0] });
     assert_eq!(error(glow), "material 'a': the emission is out of range");
 }
@@ -269,7 +284,10 @@ fn our_own_extras_are_read_strictly() {
     assert_eq!(fresnel(json!({ "fresnel": "constant" })), MetalFresnel::Constant);
     assert_eq!(fresnel(json!({ "fresnel": "schlick" })), MetalFresnel::Schlick);
     assert_eq!(fresnel(json!({})), MetalFresnel::Schlick);
-    assert_eq!(with(json!({ "fresnell": "constant" })).error(), "material 'gold': extras.etendue has the unknown key 'fresnell'");
+    assert_eq!(
+        with(json!({ "fresnell": "constant" })).error(),
+        "material 'gold': extras.etendue has the unknown key 'fresnell'"
+    );
     let neither = "material 'gold': extras.etendue.fresnel is neither \"schlick\" nor \"constant\"";
     assert_eq!(with(json!({ "fresnel": "Constant" })).error(), neither);
     assert_eq!(with(json!({ "fresnel": 1 })).error(), neither);

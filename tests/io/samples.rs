@@ -33,7 +33,10 @@ fn every_sample_loads_with_consistent_contents() {
             let vertices = primitive.positions.len();
             assert!(primitive.material < scene.materials.len(), "{name}");
             assert!(primitive.triangles.iter().flatten().all(|&i| (i as usize) < vertices), "{name}");
-            assert!(primitive.normals.iter().all(|n| n.len() == vertices && n.iter().all(|n| n.is_normalized())), "{name}");
+            assert!(
+                primitive.normals.iter().all(|n| n.len() == vertices && n.iter().all(|n| n.is_normalized())),
+                "{name}"
+            );
             assert!(primitive.uvs.iter().flatten().all(|uv| uv.len() == vertices), "{name}");
         }
     }
@@ -126,11 +129,13 @@ fn what_moves_is_said() {
     assert!(scene.ignored.iter().any(|s| s.starts_with("morph")), "{:?}", scene.ignored);
 }
 
-/// Against the affine map written out; the sign of the angle is tested in the loader by the specification's own example.
+/// Against the affine map written out; the sign of the angle is tested in the loader by the specification's own
+/// example.
 #[test]
 fn texture_transforms_are_read() {
     let Some(scene) = sample("TextureTransformTest") else { return };
-    let texture = |name: &str| scene.materials.iter().find(|m| m.name == name).and_then(|m| m.base_color_texture.clone());
+    let texture =
+        |name: &str| scene.materials.iter().find(|m| m.name == name).and_then(|m| m.base_color_texture.clone());
     let all = texture("All").expect("a texture").transform;
     let (sin, cos) = 0.3f64.sin_cos();
     let want = |u: f64, v: f64| [cos * 1.5 * u + sin * 1.5 * v - 0.2, -sin * 1.5 * u + cos * 1.5 * v - 0.1];

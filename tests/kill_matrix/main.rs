@@ -1,9 +1,10 @@
-//! The kill matrix: every planted defect (src/defects.rs) against every killer (killers.rs). It measures the tests and not the
-//! code: a defect that no test notices is a test that is missing.
+//! The kill matrix: every planted defect (src/defects.rs) against every killer (killers.rs). It measures the tests and
+//! not the code: a defect that no test notices is a test that is missing.
 //!
-//! Without arguments, as `cargo test --features defects` runs it, it takes the sixth of the defects whose turn it is today, or
-//! the one of `ETENDUE_KILL_PART` (0 to 5), each until one killer kills, the fastest first; `--all` takes all, `--defect NAME …` those, `--list` says what they are. It fails if a
-//! defect survives, if a killer fails without a defect, is not there, or takes more than [`run::LIMIT`] seconds of a processor.
+//! Without arguments, as `cargo test --features defects` runs it, it takes the sixth of the defects whose turn it is
+//! today, or the one of `ETENDUE_KILL_PART` (0 to 5), each until one killer kills, the fastest first; `--all` takes
+//! all, `--defect NAME …` those, `--list` says what they are. It fails if a defect survives, if a killer fails without
+//! a defect, is not there, or takes more than [`run::LIMIT`] seconds of a processor.
 
 // What it prints is what it is for.
 #![allow(clippy::print_stdout)]
@@ -25,9 +26,11 @@ fn main() -> ExitCode {
     let outcome = match arguments[..] {
         ["--list"] => list(),
         ["--all"] => judge(Defect::ALL.to_vec(), Until::All),
-        ["--defect", ref names @ ..] => {
-            names.iter().map(|name| named(name)).collect::<Result<_, _>>().and_then(|defects| judge(defects, Until::All))
-        }
+        ["--defect", ref names @ ..] => names
+            .iter()
+            .map(|name| named(name))
+            .collect::<Result<_, _>>()
+            .and_then(|defects| judge(defects, Until::All)),
         [] => part().and_then(|defects| judge(defects, Until::Killed)),
         // A filter or a flag that was meant for the tests of other binaries.
         _ => Ok(()),
@@ -87,6 +90,10 @@ fn judge(defects: Vec<Defect>, until: Until) -> Result<(), String> {
     };
     let rows: Vec<_> = defects.iter().map(plant).collect();
     matrix::print_killers(&killers, &healthy, &rows);
-    println!("{:.0} s, {:.0} s of processors", start.elapsed().as_secs_f64(), matrix::processor_seconds(&healthy, &rows));
+    println!(
+        "{:.0} s, {:.0} s of processors",
+        start.elapsed().as_secs_f64(),
+        matrix::processor_seconds(&healthy, &rows)
+    );
     matrix::verdict(&defects, &rows)
 }

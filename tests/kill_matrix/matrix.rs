@@ -22,11 +22,13 @@ pub(crate) fn check_healthy(killers: &[Located], healthy: &[Outcome]) -> Result<
 
 /// The heads of the columns, which are killers by number.
 pub(crate) fn print_head(killers: &[Located]) {
-    let digits = |of: fn(usize) -> usize| (0..killers.len()).map(|i| char::from(b'0' + of(i) as u8)).collect::<String>();
+    let digits =
+        |of: fn(usize) -> usize| (0..killers.len()).map(|i| char::from(b'0' + of(i) as u8)).collect::<String>();
     println!("\n{:28} {}\n{:28} {}", "", digits(|i| i / 10), "", digits(|i| i % 10));
 }
 
-/// A row: `x` killed, `.` survived, `?` no verdict, `>` killed too late, a blank did not run. Then how many killed, and which was the fastest.
+/// A row: `x` killed, `.` survived, `?` no verdict, `>` killed too late, a blank did not run. Then how many killed, and
+/// which was the fastest.
 pub(crate) fn print_row(defect: Defect, killers: &[Located], row: &[Outcome]) {
     let marks: String = row.iter().map(mark).collect();
     let kills = || row.iter().enumerate().filter(|(_, outcome)| outcome.is_kill());

@@ -50,7 +50,12 @@ pub(crate) fn until_killed(planted: Defect, killers: &[Located], healthy: &[Outc
 }
 
 /// Runs killers in this `order` until one ends as `is_enough` wants.
-fn in_order(planted: Option<Defect>, killers: &[Located], order: &[usize], is_enough: fn(&Outcome) -> bool) -> Vec<Outcome> {
+fn in_order(
+    planted: Option<Defect>,
+    killers: &[Located],
+    order: &[usize],
+    is_enough: fn(&Outcome) -> bool,
+) -> Vec<Outcome> {
     let not_run = Outcome { ending: Ending::NotRun, seconds: 0.0 };
     let (next, done) = (AtomicUsize::new(0), Mutex::new(vec![not_run; killers.len()]));
     let work = || {

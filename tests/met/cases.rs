@@ -53,8 +53,8 @@ const CASES: &[Case] = &[
         right: [0.1302; 3],
         within: 3e-4,
     },
-    // The value is that of the middle of the view; its edge is nearer to the lamp or farther by 2 %, which leaves 3e-4 in the
-    // mean (7e-5), beside half a unit of the last digit.
+    // The value is that of the middle of the view; its edge is nearer to the lamp or farther by 2 %, which leaves 3e-4
+    // in the mean (7e-5), beside half a unit of the last digit.
     Case {
         file: "camera-in-medium/point-cam1.4.gltf",
         options: "--env 0 --size 8x8 --spp 256",
@@ -63,8 +63,8 @@ const CASES: &[Case] = &[
         right: [0.2284, 0.0846, 0.01],
         within: 1.2e-4,
     },
-    // One wall at normal incidence: 1 − .04 of the sun on an albedo of .5. Walks from the sun, which meet the floor once in many, have
-    // 6e-5 of it in bdpt.
+    // One wall at normal incidence: 1 − .04 of the sun on an albedo of .5. Walks from the sun, which meet the floor
+    // once in many, have 6e-5 of it in bdpt.
     Case {
         file: "pane/sun-r0.0.gltf",
         options: "--env 0 --size 8x8 --spp 16 --depth 1",

@@ -1,5 +1,5 @@
-//! Scenes that went wrong once, each at its right value: every backend, every method that sees the light. scenes/met/README.md says
-//! what each file is and where its value comes from.
+//! Scenes that went wrong once, each at its right value: every backend, every method that sees the light.
+//! scenes/met/README.md says what each file is and where its value comes from.
 
 mod cases;
 mod pictures;

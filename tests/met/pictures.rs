@@ -4,13 +4,17 @@ use crate::render::{backends, render};
 
 const WHOLE: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
 
-/// A glass cube stands on a table of albedo (.5, 0, 0) under a white sky: what is not red is reflected by the glass, twice at most.
+/// A glass cube stands on a table of albedo (.5, 0, 0) under a white sky: what is not red is reflected by the glass,
+/// twice at most.
 #[test]
 fn a_table_under_glass_is_there() {
-    for file in ["touching/glass-on-table-01.gltf", "touching/glass-on-table-02.gltf", "touching/glass-on-table-07.gltf"] {
+    for file in
+        ["touching/glass-on-table-01.gltf", "touching/glass-on-table-02.gltf", "touching/glass-on-table-07.gltf"]
+    {
         for backend in backends() {
             for method in ["path", "bdpt"] {
-                let mean = render(file, &format!("--env 1 --size 8x8 --spp 256 --method {method}"), backend).mean(WHOLE);
+                let mean =
+                    render(file, &format!("--env 1 --size 8x8 --spp 256 --method {method}"), backend).mean(WHOLE);
                 assert!(mean.is_at_most([0.5, 0.08, 0.08]), "{file} {backend} {method}: {mean:?}");
                 assert!(mean.value[0] > 0.25, "{file} {backend} {method}: {mean:?}");
             }
@@ -18,8 +22,9 @@ fn a_table_under_glass_is_there() {
     }
 }
 
-/// An orthographic beam through a wedge of index 1.5 in a slab of 1.33 lands at x = −.3206 on a ramp of red from x = −4 to 4 by Snell's
-/// law. Green and blue are constant there. Light reflected within the slab is up to 1 % of the rest and lands within the ramp.
+/// An orthographic beam through a wedge of index 1.5 in a slab of 1.33 lands at x = −.3206 on a ramp of red from x = −4
+/// to 4 by Snell's law. Green and blue are constant there. Light reflected within the slab is up to 1 % of the rest and
+/// lands within the ramp.
 #[test]
 fn a_wedge_in_a_slab_bends_by_the_ratio_of_the_two() {
     for backend in backends() {
@@ -66,7 +71,8 @@ fn clear_glass_with_averaged_normals_keeps_its_light() {
 /// Infinite texels are clamped, and the console says so.
 #[test]
 fn an_infinite_sun_is_clamped() {
-    let picture = render("env/scene.gltf", "--env sun-inf.exr --size 4x4 --spp 4", backends().next().expect("a backend"));
+    let picture =
+        render("env/scene.gltf", "--env sun-inf.exr --size 4x4 --spp 4", backends().next().expect("a backend"));
     assert!(picture.console.contains("not finite") || picture.console.contains("infinite"), "{}", picture.console);
     assert!(picture.mean(WHOLE).value.iter().all(|v| v.is_finite()));
 }

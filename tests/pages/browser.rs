@@ -1,5 +1,5 @@
-//! A headless Chromium, driven by the DevTools protocol over its pipes: commands are JSON documents that end with a zero byte.
-//! Named pipes stand at the file descriptors 3 and 4, which a shell opens for it.
+//! A headless Chromium, driven by the DevTools protocol over its pipes: commands are JSON documents that end with a
+//! zero byte. Named pipes stand at the file descriptors 3 and 4, which a shell opens for it.
 
 use base64::Engine;
 use serde_json::{Value, json};
@@ -23,7 +23,12 @@ pub(crate) struct Browser {
 /// The program's name, if it is installed.
 pub(crate) fn installed() -> Option<&'static str> {
     let runs = |name: &&str| {
-        Command::new(name).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|s| s.success())
+        Command::new(name)
+            .arg("--version")
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .is_ok_and(|s| s.success())
     };
     ["chromium", "chromium-browser", "google-chrome"].into_iter().find(runs)
 }
@@ -39,7 +44,8 @@ impl Browser {
         };
         let ((to, input), (from, output)) = (pipe("to"), pipe("from"));
         // As root, and in containers, Chromium's sandbox cannot start; the page is ours.
-        let flags = "--headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run --remote-debugging-pipe";
+        let flags =
+            "--headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --no-first-run --remote-debugging-pipe";
         let script = format!("exec \"$0\" {flags} --user-data-dir=\"$1\" about:blank 3<\"$2\" 4>\"$3\"");
         let process = Command::new("sh")
             .args(["-c", &script, program])
@@ -89,7 +95,10 @@ impl Browser {
             "Emulation.setDeviceMetricsOverride",
             &json!({"width": width, "height": 844, "deviceScaleFactor": 1, "mobile": width < 600}),
         );
-        self.call("Emulation.setEmulatedMedia", &json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}));
+        self.call(
+            "Emulation.setEmulatedMedia",
+            &json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]}),
+        );
         self.events.clear();
         self.call("Page.navigate", &json!({"url": format!("file://{}", file.display())}));
         while !self.events.iter().any(|e| e["method"] == "Page.loadEventFired") {
@@ -108,7 +117,10 @@ impl Browser {
     /// Presses and releases a key.
     pub(crate) fn press(&mut self, key: &str, code: u32) {
         for kind in ["keyDown", "keyUp"] {
-            self.call("Input.dispatchKeyEvent", &json!({"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code}));
+            self.call(
+                "Input.dispatchKeyEvent",
+                &json!({"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code}),
+            );
         }
     }
 

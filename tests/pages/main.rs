@@ -1,5 +1,5 @@
-//! Report pages in a real browser: Debian's Chromium, headless. Where it is not installed the test says so and passes, unless
-//! ETENDUE_BROWSER is set, as it is in continuous integration (`ETENDUE_BROWSER=1 ./setup.sh` installs it). With
+//! Report pages in a real browser: Debian's Chromium, headless. Where it is not installed the test says so and passes,
+//! unless ETENDUE_BROWSER is set, as it is in continuous integration (`ETENDUE_BROWSER=1 ./setup.sh` installs it). With
 //! ETENDUE_SCREENSHOTS=FOLDER it leaves pictures of the page there, and with ETENDUE_PAGE=FILE it takes that page.
 
 #![allow(clippy::unwrap_used)]
@@ -14,7 +14,9 @@ fn browser() -> Option<Browser> {
     let program = browser::installed();
     if program.is_none() {
         assert!(std::env::var_os("ETENDUE_BROWSER").is_none(), "ETENDUE_BROWSER is set and no Chromium is installed");
-        eprintln!("\n*** SKIPPED: no Chromium, so pages were not tested: ETENDUE_BROWSER=1 ./setup.sh installs it ***\n");
+        eprintln!(
+            "\n*** SKIPPED: no Chromium, so pages were not tested: ETENDUE_BROWSER=1 ./setup.sh installs it ***\n"
+        );
     }
     program.map(Browser::start)
 }
@@ -73,8 +75,7 @@ fn a_report_of_rays_works_on_desktop_and_phone_by_day_and_night() {
     works_everywhere(&mut browser, &page, "rays");
     // All numbers are there: for each scene rates, classes and hits, then the hard cases.
     assert_eq!(browser.value("document.querySelectorAll('table').length"), 2 * 3 + 1);
-    let cells =
-        "[...document.querySelectorAll('tr')].every(r => r.cells.length === r.closest('table').tHead.rows[0].cells.length)";
+    let cells = "[...document.querySelectorAll('tr')].every(r => r.cells.length === r.closest('table').tHead.rows[0].cells.length)";
     assert_eq!(browser.value(cells), true, "rows are as long as their heads");
     assert_eq!(browser.value("document.querySelectorAll('svg[role=img]').length"), 2 * 2);
     assert_eq!(browser.value("[...document.querySelectorAll('svg[role=img]')].filter(e => !e.ariaLabel).length"), 0);
@@ -88,7 +89,8 @@ fn works_everywhere(browser: &mut Browser, page: &Path, name: &str) {
         let is_dark = scheme == "dark";
         assert_eq!(brightness(browser, "body") < 64.0, is_dark, "{scheme}");
         // Curves are drawn in the page's colours: a place holder would be almost black.
-        let stroke = browser.value("getComputedStyle(document.querySelector('svg.plot polyline[stroke^=\"#0A\"]')).stroke");
+        let stroke =
+            browser.value("getComputedStyle(document.querySelector('svg.plot polyline[stroke^=\"#0A\"]')).stroke");
         let expected = browser.value("getComputedStyle(document.documentElement).getPropertyValue('--h0')");
         let hex = expected.as_str().unwrap().trim().trim_start_matches('#');
         let channel = |at: usize| u8::from_str_radix(&hex[at..at + 2], 16).unwrap();
@@ -99,7 +101,8 @@ fn works_everywhere(browser: &mut Browser, page: &Path, name: &str) {
             browser.photograph(&Path::new(&folder).join(format!("{name}-{width}-{scheme}.png")));
         }
         let requests = browser.requests();
-        let outside: Vec<_> = requests.iter().filter(|url| !url.starts_with("data:") && !url.ends_with(".html")).collect();
+        let outside: Vec<_> =
+            requests.iter().filter(|url| !url.starts_with("data:") && !url.ends_with(".html")).collect();
         assert!(!requests.is_empty() && outside.is_empty(), "{outside:?}");
         assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());
     }
@@ -118,7 +121,8 @@ fn the_slider_moves_by_keys_and_pictures_can_be_chosen() {
     assert_eq!(browser.value(clip), "inset(0px 0px 0px 51%)");
     browser.press("Home", 36);
     assert_eq!(browser.value(clip), "inset(0px 0px 0px 0%)");
-    let shown = "(([l, r]) => [l.src, r.src, l.alt, r.alt].join('|'))(document.querySelectorAll('.compare .stack img'))";
+    let shown =
+        "(([l, r]) => [l.src, r.src, l.alt, r.alt].join('|'))(document.querySelectorAll('.compare .stack img'))";
     let before = browser.value(shown);
     browser.value(
         "(s => { s.selectedIndex = s.options.length - 1; s.dispatchEvent(new Event('change')); })(document.querySelectorAll('.compare select')[1])",

@@ -1,7 +1,8 @@
-//! Numbers at the edges of the unit cube, one in millions: a walk that they begin is one that weights can count, or is none.
+//! Numbers at the edges of the unit cube, one in millions: a walk that they begin is one that weights can count, or is
+//! none.
 
 use crate::worlds::all;
-use etendue::path::{Arrival, Subpath, Tally, Techniques, Weights};
+use etendue::path::{Arrival, MisStrategy, Subpath, Techniques, TraceStats};
 use etendue::sampling::{Heuristic, Sampler, Slot};
 
 /// The same numbers for every bounce.
@@ -23,15 +24,17 @@ impl Sampler for Edge {
 #[test]
 fn walks_along_the_surface_of_a_light_are_none() {
     const LAST: f32 = 1.0 - f32::EPSILON / 2.0;
-    let weights = Weights { techniques: Techniques::ALL, heuristic: Heuristic::Balance, light_walks: 1.0 };
+    let weights = MisStrategy { techniques: Techniques::ALL, heuristic: Heuristic::Balance, light_walks: 1.0 };
     for world in all() {
         let camera = world.scene.camera(None, 8, 8).expect("a camera");
         for light in [0.0, 0.2, 0.4, 0.6, 0.8, LAST] {
             for direction in [[0.0, 0.0], [0.0, 0.3], [0.3, 0.0], [0.5, 0.5], [LAST, 0.3], [LAST, LAST]] {
                 let mut numbers = Edge { light, direction };
                 let Some((mut path, _)) = Subpath::from_light(&world.scene, &weights, &mut numbers) else { continue };
-                let Arrival::Surface(found) = path.arrive(&camera, &mut numbers, &mut Tally::default()) else { continue };
-                let (a, b) = (found.sums.a, found.sums.b);
+                let Arrival::Surface(found) = path.arrive(&camera, &mut numbers, &mut TraceStats::default()) else {
+                    continue;
+                };
+                let (a, b) = (found.sums.vc, found.sums.vc_prev);
                 assert!(a.is_finite() && b.is_finite(), "{}: {light} {direction:?}: {a} {b}", world.name);
             }
         }

@@ -4,7 +4,7 @@ use crate::deep::deep;
 use crate::made::{Made, Studio};
 use crate::worlds::{World, all};
 use etendue::bsdf::{Bsdf, Lobes};
-use etendue::path::{FullPath, Technique, Techniques, Weights};
+use etendue::path::{FullPath, MisStrategy, Technique, Techniques};
 use etendue::sampling::Heuristic;
 use glam::DVec3;
 use std::cell::Cell;
@@ -15,17 +15,20 @@ const SIDE: u32 = 64;
 const WEIGHT_ERROR: f64 = 1e-5;
 
 /// Relative error of a product of densities or values along a path, in f32. A direction is a rounding or two off; GGX's
-/// (z² + sin²/α²)⁻² multiplies that by 4 / α at most, a cosine by its inverse, and the difference of two points by the inverse of their
-/// distance, in a scene of radius 1. At the critical angle, where 1 − F begins as a root, a rounding becomes its own root.
+/// (z² + sin²/α²)⁻² multiplies that by 4 / α at most, a cosine by its inverse, and the difference of two points by the
+/// inverse of their distance, in a scene of radius 1. At the critical angle, where 1 − F begins as a root, a rounding
+/// becomes its own root.
 fn product_error(made: &Made, world: &World) -> f64 {
     let alpha = world.alpha;
     let epsilon = f64::from(f32::EPSILON);
     let cosines: f64 = cosines(made, made.path.directions()).map(f64::recip).sum();
     let nodes = made.nodes.windows(2);
     let shortest = nodes.map(|pair| f64::from(pair[0].point.p.distance(pair[1].point.p))).fold(1.0, f64::min);
-    let refracting = made.nodes.iter().filter(|n| n.surface.lobes().intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)));
-    // What edges pass is met at points that are known within some sixteen roundings. What it lets through is a concave function of the
-    // cosine that is not below 0 at 0, so that its relative change is at most that of the cosine. All panes are level.
+    let refracting =
+        made.nodes.iter().filter(|n| n.surface.lobes().intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)));
+    // What edges pass is met at points that are known within some sixteen roundings. What it lets through is a concave
+    // function of the cosine that is not below 0 at 0, so that its relative change is at most that of the cosine. All
+    // panes are level.
     let edges = (0..made.path.k()).map(|i| made.path.length(i)).fold(1.0, f64::min);
     let grazing = made.path.directions().iter().map(|w| w.y.abs()).fold(1.0, f64::min);
     let passed = if world.scene.features().content() { 16.0 * epsilon / edges / grazing } else { 0.0 };
@@ -34,12 +37,12 @@ fn product_error(made: &Made, world: &World) -> f64 {
         + passed
 }
 
-fn weights(techniques: Techniques, heuristic: Heuristic) -> Weights {
-    Weights { techniques, heuristic, light_walks: f64::from(SIDE * SIDE) }
+fn weights(techniques: Techniques, heuristic: Heuristic) -> MisStrategy {
+    MisStrategy { techniques, heuristic, light_walks: f64::from(SIDE * SIDE) }
 }
 
 /// All sets of techniques that a scene may be rendered with, and both heuristics.
-fn all_weights() -> Vec<Weights> {
+fn all_weights() -> Vec<MisStrategy> {
     let sets: [&[Technique]; 6] = [
         &[],
         &[Technique::Splat],
@@ -53,7 +56,7 @@ fn all_weights() -> Vec<Weights> {
 }
 
 /// Runs `check` on paths of every world and of all weights.
-fn each_path(walks: u64, check: impl Fn(&World, &Weights, &Made)) {
+fn each_path(walks: u64, check: impl Fn(&World, &MisStrategy, &Made)) {
     let walks = if deep() { 50 * walks } else { walks };
     for world in all() {
         let camera = world.scene.camera(None, SIDE, SIDE).expect("a camera");
@@ -100,11 +103,15 @@ fn weights_are_a_partition_of_unity_and_the_fast_ones_are_the_defined_ones() {
     });
     let (count, beyond) = (count.get(), beyond.get());
     println!("errors of weights: {:.1e} at most, {beyond} of {count} above {WEIGHT_ERROR:e}", worst.get());
-    assert!(beyond as f64 <= 1e-3 * count as f64, "{beyond} of {count} paths have weights off by more than {WEIGHT_ERROR:e}");
+    assert!(
+        beyond as f64 <= 1e-3 * count as f64,
+        "{beyond} of {count} paths have weights off by more than {WEIGHT_ERROR:e}"
+    );
 }
 
-/// f(x̄) / p_{s,t} is what the technique found: so f does not depend on which it was, and the walk's densities are the evaluator's.
-/// What rough glass lets through at its critical angle comes out of nothing with a relative error without bound: such paths are counted.
+/// f(x̄) / p_{s,t} is what the technique found: so f does not depend on which it was, and the walk's densities are the
+/// evaluator's. What rough glass lets through at its critical angle comes out of nothing with a relative error without
+/// bound: such paths are counted.
 #[test]
 fn what_a_technique_finds_is_the_integrand_over_its_density() {
     let (worst, count, critical) = (Cell::new(0.0f64), Cell::new(0u64), Cell::new(0u64));
@@ -126,7 +133,7 @@ fn what_a_technique_finds_is_the_integrand_over_its_density() {
 }
 
 /// The largest relative error over the lanes.
-fn value_off(weights: &Weights, made: &Made) -> f64 {
+fn value_off(weights: &MisStrategy, made: &Made) -> f64 {
     let found = made.path.evaluate(weights);
     let log = found.densities.log[made.s].unwrap_or_else(|| panic!("({}, {}) cannot be", made.s, made.t));
     // A splat is found per walk; the density counts all walks.
@@ -138,8 +145,9 @@ fn value_off(weights: &Weights, made: &Made) -> f64 {
     (0..3).map(lane_off).fold(0.0, f64::max)
 }
 
-/// Directions that are derived again from positions give the same weights but for what a change of direction does: a density changes
-/// by up to 4 / α times it over a cosine, and a weight by a quarter of that of each ratio for each power of it.
+/// Directions that are derived again from positions give the same weights but for what a change of direction does: a
+/// density changes by up to 4 / α times it over a cosine, and a weight by a quarter of that of each ratio for each
+/// power of it.
 #[test]
 fn weights_from_positions_alone_are_the_same() {
     let worst = Cell::new(0.0f64);
@@ -151,7 +159,8 @@ fn weights_from_positions_alone_are_the_same() {
         let straight = FullPath::straight(&made.emitter, &made.nodes, made.path.camera(), kept[0]).expect("seen");
         let turned = kept.iter().zip(&straight).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
         let grazing = cosines(made, &straight).fold(1.0, f64::min);
-        let again = FullPath::new(&world.scene, made.path.camera(), made.emitter, made.nodes.clone(), straight).expect("seen");
+        let again =
+            FullPath::new(&world.scene, made.path.camera(), made.emitter, made.nodes.clone(), straight).expect("seen");
         let [a, b] = [&made.path, &again].map(|path| path.evaluate(weights).densities.weight(weights, made.s));
         let bound = 1e-10 + 8.0 * made.path.k() as f64 * turned * (1.0 / world.alpha + 1.0 / grazing);
         worst.set(worst.get().max((a - b).abs()));

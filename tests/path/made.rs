@@ -4,11 +4,12 @@ use crate::worlds::LAMP;
 use etendue::bsdf::Lobes;
 use etendue::camera::Camera;
 use etendue::geometry::{Ray, SurfacePoint};
-use etendue::light::{End, Light, Receiver};
+use etendue::light::{EmitterPoint, Light, LightSampleContext};
 use etendue::path::{
-    Arrival, Emitter, FullPath, Node, Subpath, Sums, Tally, Vertex, Weights, connect, next_event, splat, toward_end,
+    Arrival, Emitter, FullPath, MisStrategy, PartialMis, PathVertex, Subpath, TraceStats, Vertex, connect, next_event,
+    splat, toward_end,
 };
-use etendue::sampling::{Address, Independent, Sampler, Slot};
+use etendue::sampling::{Address, IndependentSampler, Sampler, Slot};
 use etendue::scene::Scene;
 use etendue::spectrum::Spectrum;
 use glam::{DVec3, Vec3};
@@ -16,8 +17,9 @@ use glam::{DVec3, Vec3};
 /// Edges that a walk has at most.
 const LONGEST: usize = 7;
 
-/// A vertex of a walk, the component that it left through, and what the evaluator knows nothing of: the probability that roulette let
-/// it come there and meet or pass what lets light through, over the share of light that edges carried.
+/// A vertex of a walk, the component that it left through, and what the evaluator knows nothing of: the probability
+/// that roulette let it come there and meet or pass what lets light through, over the share of light that edges
+/// carried.
 struct Step<'a> {
     vertex: Vertex<'a>,
     lobe: Lobes,
@@ -33,59 +35,59 @@ pub(crate) struct Made<'a> {
     pub(crate) weight: f64,
     pub(crate) path: FullPath<'a>,
     pub(crate) emitter: Emitter,
-    pub(crate) nodes: Vec<Node>,
+    pub(crate) nodes: Vec<PathVertex>,
 }
 
 /// What both walks and their sampler have in common.
 pub(crate) struct Studio<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) camera: &'a Camera,
-    pub(crate) weights: Weights,
+    pub(crate) weights: MisStrategy,
     pub(crate) side: u32,
 }
 
 /// What a walk met, and what the sky is for it if it left.
-struct Walked<'a> {
+struct SubpathEnd<'a> {
     steps: Vec<Step<'a>>,
     sky: Option<Sky>,
 }
 
 /// A walk that left the scene.
 struct Sky {
-    sums: Sums,
+    sums: PartialMis,
     w: Vec3,
     beta: Spectrum,
     undo: Spectrum,
 }
 
 impl<'a> Studio<'a> {
-    fn walk(&self, mut path: Subpath<'a>, mut from: End, sampler: &mut Independent) -> Walked<'a> {
-        let (mut steps, mut tally, mut through) = (Vec::<Step>::new(), Tally::default(), Spectrum::ONE);
+    fn walk(&self, mut path: Subpath<'a>, mut from: EmitterPoint, sampler: &mut IndependentSampler) -> SubpathEnd<'a> {
+        let (mut steps, mut tally, mut through) = (Vec::<Step>::new(), TraceStats::default(), Spectrum::ONE);
         loop {
             let vertex = match path.arrive(self.camera, sampler, &mut tally) {
                 Arrival::Surface(vertex) => vertex,
                 Arrival::Infinity(sums) => {
                     let w = path.walk.ray.direction;
-                    let last = steps.last().map(|step: &Step| self.carried(&step.vertex, &End::Infinity, w));
+                    let last = steps.last().map(|step: &Step| self.carried(&step.vertex, &EmitterPoint::Distant, w));
                     let undo = (through * last.unwrap_or(Spectrum::ONE)).map(|x: f32| path.walk.survival / x);
                     let sky = Sky { sums, w: path.walk.ray.direction, beta: path.walk.beta, undo };
-                    return Walked { steps, sky: Some(sky) };
+                    return SubpathEnd { steps, sky: Some(sky) };
                 }
             };
             through *= self.carried(&vertex, &from, vertex.known);
             let SurfacePoint { p, error, ng, .. } = vertex.point;
-            from = End::Surface { p, error, ng, touched: vertex.point.touched() };
+            from = EmitterPoint::Surface { p, error, ng, touched: vertex.point.touched() };
             let undo = through.map(|x: f32| path.walk.survival / x);
             let left = vertex.shading().and_then(|shading| path.go_on(&vertex, &shading, sampler, &mut tally));
             steps.push(Step { vertex, lobe: left.unwrap_or(Lobes::SMOOTH), undo });
             if left.is_none() || steps.len() == LONGEST {
-                return Walked { steps, sky: None };
+                return SubpathEnd { steps, sky: None };
             }
         }
     }
 
     /// What the edge between a vertex and the `end` in direction `w` carries.
-    fn carried(&self, vertex: &Vertex, end: &End, w: Vec3) -> Spectrum {
+    fn carried(&self, vertex: &Vertex, end: &EmitterPoint, w: Vec3) -> Spectrum {
         let bodies = self.scene.bodies_toward(&vertex.point, vertex.bodies, w);
         let segment = Ray { bodies, ..toward_end(&vertex.point, end, w) };
         self.scene.edge(&segment, &mut 0, |_| false).through
@@ -93,13 +95,13 @@ impl<'a> Studio<'a> {
 
     /// Every path that the two walks of sample `index` make.
     pub(crate) fn sample(&self, index: u64) -> Vec<Made<'a>> {
-        let [mut eye, mut lamp] = [0, 1].map(|stream| Independent::new(Address::new(index).with(stream)));
+        let [mut eye, mut lamp] = [0, 1].map(|stream| IndependentSampler::new(Address::new(index).with(stream)));
         let film = eye.u2(0, Slot::Aux).map(|u| u * self.side as f32);
         let camera = self.camera.ray(film);
-        let eye_point = End::Point(camera.origin);
+        let eye_point = EmitterPoint::Point(camera.origin);
         let camera = self.walk(Subpath::from_camera(self.scene, &self.weights, camera), eye_point, &mut eye);
         let light = Subpath::from_light(self.scene, &self.weights, &mut lamp);
-        if let Some((_, Emitter { end: End::Surface { .. }, radiance, .. })) = &light {
+        if let Some((_, Emitter { end: EmitterPoint::Surface { .. }, radiance, .. })) = &light {
             // Emission's power over its densities: a dozen roundings.
             let off = (*radiance - LAMP).map(|x: f32| x.abs()).max_lane();
             assert!(off < 16.0 * f32::EPSILON * LAMP.max_lane(), "{radiance:?} leaves a lamp of {LAMP:?}");
@@ -117,7 +119,7 @@ impl<'a> Studio<'a> {
     fn joined(&self, emitter: &Emitter, light: &[Step<'a>], camera: &[Step<'a>], made: &mut Vec<Made<'a>>) {
         for (i, y) in light.iter().enumerate().filter(|(_, y)| y.vertex.is_connectible()) {
             if let Some(found) = splat(self.scene, &self.weights, self.camera, &y.vertex) {
-                let toward = self.camera.seen(y.vertex.point.p).expect("seen").toward;
+                let toward = self.camera.sample_wi(y.vertex.point.p).expect("seen").wi;
                 let value = found.connection.value * y.undo;
                 made.extend(self.made(*emitter, &light[..=i], &[], toward, value, found.connection.weight, 1));
             }
@@ -132,7 +134,7 @@ impl<'a> Studio<'a> {
     }
 
     /// s = 1 and s = 0.
-    fn ended(&self, camera: &Walked<'a>, sampler: &mut Independent, made: &mut Vec<Made<'a>>) {
+    fn ended(&self, camera: &SubpathEnd<'a>, sampler: &mut IndependentSampler, made: &mut Vec<Made<'a>>) {
         for (j, z) in camera.steps.iter().enumerate() {
             let steps = &camera.steps[..=j];
             let shading = z.vertex.shading().filter(|_| z.vertex.is_connectible());
@@ -152,11 +154,11 @@ impl<'a> Studio<'a> {
     }
 
     /// The light that next-event estimation samples from `z` with the numbers of `bounce`, and its direction.
-    fn sampled(&self, z: &Vertex, sampler: &mut Independent, bounce: u32) -> (Emitter, Vec3) {
-        let (lights, receiver) = (self.scene.lights(), Receiver::from(&z.point));
+    fn sampled(&self, z: &Vertex, sampler: &mut IndependentSampler, bounce: u32) -> (Emitter, Vec3) {
+        let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(&z.point));
         let (index, _) = lights.choose(&receiver, sampler.u1(bounce, Slot::LightPick)).expect("a light");
-        let sample = lights.all()[index].sample_toward(&receiver, sampler.u2(bounce, Slot::LightPoint)).expect("a sample");
-        let falloff = if let End::Point(p) = sample.end { p.distance_squared(z.point.p) } else { 1.0 };
+        let sample = lights.all()[index].sample_li(&receiver, sampler.u2(bounce, Slot::LightPoint)).expect("a sample");
+        let falloff = if let EmitterPoint::Point(p) = sample.end { p.distance_squared(z.point.p) } else { 1.0 };
         (Emitter { index, end: sample.end, radiance: sample.radiance * falloff }, sample.wi)
     }
 
@@ -170,13 +172,18 @@ impl<'a> Studio<'a> {
             return None;
         }
         let lights = self.scene.lights();
-        let density = light.emission_density(self.scene.ball(), z.known);
-        let [direct, end] = [lights.pmf(&Receiver::from(&z.point), index), lights.emitter_pmf(index)];
-        let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value()) * density.end);
-        let weight = self.weights.hit(&z.sums, direct, end, density.ray);
+        let density = light.pdf_le(self.scene.ball(), z.known);
+        let [direct, end] = [lights.pmf(&LightSampleContext::from(&z.point), index), lights.emitter_pmf(index)];
+        let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value()) * density.position);
+        let weight = self.weights.hit(&z.sums, direct, end, density.direction);
         let emitter = Emitter {
             index,
-            end: End::Surface { p: z.point.p, error: z.point.error, ng: z.point.ng, touched: z.point.touched() },
+            end: EmitterPoint::Surface {
+                p: z.point.p,
+                error: z.point.error,
+                ng: z.point.ng,
+                touched: z.point.touched(),
+            },
             radiance,
         };
         let value = z.beta * radiance * steps[steps.len() - 1].undo;
@@ -188,12 +195,12 @@ impl<'a> Studio<'a> {
         let (index, environment) = self.scene.lights().environment()?;
         let (radiance, pdf) = environment.along(sky.w);
         let lights = self.scene.lights();
-        let density = lights.all()[index].emission_density(self.scene.ball(), -sky.w);
+        let density = lights.all()[index].pdf_le(self.scene.ball(), -sky.w);
         let z = &steps.last()?.vertex;
-        let [direct, end] = [lights.pmf(&Receiver::from(&z.point), index), lights.emitter_pmf(index)];
+        let [direct, end] = [lights.pmf(&LightSampleContext::from(&z.point), index), lights.emitter_pmf(index)];
         let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value() * pdf.value()));
-        let weight = self.weights.hit(&sky.sums, direct, end, density.ray);
-        let emitter = Emitter { index, end: End::Infinity, radiance };
+        let weight = self.weights.hit(&sky.sums, direct, end, density.direction);
+        let emitter = Emitter { index, end: EmitterPoint::Distant, radiance };
         self.made(emitter, &[], steps, -sky.w, sky.beta * radiance * sky.undo, weight, steps.len() + 2)
     }
 
@@ -211,10 +218,10 @@ impl<'a> Studio<'a> {
     ) -> Option<Made<'a>> {
         let of = |steps: &[Step<'a>], i: usize, joins: bool| {
             let joined = joins && i + 1 == steps.len();
-            Node::new(&steps[i].vertex, if joined { Lobes::SMOOTH } else { steps[i].lobe })
+            PathVertex::new(&steps[i].vertex, if joined { Lobes::SMOOTH } else { steps[i].lobe })
         };
         let s = light.len() + camera.len() + 2 - t;
-        let mut nodes: Vec<Node> = (0..light.len()).map(|i| of(light, i, true)).collect();
+        let mut nodes: Vec<PathVertex> = (0..light.len()).map(|i| of(light, i, true)).collect();
         // A walk that hit a light left its last vertex before through what it sampled; all other ends are connected.
         nodes.extend((0..camera.len()).rev().map(|i| of(camera, i, s > 0)));
         let mut directions: Vec<DVec3> = light.iter().map(|step| -step.vertex.known.as_dvec3()).collect();

@@ -1,5 +1,5 @@
-//! Path space: what walks and connections say of a path against what the explicit evaluator finds by definition. No statistics: every
-//! identity must hold on every path.
+//! Path space: what walks and connections say of a path against what the explicit evaluator finds by definition. No
+//! statistics: every identity must hold on every path.
 
 #[path = "../support/deep.rs"]
 mod deep;

@@ -2,10 +2,10 @@
 
 use crate::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, point_light};
 use etendue::accel::Backend;
-use etendue::scene::description::{Description, Environment, Material, PunctualKind, PunctualLight, Volume};
+use etendue::scene::description::{Description, EnvironmentDescription, Material, PunctualKind, PunctualLight, Volume};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Filter, Image, RadianceMap, Texels, Texture, Wrap};
+use etendue::texture::{Encoding, Image, RadianceMap, Texels, Texture, TextureFilter, Wrap};
 use glam::{Affine2, DAffine3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -83,7 +83,7 @@ fn ripples() -> Texture {
         image: Arc::new(Image::new(4, 4, Texels::Rgba8((0..16).map(lean).collect::<Vec<_>>().into()))),
         encoding: Encoding::Linear,
         wrap: [Wrap::Repeat; 2],
-        filter: Filter::Linear,
+        filter: TextureFilter::Linear,
         uv_set: 0,
         transform: Affine2::from_scale(Vec2::splat(3.0)),
     }
@@ -98,7 +98,8 @@ fn bent() -> World {
     smooth_ball(&mut scene, DVec3::new(-0.5, 0.3, 0.1), 0.2, glass(0.5));
     let panel = Material { normal_texture: Some((ripples(), 1.0)), ..lacquer(0.5) };
     add_square(&mut scene, Vec3::new(0.5, 0.2, -0.6), Vec3::new(0.3, 0.0, 0.1), Vec3::Y * 0.4, panel);
-    scene.meshes.last_mut().expect("just added").primitives[0].uvs[0] = Some(vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
+    scene.meshes.last_mut().expect("just added").primitives[0].uvs[0] =
+        Some(vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
     build("bent", 0.16, scene)
 }
 
@@ -121,7 +122,7 @@ fn open() -> World {
     scene.lights.push(aimed(PunctualKind::Directional, DVec3::new(-1.0, 2.0, 1.0), 0.5));
     let texels: Vec<[f32; 3]> = (0..32u8).map(|i| [0.1 + f32::from(i % 5), 0.2 + f32::from(i % 3), 0.3]).collect();
     let map = Arc::new(RadianceMap::new(8, 4, texels));
-    scene.environment = Some(Environment::Map { map, scale: 0.5, rotation: 20.0 });
+    scene.environment = Some(EnvironmentDescription::Map { map, scale: 0.5, rotation: 20.0 });
     build("open", 0.25, scene)
 }
 
@@ -155,7 +156,8 @@ fn nested() -> World {
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(-0.3, -0.5, -0.2), inside(1.5, 0.5, [0.9, 0.4, 0.6]));
     Ball::new(2, 0.15).add(&mut scene, DVec3::new(-0.3, -0.5, -0.2), inside(1.0, f64::INFINITY, [1.0; 3]));
     Ball::new(2, 0.25).add(&mut scene, DVec3::new(0.4, -0.5, 0.1), inside(1.33, 1.0, [0.3, 0.9, 0.3]));
-    let pane = |transmission| Material { transmission, roughness: 0.0, base_color: Spectrum([0.9, 0.8, 0.5]), ..lacquer(0.0) };
+    let pane =
+        |transmission| Material { transmission, roughness: 0.0, base_color: Spectrum([0.9, 0.8, 0.5]), ..lacquer(0.0) };
     add_square(&mut scene, Vec3::new(0.0, 0.6, 0.0), Vec3::X * 0.6, Vec3::Z * 0.6, pane(1.0));
     add_square(&mut scene, Vec3::new(0.5, 0.5, -0.5), Vec3::X * 0.3, Vec3::Z * 0.3, pane(0.5));
     scene.cameras.push(camera(DVec3::new(0.1, -0.1, 0.8), DVec3::new(-0.05, -0.2, -0.3)));

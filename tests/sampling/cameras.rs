@@ -50,7 +50,8 @@ fn directions_follow(yfov: f64, power: i32, seed: u64) -> f64 {
 
 #[test]
 fn directions_of_a_pinhole_have_the_density_of_its_film() {
-    let results: Vec<f64> = [0.3, 1.0, 2.4].iter().zip(80..).map(|(&yfov, seed)| directions_follow(yfov, 3, seed)).collect();
+    let results: Vec<f64> =
+        [0.3, 1.0, 2.4].iter().zip(80..).map(|(&yfov, seed)| directions_follow(yfov, 3, seed)).collect();
     assert!(results.iter().all(|&p| p > sidak(results.len())), "{results:?}");
     // Planted: a cosine less.
     assert!(directions_follow(1.0, 2, 83) < sidak(1));
@@ -66,8 +67,8 @@ fn an_orthographic_camera_covers_its_rectangle_evenly() {
         let ray = camera.ray(film(&mut random));
         assert_eq!(ray.direction, -pose().backward);
         let offset = (ray.origin - pose().position).as_dvec3();
-        let [x, y] =
-            [(pose().right, YMAG * ASPECT), (pose().up, YMAG)].map(|(axis, half)| 0.5 + 0.5 * offset.dot(axis.as_dvec3()) / half);
+        let [x, y] = [(pose().right, YMAG * ASPECT), (pose().up, YMAG)]
+            .map(|(axis, half)| 0.5 + 0.5 * offset.dot(axis.as_dvec3()) / half);
         // Rays begin on the camera's plane, to the rounding of positions of magnitude 4.
         assert!(offset.dot(pose().backward.as_dvec3()).abs() < 16.0 * f64::from(f32::EPSILON));
         let cell = |t: f64| ((t * 20.0).floor().clamp(0.0, 19.0)) as usize;
@@ -77,14 +78,16 @@ fn an_orthographic_camera_covers_its_rectangle_evenly() {
     assert!(p > sidak(1), "{p}");
 }
 
-/// A point on a ray is seen where the ray came from, and a pixel's square of film covers the area that the magnification says.
+/// A point on a ray is seen where the ray came from, and a pixel's square of film covers the area that the
+/// magnification says.
 #[test]
 fn cameras_see_points_where_their_rays_go() {
     let cameras = [
         Camera::Pinhole(Pinhole::new(pose(), 1.0, SIZE[0], SIZE[1])),
         Camera::Orthographic(Orthographic::new(pose(), 0.7, SIZE[0], SIZE[1])),
     ];
-    // Side of the square of film, in pixels: small enough for its projection to be a parallelogram to 1e-4 of a pinhole's pixels of
+    // Side of the square of film, in pixels: small enough for its projection to be a parallelogram to 1e-4 of a
+    // pinhole's pixels of
     // 2.5 degrees, large enough for roundings of 2e-6 pixels at its corners to be 4e-4 of it.
     const SIDE: f32 = 0.02;
     let mut random = Random::new(85);
@@ -94,11 +97,11 @@ fn cameras_see_points_where_their_rays_go() {
             let along = |x: f32, y: f32| camera.ray([film[0] + x, film[1] + y]);
             let ray = along(0.0, 0.0);
             let p = ray.origin + ray.direction * distance;
-            let seen = camera.seen(p).expect("in front");
+            let seen = camera.sample_wi(p).expect("in front");
             // Positions of magnitude 4 are rounded; a pixel is 1/20 of the view.
             let off = (seen.film[0] - film[0]).hypot(seen.film[1] - film[1]);
             assert!(off < 64.0 * f32::EPSILON * 20.0 / distance.min(1.0), "{camera:?} {film:?}: {:?}", seen.film);
-            assert!(seen.toward.distance(-ray.direction) < 16.0 * f32::EPSILON / distance.min(1.0));
+            assert!(seen.wi.distance(-ray.direction) < 16.0 * f32::EPSILON / distance.min(1.0));
             assert!((seen.eye - ray.origin).length() < 32.0 * f32::EPSILON);
             let meet = |x: f32, y: f32| {
                 let (r, d) = (along(x, y), ray.direction.as_dvec3());
@@ -108,9 +111,9 @@ fn cameras_see_points_where_their_rays_go() {
             let half = 0.5 * SIDE;
             let (across, down) = (meet(half, 0.0) - meet(-half, 0.0), meet(0.0, half) - meet(0.0, -half));
             let area = across.cross(down).length();
-            let covered = area * f64::from(seen.magnification) / f64::from(SIDE * SIDE);
+            let covered = area * f64::from(seen.importance) / f64::from(SIDE * SIDE);
             assert!((covered - 1.0).abs() < 2e-3, "{camera:?} {film:?}: {covered}");
-            assert!(camera.seen(ray.origin - ray.direction).is_none());
+            assert!(camera.sample_wi(ray.origin - ray.direction).is_none());
         }
     }
 }

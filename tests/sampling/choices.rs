@@ -5,10 +5,10 @@ use crate::models::{Model, direction, models};
 use crate::random::{Random, samples};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::Local;
-use etendue::light::{Light, Lights, PointLight, Receiver};
+use etendue::light::{Light, LightSampleContext, Lights, PointLight};
 use etendue::sampling::{Density, Distribution};
 use etendue::spectrum::Spectrum;
-use etendue::transport::Transport;
+use etendue::transport::TransportMode;
 use glam::Vec3;
 
 const SAMPLES: u32 = 100_000;
@@ -66,7 +66,7 @@ fn tables_choose_with_the_probabilities_that_they_state() {
 fn lights_are_chosen_with_the_probability_that_is_asked_for_later() {
     let lamp = |i: f32| Light::Point(PointLight { position: Vec3::X * i, intensity: Spectrum::splat(i) });
     let lights = Lights::new([1.0, 0.0, 20.0, 3.0, 1e-3].map(lamp).into(), 1.0);
-    let at = Receiver { p: Vec3::ZERO, ng: Vec3::Y };
+    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Y };
     let n = samples(SAMPLES);
     let (mut random, mut observed) = (Random::new(210), vec![0.0; 5]);
     for _ in 0..n {
@@ -83,15 +83,20 @@ fn lights_are_chosen_with_the_probability_that_is_asked_for_later() {
 type Dirac = (Lobes, f32);
 
 /// How often each Dirac lobe was drawn at `known`, how often a smooth one, and how often nothing.
-fn drawn(model: &Model, known: Local, toward: Transport, n: u32, seed: u64) -> (Vec<(Dirac, f64)>, [f64; 2]) {
+fn drawn(model: &Model, known: Local, mode: TransportMode, n: u32, seed: u64) -> (Vec<(Dirac, f64)>, [f64; 2]) {
     let (mut random, mut dirac, mut rest) = (Random::new(seed), Vec::<(Dirac, f64)>::new(), [0.0; 2]);
     for _ in 0..n {
-        match model.surface.sample(known, toward, random.cube()) {
+        match model.surface.sample(known, mode, random.cube()) {
             None => rest[1] += 1.0,
             Some(sample) => match sample.density {
                 Density::Smooth(_) => rest[0] += 1.0,
                 Density::Delta(p) => {
-                    assert_eq!(sample.lobe == Lobes::DIRAC_REFLECT, known.same_side(sample.direction), "{}", model.name);
+                    assert_eq!(
+                        sample.lobe == Lobes::DIRAC_REFLECT,
+                        known.same_side(sample.direction),
+                        "{}",
+                        model.name
+                    );
                     match dirac.iter_mut().find(|(key, _)| *key == (sample.lobe, p)) {
                         Some((_, count)) => *count += 1.0,
                         None => dirac.push(((sample.lobe, p), 1.0)),
@@ -104,10 +109,10 @@ fn drawn(model: &Model, known: Local, toward: Transport, n: u32, seed: u64) -> (
 }
 
 /// ∫ of the density over all directions, which here depends on the cosine alone and is linear in it: the midpoint rule.
-fn smooth_share(model: &Model, known: Local, toward: Transport) -> f64 {
+fn smooth_share(model: &Model, known: Local, mode: TransportMode) -> f64 {
     const POINTS: u32 = 256;
     let cosine = |i: u32| (2.0 * f64::from(i) + 1.0) / f64::from(POINTS) - 1.0;
-    let pdf = |z: f64| model.surface.pdf(known.cast(), Local::new((1.0 - z * z).sqrt(), 0.0, z), toward, Lobes::SMOOTH);
+    let pdf = |z: f64| model.surface.pdf(known.cast(), Local::new((1.0 - z * z).sqrt(), 0.0, z), mode, Lobes::SMOOTH);
     std::f64::consts::TAU * 2.0 / f64::from(POINTS) * (0..POINTS).map(|i| pdf(cosine(i))).sum::<f64>()
 }
 
@@ -119,10 +124,10 @@ fn smooth_faces_choose_their_lobes_as_stated() {
     for (i, model) in models(0.0).iter().enumerate() {
         for (j, cos) in [0.9, 0.5, 0.01, 1e-4, -0.7, -0.01].into_iter().enumerate() {
             let known = direction(cos, 0.7);
-            for toward in [Transport::Light, Transport::Camera] {
-                let seed = (i * 100 + j) as u64 + 1000 * (toward == Transport::Camera) as u64;
-                let (dirac, rest) = drawn(model, known, toward, n, seed);
-                let smooth = smooth_share(model, known, toward);
+            for mode in [TransportMode::Radiance, TransportMode::Importance] {
+                let seed = (i * 100 + j) as u64 + 1000 * (mode == TransportMode::Importance) as u64;
+                let (dirac, rest) = drawn(model, known, mode, n, seed);
+                let smooth = smooth_share(model, known, mode);
                 let mut expected: Vec<f64> = dirac.iter().map(|((_, p), _)| f64::from(*p)).collect();
                 expected.push(smooth);
                 let total: f64 = expected.iter().sum();
@@ -131,7 +136,10 @@ fn smooth_faces_choose_their_lobes_as_stated() {
                 expected.push((1.0 - total).max(0.0));
                 expected.iter_mut().for_each(|p| *p *= f64::from(n));
                 let observed: Vec<f64> = dirac.iter().map(|(_, count)| *count).chain(rest).collect();
-                results.push((p_value(&observed, &expected), format!("{} cos {cos} {observed:?} {expected:?}", model.name)));
+                results.push((
+                    p_value(&observed, &expected),
+                    format!("{} cos {cos} {observed:?} {expected:?}", model.name),
+                ));
             }
         }
     }

@@ -1,17 +1,17 @@
-//! χ² of every BSDF sampler against its density, toward the light and toward the camera: expected counts below 5 are pooled,
-//! levels follow Šidák. Deep: 1.2 million samples a model, roughness, angle and direction of the walk.
+//! χ² of every BSDF sampler against its density, toward the light and toward the camera: expected counts below 5 are
+//! pooled, levels follow Šidák. Deep: 1.2 million samples a model, roughness, angle and direction of the walk.
 
 use crate::chi_square::{SphereCells, p_value, sidak};
 use crate::models::{Model, direction, models};
 use crate::random::{Random, samples};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::Local;
-use etendue::transport::Transport;
+use etendue::transport::TransportMode;
 use rayon::prelude::*;
 
 const ALPHAS: [f32; 6] = [1e-4, 1e-3, 0.01, 0.05, 0.3, 1.0];
 const COSINES: [f32; 6] = [1.0, 0.6, 0.01, 1e-4, -0.6, -0.05];
-const WAYS: [Transport; 2] = [Transport::Light, Transport::Camera];
+const WAYS: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
 /// Per model, roughness, angle and direction of the walk in everyday tests.
 const SAMPLES: u32 = 12_000;
 /// Error of each cell's expected count: a cell of five, below which they are pooled, scatters by 2.2.
@@ -61,21 +61,25 @@ impl Cells {
 /// p-values for walks toward the light and toward the camera, which have one density.
 fn directions_follow_the_density(model: &Model, alpha: f32, known: Local, seed: u64) -> [f64; 2] {
     let cells = Cells::new(model, known, alpha);
-    let mut expected = cells.integrate(|w| model.surface.pdf(known.cast(), w, Transport::Light, Lobes::SMOOTH));
+    let mut expected = cells.integrate(|w| model.surface.pdf(known.cast(), w, TransportMode::Radiance, Lobes::SMOOTH));
     let total: f64 = expected.iter().sum();
     let n = samples(SAMPLES);
-    assert!(total < 1.0 + TOLERANCE * cells.len() as f64 / f64::from(n), "{}: the density integrates to {total}", model.name);
+    assert!(
+        total < 1.0 + TOLERANCE * cells.len() as f64 / f64::from(n),
+        "{}: the density integrates to {total}",
+        model.name
+    );
     // the last cell: no direction, or a Dirac one
     expected.push((1.0 - total).max(0.0));
     let expected: Vec<f64> = expected.iter().map(|p| p * f64::from(n)).collect();
-    WAYS.map(|toward| p_value(&counts(model, known, toward, &cells, seed), &expected))
+    WAYS.map(|mode| p_value(&counts(model, known, mode, &cells, seed), &expected))
 }
 
-fn counts(model: &Model, known: Local, toward: Transport, cells: &Cells, seed: u64) -> Vec<f64> {
+fn counts(model: &Model, known: Local, mode: TransportMode, cells: &Cells, seed: u64) -> Vec<f64> {
     let mut observed = vec![0.0; cells.len() + 1];
-    let mut random = Random::new(seed + 7919 * (toward == Transport::Camera) as u64);
+    let mut random = Random::new(seed + 7919 * (mode == TransportMode::Importance) as u64);
     for _ in 0..samples(SAMPLES) {
-        let cell = match model.surface.sample(known, toward, random.cube()) {
+        let cell = match model.surface.sample(known, mode, random.cube()) {
             Some(sample) if !sample.density.is_delta() => {
                 assert!(sample.density.value() > 0.0, "{}: sampled where the density is zero", model.name);
                 cells.index(sample.direction)
@@ -87,9 +91,9 @@ fn counts(model: &Model, known: Local, toward: Transport, cells: &Cells, seed: u
     observed
 }
 
-/// Every model at every roughness and angle that directions of f32 resolve: seen along the surface a lobe is α cos wide, and
-/// directions are rounded to 2⁻²⁴. The shift of a count by that is seen against its scatter the better the more samples there
-/// are, with their root. Everyday tests take every fourth.
+/// Every model at every roughness and angle that directions of f32 resolve: seen along the surface a lobe is α cos
+/// wide, and directions are rounded to 2⁻²⁴. The shift of a count by that is seen against its scatter the better the
+/// more samples there are, with their root. Everyday tests take every fourth.
 fn cases() -> Vec<(f32, Model, f32)> {
     let resolved = 16.0 * 0.5 * f32::EPSILON * (samples(SAMPLES) as f32 / SAMPLES as f32).sqrt();
     let angles = |alpha: f32| COSINES.into_iter().filter(move |cos| alpha * cos.abs() >= resolved);
@@ -103,7 +107,7 @@ fn cases() -> Vec<(f32, Model, f32)> {
 fn every_sampler_follows_its_density() {
     let test = |(i, (alpha, model, cos)): (usize, &(f32, Model, f32))| {
         let p = directions_follow_the_density(model, *alpha, direction(*cos, 0.7), i as u64);
-        p.into_iter().zip(WAYS).map(|(p, way)| (p, format!("{}, cos {cos}, toward {way:?}", model.name))).collect()
+        p.into_iter().zip(WAYS).map(|(p, way)| (p, format!("{}, cos {cos}, mode {way:?}", model.name))).collect()
     };
     let results: Vec<Vec<(f64, String)>> = cases().par_iter().enumerate().map(test).collect();
     let results = results.concat();
@@ -122,9 +126,10 @@ fn a_sampler_of_another_roughness_is_convicted() {
         let known = direction(0.6, 0.7);
         for (right, wrong) in right.iter().zip(&wrong).filter(|(m, _)| m.name.starts_with("conductor")) {
             let cells = Cells::new(right, known, alpha);
-            let expected = cells.integrate(|w| right.surface.pdf(known.cast(), w, Transport::Light, Lobes::SMOOTH));
+            let expected =
+                cells.integrate(|w| right.surface.pdf(known.cast(), w, TransportMode::Radiance, Lobes::SMOOTH));
             let expected: Vec<f64> = expected.iter().map(|p| p * f64::from(samples(SAMPLES))).collect();
-            let observed = counts(wrong, known, Transport::Light, &cells, 1);
+            let observed = counts(wrong, known, TransportMode::Radiance, &cells, 1);
             assert!(p_value(&observed[..expected.len()], &expected) < sidak(1), "alpha {alpha}");
         }
     }

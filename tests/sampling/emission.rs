@@ -1,11 +1,13 @@
-//! Rays that lights emit: they carry the light's power, and as much of it falls on a receiver as the receiver finds by sampling the
-//! light.
+//! Rays that lights emit: they carry the light's power, and as much of it falls on a receiver as the receiver finds by
+//! sampling the light.
 
 use crate::chi_square::sidak;
 use crate::random::{Random, samples};
 use etendue::geometry::Triangle;
-use etendue::light::{AreaLight, Ball, DirectionalLight, Emission, EmissionNumbers, Environment, LatLong, Light};
-use etendue::light::{PointLight, Receiver, Sky, SpotLight};
+use etendue::light::{
+    AreaLight, BoundingSphere, DirectionalLight, Emission, Environment, EnvironmentMap, LeRandom, Light,
+};
+use etendue::light::{ConstantEnvironment, LightSampleContext, PointLight, SpotLight};
 use etendue::spectrum::Spectrum;
 use etendue::stats::{Estimate, Moments};
 use etendue::texture::RadianceMap;
@@ -14,7 +16,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use std::sync::Arc;
 
 const SAMPLES: u32 = 100_000;
-const BALL: Ball = Ball { centre: Vec3::new(0.1, -0.2, 0.3), radius: 1.0 };
+const BALL: BoundingSphere = BoundingSphere { centre: Vec3::new(0.1, -0.2, 0.3), radius: 1.0 };
 /// A square within the ball that light falls on from above.
 const HALF: f32 = 0.3;
 const PATCH: f32 = -0.1;
@@ -36,10 +38,11 @@ fn lights() -> Vec<(&'static str, Light)> {
     let spot = |inner, outer| Light::Spot(SpotLight::new(point, Vec3::new(-0.2, 0.1, -1.0).normalize(), inner, outer));
     let toward = Vec3::new(0.3, 0.2, 0.8).normalize();
     let mut random = Random::new(5);
-    // All rows alike: the stated power of others is that of their density, which is linear in the height and not the angle.
+    // All rows alike: the stated power of others is that of their density, which is linear in the height and not the
+    // angle.
     let row: Vec<[f32; 3]> = (0..8).map(|_| random.cube()).collect();
     let texels = row.repeat(4);
-    let map = LatLong::new(Arc::new(RadianceMap::new(8, 4, texels)), 2.0, 30.0).expect("a light");
+    let map = EnvironmentMap::new(Arc::new(RadianceMap::new(8, 4, texels)), 2.0, 30.0).expect("a light");
     vec![
         ("downward triangle", area(false, -1.0)),
         ("upward triangle", area(false, 1.0)),
@@ -48,7 +51,7 @@ fn lights() -> Vec<(&'static str, Light)> {
         ("spot", spot(0.2, 0.6)),
         ("wide spot", spot(0.0, 1.5)),
         ("directional", Light::Directional(DirectionalLight { toward, irradiance: Spectrum([1.0, 0.5, 2.0]) })),
-        ("sky", Light::Environment(Environment::Uniform(Sky { radiance: Spectrum([0.5, 0.7, 1.0]) }))),
+        ("sky", Light::Environment(Environment::Uniform(ConstantEnvironment { radiance: Spectrum([0.5, 0.7, 1.0]) }))),
         ("map", Light::Environment(Environment::Map(Box::new(map)))),
     ]
 }
@@ -62,7 +65,7 @@ fn mean(mut one: impl FnMut() -> f64) -> Estimate {
 fn emitted(light: &Light, seed: u64) -> [Estimate; 2] {
     let ray = |random: &mut Random| {
         let [side, a, b, c, d] = random.cube();
-        light.emit(&BALL, &EmissionNumbers { side, position: [a, b], direction: [c, d] })
+        light.sample_le(&BALL, &LeRandom { side, position: [a, b], direction: [c, d] })
     };
     let falls = |r: &etendue::geometry::Ray| {
         let p = r.origin + r.direction * ((PATCH - r.origin.z) / r.direction.z);
@@ -80,8 +83,9 @@ fn received(light: &Light, seed: u64) -> Estimate {
     let mut random = Random::new(seed);
     mean(|| {
         let [x, y, u, v] = random.cube();
-        let at = Receiver { p: Vec3::new((2.0 * x - 1.0) * HALF, (2.0 * y - 1.0) * HALF, PATCH), ng: Vec3::Z };
-        let Some(sample) = light.sample_toward(&at, [u, v]) else { return 0.0 };
+        let at =
+            LightSampleContext { p: Vec3::new((2.0 * x - 1.0) * HALF, (2.0 * y - 1.0) * HALF, PATCH), ng: Vec3::Z };
+        let Some(sample) = light.sample_li(&at, [u, v]) else { return 0.0 };
         f64::from(sample.radiance.mean() * sample.wi.z.max(0.0) / sample.density.value() * (2.0 * HALF).powi(2))
     })
 }
@@ -119,15 +123,20 @@ fn emitted_rays_begin_where_they_say() {
     for (name, light) in lights() {
         for _ in 0..samples(200) {
             let [side, a, b, c, d] = random.cube();
-            let Some(e) = light.emit(&BALL, &EmissionNumbers { side, position: [a, b], direction: [c, d] }) else { continue };
+            let Some(e) = light.sample_le(&BALL, &LeRandom { side, position: [a, b], direction: [c, d] }) else {
+                continue;
+            };
             assert!((e.ray.direction.length() - 1.0).abs() < ROUNDING as f32, "{name}: {e:?}");
             let (start, slack) = match e.end {
-                etendue::light::End::Surface { p, error, .. } => (p, 4.0 * error), // moved off the surface by √3 of it
-                etendue::light::End::Point(p) => (p, 0.0),
-                etendue::light::End::Infinity => {
+                etendue::light::EmitterPoint::Surface { p, error, .. } => (p, 4.0 * error), // moved off the surface by √3 of it
+                etendue::light::EmitterPoint::Point(p) => (p, 0.0),
+                etendue::light::EmitterPoint::Distant => {
                     let (along, off) = (e.ray.direction.dot(BALL.centre - e.ray.origin), e.ray.origin - BALL.centre);
                     assert!((along - BALL.radius).abs() < 1e-5, "{name}: begins {along} before the middle"); // 80 half ulps
-                    assert!(off.reject_from(e.ray.direction).length() < BALL.radius * (1.0 + 1e-5), "{name}: misses the scene");
+                    assert!(
+                        off.reject_from(e.ray.direction).length() < BALL.radius * (1.0 + 1e-5),
+                        "{name}: misses the scene"
+                    );
                     (e.ray.origin, 0.0)
                 }
             };

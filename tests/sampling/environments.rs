@@ -2,7 +2,7 @@
 
 use crate::chi_square::{p_value, sidak};
 use crate::random::{Random, samples};
-use etendue::light::LatLong;
+use etendue::light::EnvironmentMap;
 use etendue::sampling::Density;
 use etendue::spectrum::{LANES, Spectrum};
 use etendue::texture::RadianceMap;
@@ -18,19 +18,24 @@ struct Case {
     height: usize,
     texels: Vec<[f32; LANES]>,
     degrees: f64,
-    light: LatLong,
+    light: EnvironmentMap,
 }
 
 impl Case {
-    fn new(name: &'static str, [width, height]: [usize; 2], degrees: f64, texel: impl Fn(usize, usize) -> [f32; LANES]) -> Self {
+    fn new(
+        name: &'static str,
+        [width, height]: [usize; 2],
+        degrees: f64,
+        texel: impl Fn(usize, usize) -> [f32; LANES],
+    ) -> Self {
         let texels: Vec<_> = (0..width * height).map(|i| texel(i % width, i / width)).collect();
         let map = Arc::new(RadianceMap::new(width as u32, height as u32, texels.clone()));
-        let light = LatLong::new(map, 1.0, degrees).expect("light");
+        let light = EnvironmentMap::new(map, 1.0, degrees).expect("light");
         Case { name, width, height, texels, degrees, light }
     }
 
-    /// Relative error of a density or radiance at a place that f32 directions and angles give: 16 roundings of a coordinate,
-    /// seen in texels.
+    /// Relative error of a density or radiance at a place that f32 directions and angles give: 16 roundings of a
+    /// coordinate, seen in texels.
     fn rounding(&self) -> f64 {
         16.0 * f64::from(f32::EPSILON) * (self.width + self.height) as f64
     }
@@ -66,8 +71,8 @@ impl Case {
         (2 * strip + half) * 2 * self.width + (x as usize).min(2 * self.width - 1)
     }
 
-    /// ∫ of `f` over each quarter, exact to rounding where `f` is bilinear in azimuth and height: the product of two-point
-    /// Gauss rules.
+    /// ∫ of `f` over each quarter, exact to rounding where `f` is bilinear in azimuth and height: the product of
+    /// two-point Gauss rules.
     fn integrate_quarters(&self, f: impl Fn(Vec3) -> f64) -> Vec<f64> {
         let nodes = [0.5 - 0.5 / 3f64.sqrt(), 0.5 + 0.5 / 3f64.sqrt()];
         let quarter = |i: usize| {
@@ -87,7 +92,8 @@ impl Case {
     /// ∫ (1 − t) sin θ dθ and ∫ t sin θ dθ.
     fn exact_integral(&self) -> [f64; LANES] {
         let lane_mean = |y: usize, lane: usize| {
-            self.texels[y * self.width..][..self.width].iter().map(|t| f64::from(t[lane])).sum::<f64>() / self.width as f64
+            self.texels[y * self.width..][..self.width].iter().map(|t| f64::from(t[lane])).sum::<f64>()
+                / self.width as f64
         };
         std::array::from_fn(|lane| {
             let strip = |j: usize| {
@@ -123,15 +129,25 @@ impl Case {
     }
 }
 
-/// A texel of 1e5 among dim ones; black texels beside bright ones; light across the seam; light at the poles; colours; one texel,
-/// two texels, odd sizes; turned.
+/// A texel of 1e5 among dim ones; black texels beside bright ones; light across the seam; light at the poles; colours;
+/// one texel, two texels, odd sizes; turned.
 fn cases() -> Vec<Case> {
     let grey = |v: f32| [v; LANES];
     let noise = |x: usize, y: usize| ((x * 7 + y * 13 + x * y) % 11) as f32;
     vec![
-        Case::new("sun", [33, 17], 0.0, |x, y| if (x, y) == (11, 5) { grey(1e5) } else { [0.5, 1.0, 1.5 + x as f32 * 0.1] }),
+        Case::new(
+            "sun",
+            [33, 17],
+            0.0,
+            |x, y| if (x, y) == (11, 5) { grey(1e5) } else { [0.5, 1.0, 1.5 + x as f32 * 0.1] },
+        ),
         Case::new("sun, turned", [32, 16], 77.7, |x, y| if (x, y) == (20, 4) { grey(1e5) } else { grey(1.0) }),
-        Case::new("black beside bright", [16, 8], 30.0, |x, y| if (x + y) % 3 == 0 { [4.0, 2.0, 1.0] } else { grey(0.0) }),
+        Case::new(
+            "black beside bright",
+            [16, 8],
+            30.0,
+            |x, y| if (x + y) % 3 == 0 { [4.0, 2.0, 1.0] } else { grey(0.0) },
+        ),
         Case::new("one texel lit", [16, 8], -200.0, |x, y| if (x, y) == (7, 4) { grey(3.0) } else { grey(0.0) }),
         Case::new("across the seam", [12, 6], 0.0, |x, _| if x == 11 { grey(50.0) } else { grey(0.0) }),
         Case::new("zenith", [8, 8], 10.0, |x, y| if y == 0 { grey(x as f32) } else { grey(0.01) }),
@@ -175,8 +191,8 @@ fn directions_follow_the_density_and_it_integrates_to_one() {
     assert!(results.iter().all(|(p, _)| *p > level), "p-values below {level:e}: {results:?}");
 }
 
-/// The lookup is the bilinear one, and the density the bilinear one in height over its integral, at any direction and hard by
-/// the poles and the seam.
+/// The lookup is the bilinear one, and the density the bilinear one in height over its integral, at any direction and
+/// hard by the poles and the seam.
 #[test]
 fn lookup_and_density_are_those_of_the_texels() {
     for (seed, case) in cases().iter().enumerate() {
@@ -200,7 +216,11 @@ fn lookup_and_density_are_those_of_the_texels() {
             };
             let (radiance, pdf) = case.light.along(w.as_vec3());
             let (lookup, density) = (case.lookup(w, false), case.lookup(w, true));
-            assert!((f64::from(radiance.mean()) - lookup).abs() < tolerance, "{} {w}: {radiance:?} {lookup}", case.name);
+            assert!(
+                (f64::from(radiance.mean()) - lookup).abs() < tolerance,
+                "{} {w}: {radiance:?} {lookup}",
+                case.name
+            );
             let got = f64::from(pdf.value()) * integral;
             assert!((got - density).abs() < tolerance, "{} {w}: {got} {density}", case.name);
         }
@@ -223,9 +243,9 @@ fn the_density_is_positive_exactly_where_the_lookup_is() {
     }
 }
 
-/// Sampled radiance over its density has the exact integral of the bilinear lookup for its mean, and hardly scatters: within the
-/// strips beside the polar ones the angle's share is at most twice and at least two thirds of the height's; 1.05 times that,
-/// since the integrals of the two differ, too.
+/// Sampled radiance over its density has the exact integral of the bilinear lookup for its mean, and hardly scatters:
+/// within the strips beside the polar ones the angle's share is at most twice and at least two thirds of the height's;
+/// 1.05 times that, since the integrals of the two differ, too.
 #[test]
 fn sampled_radiance_has_the_integral_of_the_map_for_its_mean() {
     let maps = cases();
@@ -247,7 +267,12 @@ fn sampled_radiance_has_the_integral_of_the_map_for_its_mean() {
             let mean = sums[lane] / n;
             let error = ((squares[lane] / n - mean * mean).max(0.0) / n).sqrt();
             let slack = limit * error + case.rounding() * exact[lane];
-            assert!((mean - exact[lane]).abs() < slack, "{}: lane {lane}: {mean} ± {error}, not {}", case.name, exact[lane]);
+            assert!(
+                (mean - exact[lane]).abs() < slack,
+                "{}: lane {lane}: {mean} ± {error}, not {}",
+                case.name,
+                exact[lane]
+            );
         }
     }
 }
@@ -288,7 +313,7 @@ fn maps_are_oriented_as_those_of_other_renderers() {
     for (x, y) in (0..width * height).map(|i| (i % width, i / width)) {
         let d = shown(x, y);
         let w = Vec3::new(d.x as f32, d.z as f32, -d.y as f32);
-        let found = |light: &LatLong, w| Vec3::from(light.along(w).0.0) - 1.0;
+        let found = |light: &EnvironmentMap, w| Vec3::from(light.along(w).0.0) - 1.0;
         assert!(found(&case.light, w).distance(d.as_vec3()) < tolerance, "{x} {y}");
         // Counter-clockwise seen from above, x goes to −z and z to x.
         let w = Vec3::new(w.z, w.y, -w.x);
@@ -320,9 +345,11 @@ fn a_constant_map_is_the_uniform_sky_and_a_black_one_no_light() {
         assert!((f64::from(pdf.value()) * 4.0 * PI - 1.0).abs() < 8.0 * f64::from(f32::EPSILON));
     }
     let map = |v: f32| Arc::new(RadianceMap::new(4, 2, vec![[v; LANES]; 8]));
-    assert!(LatLong::new(map(0.0), 1.0, 0.0).is_none());
-    assert!(LatLong::new(map(1.0), 0.0, 0.0).is_none());
-    assert!((LatLong::new(map(1.0), 3.0, 0.0).expect("light").power(1.0) / (12.0 * PI * PI) - 1.0).abs() < 1e-12); // f64 sums
+    assert!(EnvironmentMap::new(map(0.0), 1.0, 0.0).is_none());
+    assert!(EnvironmentMap::new(map(1.0), 0.0, 0.0).is_none());
+    assert!(
+        (EnvironmentMap::new(map(1.0), 3.0, 0.0).expect("light").power(1.0) / (12.0 * PI * PI) - 1.0).abs() < 1e-12
+    ); // f64 sums
 }
 
 /// The brightest texels there may be, and the dimmest: nothing leaves f32.

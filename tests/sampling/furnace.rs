@@ -9,7 +9,7 @@ use etendue::bsdf::{Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lambert, Metallic
 use etendue::geometry::Local;
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
-use etendue::transport::Transport;
+use etendue::transport::TransportMode;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 const ALPHAS: [f32; 7] = [0.0, 1e-4, 1e-3, 0.01, 0.1, 0.3, 1.0];
@@ -18,13 +18,13 @@ const COSINES: [f32; 6] = [1.0, 0.7, 0.2, 0.01, 1e-3, 1e-4];
 const SAMPLES: u32 = 8000;
 
 /// Mean and standard error of what leaves (all lanes' largest), without the compression of radiance in dense media.
-fn albedo(surface: &Surface, known: Local, toward: Transport, lane: usize, seed: u64) -> (f64, f64) {
+fn albedo(surface: &Surface, known: Local, mode: TransportMode, lane: usize, seed: u64) -> (f64, f64) {
     let mut random = Random::new(seed);
     let n = samples(SAMPLES);
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..n {
-        let weight = surface.sample(known, toward, random.cube()).map_or(0.0, |s| {
-            let compression = if toward == Transport::Light { s.eta * s.eta } else { 1.0 };
+        let weight = surface.sample(known, mode, random.cube()).map_or(0.0, |s| {
+            let compression = if mode == TransportMode::Radiance { s.eta * s.eta } else { 1.0 };
             let cos = if let Density::Smooth(_) = s.density { s.direction.z.abs() } else { 1.0 };
             f64::from(s.value[lane] * compression * cos / s.density.value())
         });
@@ -56,13 +56,20 @@ fn no_surface_creates_light() {
     let white = |alpha: f32| {
         let ggx = Ggx::new(alpha);
         let layer = Fresnel::Schlick { f0: Spectrum::splat(0.04), f90: Spectrum::ONE };
-        let named = |name: &str, surface| Model { name: format!("white {name}, alpha {alpha}"), surface, eta: 1.0, base: 0.0 };
+        let named =
+            |name: &str, surface| Model { name: format!("white {name}, alpha {alpha}"), surface, eta: 1.0, base: 0.0 };
         vec![
             named("conductor", Surface::Conductor(Conductor { ggx, fresnel: Fresnel::Constant(Spectrum::ONE) })),
-            named("glass", Surface::Dielectric(Dielectric { ggx, eta: 1.5, reflect: Spectrum::ONE, transmit: Spectrum::ONE })),
+            named(
+                "glass",
+                Surface::Dielectric(Dielectric { ggx, eta: 1.5, reflect: Spectrum::ONE, transmit: Spectrum::ONE }),
+            ),
             named("sheet", Surface::Thin(Thin { ggx, fresnel: layer, transmit: Spectrum::ONE })),
             named("plastic", white_plastic(alpha).surface()),
-            named("half glass", MetallicRoughness { transmission: 0.5, wall: Wall::Solid, ..white_plastic(alpha) }.surface()),
+            named(
+                "half glass",
+                MetallicRoughness { transmission: 0.5, wall: Wall::Solid, ..white_plastic(alpha) }.surface(),
+            ),
             named("half sheet", MetallicRoughness { transmission: 0.5, ..white_plastic(alpha) }.surface()),
         ]
     };
@@ -71,11 +78,11 @@ fn no_surface_creates_light() {
     let limit = z_limit(cases.len() * COSINES.len());
     for (i, (alpha, model)) in cases.iter().enumerate() {
         for (j, cos) in COSINES.into_iter().enumerate() {
-            let toward = if (i + j) % 2 == 0 { Transport::Light } else { Transport::Camera };
+            let mode = if (i + j) % 2 == 0 { TransportMode::Radiance } else { TransportMode::Importance };
             let known = direction(if (i + j / 2) % 2 == 0 { cos } else { -cos }, 1.0);
-            let (mean, error) = albedo(&model.surface, known, toward, 0, (i * 10 + j) as u64);
+            let (mean, error) = albedo(&model.surface, known, mode, 0, (i * 10 + j) as u64);
             let bound = 1.0 + table_error(*alpha, cos, 0.04, 1.0) + limit * error + ROUNDING;
-            assert!(mean < bound, "{} cos {cos} {toward:?}: {mean} > {bound}", model.name);
+            assert!(mean < bound, "{} cos {cos} {mode:?}: {mean} > {bound}", model.name);
         }
     }
 }
@@ -87,16 +94,21 @@ fn smooth_faces_and_white_matter_lose_nothing() {
         Surface::Lambert(Lambert { albedo: Spectrum::ONE }),
         Surface::Conductor(Conductor { ggx, fresnel: Fresnel::Constant(Spectrum::ONE) }),
         Surface::Dielectric(Dielectric { ggx, eta: 1.5, reflect: Spectrum::ONE, transmit: Spectrum::ONE }),
-        Surface::Dielectric(Dielectric { ggx: Ggx::new(0.3), eta: 1.0, reflect: Spectrum::ONE, transmit: Spectrum::ONE }),
+        Surface::Dielectric(Dielectric {
+            ggx: Ggx::new(0.3),
+            eta: 1.0,
+            reflect: Spectrum::ONE,
+            transmit: Spectrum::ONE,
+        }),
         Surface::Thin(Thin { ggx, fresnel: Fresnel::Dielectric { eta: 1.5 }, transmit: Spectrum::ONE }),
         Surface::Thin(Thin { ggx, fresnel: Fresnel::Constant(Spectrum::splat(0.3)), transmit: Spectrum::ONE }),
     ];
     for (i, surface) in lossless.iter().enumerate() {
         for cos in COSINES.into_iter().flat_map(|c| [c, -c]) {
-            for toward in [Transport::Light, Transport::Camera] {
+            for mode in [TransportMode::Radiance, TransportMode::Importance] {
                 // every weight is one: no variance
-                let (mean, _) = albedo(surface, direction(cos, 0.5), toward, 2, i as u64);
-                assert!((mean - 1.0).abs() < ROUNDING, "{surface:?} cos {cos} {toward:?}: {mean}");
+                let (mean, _) = albedo(surface, direction(cos, 0.5), mode, 2, i as u64);
+                assert!((mean - 1.0).abs() < ROUNDING, "{surface:?} cos {cos} {mode:?}: {mean}");
             }
         }
     }
@@ -110,7 +122,7 @@ fn a_white_base_under_a_white_layer_loses_nothing() {
         for alpha in ALPHAS {
             let surface = MetallicRoughness { ior, ..white_plastic(alpha) }.surface();
             for (i, cos) in COSINES.into_iter().enumerate() {
-                let (mean, error) = albedo(&surface, direction(cos, 2.0), Transport::Light, 1, i as u64);
+                let (mean, error) = albedo(&surface, direction(cos, 2.0), TransportMode::Radiance, 1, i as u64);
                 let bound = table_error(alpha, cos, f0, 1.0) + limit * error + ROUNDING;
                 assert!((mean - 1.0).abs() < bound, "ior {ior} alpha {alpha} cos {cos}: {mean}, within {bound}");
             }
@@ -128,7 +140,7 @@ fn rough_metal_reflects_what_quadrature_says() {
         let metal = Surface::Conductor(Conductor { ggx, fresnel: Fresnel::Constant(Spectrum::ONE) });
         for (i, cos) in COSINES.into_iter().enumerate() {
             let exact = moments(ggx, f64::from(cos), [24, 48]).white;
-            let (mean, _) = albedo(&metal, direction(cos, 2.0), Transport::Camera, 1, i as u64);
+            let (mean, _) = albedo(&metal, direction(cos, 2.0), TransportMode::Importance, 1, i as u64);
             let bound = (2.0 * exact * (1.0 - exact) * log / n).sqrt() + log / (3.0 * n) + ROUNDING;
             assert!((mean - exact).abs() < bound, "alpha {alpha} cos {cos}: {mean} for {exact}, within {bound}");
         }
@@ -145,12 +157,12 @@ fn without_specular_and_metal_a_surface_is_lambert() {
 fn nearly_smooth_surfaces_scatter_like_smooth_ones() {
     // normals deviate by 2 α on average at this angle, and directions by twice that; refraction turns by less
     let (rough, tolerance) = (1e-4f32, 8e-4);
-    let mean = |surface: &Surface, toward, seed| {
+    let mean = |surface: &Surface, mode, seed| {
         let (mut random, n) = (Random::new(seed), samples(40_000));
         let known = direction(0.7, 0.4);
         let mut sums = [0.0f64; 8];
         for _ in 0..n {
-            let Some(s) = surface.sample(known, toward, random.cube()) else { continue };
+            let Some(s) = surface.sample(known, mode, random.cube()) else { continue };
             let cos = if let Density::Smooth(_) = s.density { s.direction.z.abs() } else { 1.0 };
             let weight = f64::from(s.value[1] * cos / s.density.value());
             let side = if s.direction.z > 0.0 { 0 } else { 4 };
@@ -162,12 +174,13 @@ fn nearly_smooth_surfaces_scatter_like_smooth_ones() {
         (sums, 1.0 / f64::from(n).sqrt())
     };
     for (smooth, rough) in models(0.0).iter().zip(models(rough)).filter(|(m, _)| !m.name.starts_with("Lambert")) {
-        for toward in [Transport::Light, Transport::Camera] {
-            let ((a, error), (b, _)) = (mean(&smooth.surface, toward, 1), mean(&rough.surface, toward, 2));
+        for mode in [TransportMode::Radiance, TransportMode::Importance] {
+            let ((a, error), (b, _)) = (mean(&smooth.surface, mode, 1), mean(&rough.surface, mode, 2));
             for (x, y) in a.into_iter().zip(b) {
-                // weights times directions are below 2.5 in size: their deviation is at most that, and twice, for both means
+                // weights times directions are below 2.5 in size: their deviation is at most that, and twice, for both
+                // means
                 let bound = tolerance + z_limit(16 * 8) * 2.5 * 2f64.sqrt() * error;
-                assert!((x - y).abs() < bound, "{} {toward:?}: {a:?} {b:?}", smooth.name);
+                assert!((x - y).abs() < bound, "{} {mode:?}: {a:?} {b:?}", smooth.name);
             }
         }
     }

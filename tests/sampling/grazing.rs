@@ -1,5 +1,5 @@
-//! Reciprocity where it is hardest: directions along the surface, down to cosines of 1e-4, and inside narrow lobes, which random
-//! pairs of directions miss.
+//! Reciprocity where it is hardest: directions along the surface, down to cosines of 1e-4, and inside narrow lobes,
+//! which random pairs of directions miss.
 
 use crate::backward::range;
 use crate::identities::value;
@@ -7,7 +7,7 @@ use crate::models::{Model, any_direction, direction, models};
 use crate::random::{Random, samples};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::Local;
-use etendue::transport::Transport;
+use etendue::transport::TransportMode;
 
 const ALPHAS: [f32; 6] = [1e-4, 1e-3, 0.01, 0.05, 0.3, 1.0];
 
@@ -17,7 +17,7 @@ const PLANTED: f64 = 1e-3;
 /// f(a → b) / η_b² in light flow.
 fn reduced(model: &Model, a: Local<f64>, b: Local<f64>) -> f64 {
     let index = if b.z > 0.0 { 1.0 } else { f64::from(model.eta) };
-    value(&model.surface, Transport::Camera, a, b) / index.powi(2)
+    value(&model.surface, TransportMode::Importance, a, b) / index.powi(2)
 }
 
 /// A direction of cosine 1e-4 to 1 on either side, evenly in the logarithm.
@@ -30,15 +30,20 @@ fn steep_or_grazing(random: &mut Random) -> Local {
 /// Some other direction: by the lobes, or anywhere, or grazing.
 fn partner(model: &Model, a: Local, i: u32, random: &mut Random) -> Option<Local> {
     match i % 3 {
-        0 => model.surface.sample(a, Transport::Light, random.cube()).filter(|s| !s.density.is_delta()).map(|s| s.direction),
+        0 => model
+            .surface
+            .sample(a, TransportMode::Radiance, random.cube())
+            .filter(|s| !s.density.is_delta())
+            .map(|s| s.direction),
         1 => Some(any_direction(random.cube())),
         _ => Some(steep_or_grazing(random)),
     }
 }
 
-/// Whether the values of a pair agree up to the rounding of f64 that [`range`] bounds on either way; `None` where they are zero or
-/// not resolved. Both ways have a range, since they are different functions of directions whose length is not quite one: one takes
-/// the cosine of wi to the half vector and the other that of wo, which along the surface moves them apart.
+/// Whether the values of a pair agree up to the rounding of f64 that [`range`] bounds on either way; `None` where they
+/// are zero or not resolved. Both ways have a range, since they are different functions of directions whose length is
+/// not quite one: one takes the cosine of wi to the half vector and the other that of wo, which along the surface moves
+/// them apart.
 fn reciprocal(model: &Model, [a, b]: [Local; 2], factor: f64) -> Option<bool> {
     let pair = [a, b].map(|w| w.cast::<f64>().normalized());
     let [back_low, back_high] = range(pair, f64::EPSILON, model.base, |a, b| reduced(model, b, a))?;

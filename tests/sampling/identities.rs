@@ -1,5 +1,5 @@
-//! Exact identities: samples carry what `eval` and `pdf` say, f32 computes what f64 does, values are reciprocal, lobes add
-//! up, densities are Jacobians.
+//! Exact identities: samples carry what `eval` and `pdf` say, f32 computes what f64 does, values are reciprocal, lobes
+//! add up, densities are Jacobians.
 
 use crate::backward::range;
 use crate::models::{Model, any_direction, direction, models};
@@ -9,13 +9,13 @@ use etendue::bsdf::{Bsdf, Dielectric, Ggx, Lobes, Surface};
 use etendue::geometry::Local;
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
-use etendue::transport::Transport;
+use etendue::transport::TransportMode;
 
 const ALPHAS: [f32; 5] = [1e-4, 1e-3, 0.05, 0.3, 1.0];
-const WAYS: [Transport; 2] = [Transport::Light, Transport::Camera];
+const WAYS: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
 
-pub(crate) fn value(surface: &Surface, toward: Transport, known: Local<f64>, other: Local<f64>) -> f64 {
-    let (wi, wo) = toward.flow(known, other);
+pub(crate) fn value(surface: &Surface, mode: TransportMode, known: Local<f64>, other: Local<f64>) -> f64 {
+    let (wi, wo) = mode.flow(known, other);
     surface.eval(wi, wo, Lobes::SMOOTH)[1]
 }
 
@@ -49,12 +49,18 @@ fn known_direction(random: &mut Random) -> Local {
     direction(if c < 0.5 { cos } else { -cos }, 40.0 * c)
 }
 
-fn compare(comparison: &mut Comparison, model: &Model, toward: Transport, [known, other]: [Local; 2], got: (f32, f32)) {
+fn compare(
+    comparison: &mut Comparison,
+    model: &Model,
+    mode: TransportMode,
+    [known, other]: [Local; 2],
+    got: (f32, f32),
+) {
     let (directions, epsilon) = ([known.cast(), other.cast()], f64::from(f32::EPSILON));
-    let what = format!("{} {toward:?} {known:?} {other:?}", model.name);
-    let f = range(directions, epsilon, model.base, |k, o| value(&model.surface, toward, k, o));
+    let what = format!("{} {mode:?} {known:?} {other:?}", model.name);
+    let f = range(directions, epsilon, model.base, |k, o| value(&model.surface, mode, k, o));
     comparison.check(&format!("value of {what}"), got.0, f);
-    let p = range(directions, epsilon, model.base, |k, o| model.surface.pdf(k, o, toward, Lobes::SMOOTH));
+    let p = range(directions, epsilon, model.base, |k, o| model.surface.pdf(k, o, mode, Lobes::SMOOTH));
     comparison.check(&format!("density of {what}"), got.1, p);
 }
 
@@ -63,11 +69,11 @@ fn a_sample_carries_its_value_and_density() {
     let (mut random, mut comparison) = (Random::new(1), Comparison::default());
     for model in ALPHAS.into_iter().flat_map(models) {
         for i in 0..samples(400) {
-            let (toward, known) = (WAYS[i as usize % 2], known_direction(&mut random));
-            let Some(sample) = model.surface.sample(known, toward, random.cube()) else { continue };
+            let (mode, known) = (WAYS[i as usize % 2], known_direction(&mut random));
+            let Some(sample) = model.surface.sample(known, mode, random.cube()) else { continue };
             let Density::Smooth(pdf) = sample.density else { continue };
             let got = (sample.value[1], pdf.value());
-            compare(&mut comparison, &model, toward, [known, sample.direction], got);
+            compare(&mut comparison, &model, mode, [known, sample.direction], got);
         }
     }
 }
@@ -77,12 +83,12 @@ fn single_precision_computes_what_double_does() {
     let (mut random, mut comparison) = (Random::new(2), Comparison::default());
     for model in ALPHAS.into_iter().flat_map(models) {
         for i in 0..samples(400) {
-            let toward = WAYS[i as usize % 2];
+            let mode = WAYS[i as usize % 2];
             let (known, other) = (known_direction(&mut random), any_direction(random.cube()));
-            let (wi, wo) = toward.flow(known, other);
+            let (wi, wo) = mode.flow(known, other);
             let f = model.surface.eval(wi, wo, Lobes::SMOOTH)[1];
-            let pdf = model.surface.pdf(known, other, toward, Lobes::SMOOTH);
-            compare(&mut comparison, &model, toward, [known, other], (f, pdf));
+            let pdf = model.surface.pdf(known, other, mode, Lobes::SMOOTH);
+            compare(&mut comparison, &model, mode, [known, other], (f, pdf));
         }
     }
 }
@@ -94,7 +100,9 @@ fn values_over_the_square_of_the_index_are_reciprocal() {
         let index = |w: Local<f64>| if w.z > 0.0 { 1.0 } else { f64::from(model.eta) };
         for _ in 0..samples(400) {
             let [a, b] = [random.cube(), random.cube()].map(|u| any_direction(u).cast::<f64>().normalized());
-            let forth = |a: Local<f64>, b: Local<f64>| value(&model.surface, Transport::Camera, a, b) / index(b).powi(2);
+            let forth = |a: Local<f64>, b: Local<f64>| {
+                value(&model.surface, TransportMode::Importance, a, b) / index(b).powi(2)
+            };
             let Some([low, high]) = range([a, b], f64::EPSILON, model.base, |a, b| forth(b, a)) else { continue };
             assert!((low..=high).contains(&forth(a, b)), "{} {a:?} {b:?}: {} and {low}", model.name, forth(a, b));
         }
@@ -110,7 +118,7 @@ fn reflection_and_transmission_add_up() {
             let value = |lobes| model.surface.eval(a, b, lobes);
             assert_eq!(value(Lobes::REFLECT) + value(Lobes::TRANSMIT), value(Lobes::ALL), "{}", model.name);
             assert!(value(Lobes::DIRAC).is_black());
-            let pdf = |lobes| model.surface.pdf(a, b, Transport::Light, lobes);
+            let pdf = |lobes| model.surface.pdf(a, b, TransportMode::Radiance, lobes);
             assert_eq!(pdf(Lobes::REFLECT) + pdf(Lobes::TRANSMIT), pdf(Lobes::ALL), "{}", model.name);
         }
     }
@@ -154,7 +162,8 @@ fn densities_are_the_jacobians_of_the_maps() {
             let h = visible_normal(ggx, known, u[0], u[1]);
             let normals = jacobian(|a, b| visible_normal(ggx, known, a, b), u) * ggx.visible_normal_pdf(known, h);
             assert!((normals - 1.0).abs() < DIFFERENCES, "normals: {normals}");
-            let mirrored = jacobian(|a, b| reflect(known, visible_normal(ggx, known, a, b)), u) * ggx.reflection_pdf(known, h);
+            let mirrored =
+                jacobian(|a, b| reflect(known, visible_normal(ggx, known, a, b)), u) * ggx.reflection_pdf(known, h);
             assert!((mirrored - 1.0).abs() < DIFFERENCES, "reflections: {mirrored}");
         }
     }
@@ -176,31 +185,37 @@ fn the_density_of_refraction_is_the_jacobian_of_snells_law() {
             if 1.0 - critical * critical > 0.95 * f64::from(eta).powi(2) {
                 continue; // differences fail at the angle of total reflection, where Snell's law has a root
             }
-            let got = jacobian(|a, b| map(a, b).unwrap_or(other), u) * glass.pdf(known, other, Transport::Light, Lobes::ALL);
+            let got = jacobian(|a, b| map(a, b).unwrap_or(other), u)
+                * glass.pdf(known, other, TransportMode::Radiance, Lobes::ALL);
             assert!((got - 1.0).abs() < DIFFERENCES, "alpha {alpha} eta {eta} {known:?} {other:?}: {got}");
         }
     }
 }
 
-/// What weights take for the density of a Dirac refraction, P |w·ns| η², is as rough glass has it in both directions: the ratio of the
-/// densities of both ways through nearly smooth facets is that of the smooth face. Masking adds a share of α² / cos² each way.
+/// What weights take for the density of a Dirac refraction, P |w·ns| η², is as rough glass has it in both directions:
+/// the ratio of the densities of both ways through nearly smooth facets is that of the smooth face. Masking adds a
+/// share of α² / cos² each way.
 #[test]
 fn dirac_densities_are_the_limit_of_rough_ones() {
     let alpha = 1e-3;
     let glass = |alpha| Dielectric { ggx: Ggx::new(alpha), eta: 1.5, reflect: Spectrum::ONE, transmit: Spectrum::ONE };
     let (smooth, rough) = (glass(0.0), glass(alpha));
     for known in [1.0f32, 0.9, 0.5, 0.2, -1.0, -0.95, -0.8].map(|cos| direction(cos, 0.7)) {
-        let there = smooth.dirac(known, Transport::Camera, Lobes::DIRAC_TRANSMIT).expect("below the critical angle");
-        let back = smooth.dirac(there.direction, Transport::Light, Lobes::DIRAC_TRANSMIT).expect("the way back");
+        let there =
+            smooth.dirac(known, TransportMode::Importance, Lobes::DIRAC_TRANSMIT).expect("below the critical angle");
+        let back = smooth.dirac(there.direction, TransportMode::Radiance, Lobes::DIRAC_TRANSMIT).expect("the way back");
         let eta2 = f64::from(there.eta).powi(2);
         let forward = f64::from(there.density.value() * there.direction.z.abs()) * eta2;
         let reverse = f64::from(back.density.value() * known.z.abs());
         // In f64 the refracted direction must be exact: the lobe is a thousand times narrower than it is bright.
-        let other = snell(known.cast(), Local::new(0.0, 0.0, 1.0f64.copysign(f64::from(known.z))), f64::from(there.eta));
+        let other =
+            snell(known.cast(), Local::new(0.0, 0.0, 1.0f64.copysign(f64::from(known.z))), f64::from(there.eta));
         let other = other.expect("refracted");
-        let pdf = |a: Local<f64>, b: Local<f64>, toward| rough.pdf(a, b, toward, Lobes::SMOOTH);
-        let limit = pdf(other, known.cast(), Transport::Light) / pdf(known.cast(), other, Transport::Camera);
-        let slack = 4.0 * f64::from(alpha).powi(2) / f64::from(known.z.abs().min(there.direction.z.abs())).powi(2) + 1e-5; // f32 inputs
+        let pdf = |a: Local<f64>, b: Local<f64>, mode| rough.pdf(a, b, mode, Lobes::SMOOTH);
+        let limit =
+            pdf(other, known.cast(), TransportMode::Radiance) / pdf(known.cast(), other, TransportMode::Importance);
+        let slack =
+            4.0 * f64::from(alpha).powi(2) / f64::from(known.z.abs().min(there.direction.z.abs())).powi(2) + 1e-5; // f32 inputs
         assert!((reverse / forward / limit - 1.0).abs() < slack, "{known:?}: {reverse} / {forward} against {limit}");
     }
 }

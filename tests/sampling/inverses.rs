@@ -7,7 +7,7 @@ use etendue::bsdf::Bsdf;
 use etendue::geometry::Local;
 use etendue::numeric::BELOW_ONE;
 use etendue::sampling::Density;
-use etendue::transport::Transport;
+use etendue::transport::TransportMode;
 
 const ALPHAS: [f32; 4] = [1e-3, 0.05, 0.3, 1.0];
 const COSINES: [f32; 4] = [0.95, 0.3, -0.6, -0.05];
@@ -31,12 +31,14 @@ fn sampling_undoes_inversion() {
     for model in ALPHAS.into_iter().flat_map(models) {
         for i in 0..samples(400) {
             let known = direction(COSINES[i as usize % 4], 0.3);
-            let Some(other) = smooth(model.surface.sample(known, Transport::Light, random.cube())) else { continue };
-            let Some((u, log)) = model.surface.invert(known, other, Transport::Light, random.cube()) else {
+            let Some(other) = smooth(model.surface.sample(known, TransportMode::Radiance, random.cube())) else {
+                continue;
+            };
+            let Some((u, log)) = model.surface.invert(known, other, TransportMode::Radiance, random.cube()) else {
                 panic!("{}: {known:?} {other:?} was sampled and has no inverse", model.name);
             };
             assert!(log.is_finite() && u.iter().all(|x| (0.0..1.0).contains(x)), "{}: {u:?} {log}", model.name);
-            let again = |v: [f32; 3]| smooth(model.surface.sample(known, Transport::Light, v));
+            let again = |v: [f32; 3]| smooth(model.surface.sample(known, TransportMode::Radiance, v));
             // the numbers themselves are rounded, to 2⁻²⁴ of turns and heights
             let moved = [1, 2].map(|axis| {
                 [-1.0, 1.0].map(|sign| {
@@ -63,19 +65,19 @@ fn inversion_is_uniform(surface: &impl Bsdf, known: Local, seed: u64) -> f64 {
     let (mut before, mut after) = (vec![0.0; CELLS.pow(3)], vec![0.0; CELLS.pow(3)]);
     for _ in 0..samples(40_000) {
         let u: [f32; 3] = random.cube();
-        let Some(other) = smooth(surface.sample(known, Transport::Camera, u)) else { continue };
+        let Some(other) = smooth(surface.sample(known, TransportMode::Importance, u)) else { continue };
         // of two independent streams one counts the numbers themselves, the other their images
         if random.f32() < 0.5 {
             before[cell(u)] += 1.0;
-        } else if let Some((v, _)) = surface.invert(known, other, Transport::Camera, random.cube()) {
+        } else if let Some((v, _)) = surface.invert(known, other, TransportMode::Importance, random.cube()) {
             after[cell(v)] += 1.0;
         }
     }
     two_samples(&before, &after)
 }
 
-/// χ² for two histograms of one distribution: each cell of either against its share of both, cells with small counts left
-/// out; a pair of cells is bound by its sum.
+/// χ² for two histograms of one distribution: each cell of either against its share of both, cells with small counts
+/// left out; a pair of cells is bound by its sum.
 fn two_samples(a: &[f64], b: &[f64]) -> f64 {
     let [n, m] = [a, b].map(|h| h.iter().sum::<f64>());
     let (mut statistic, mut degrees) = (0.0, -1.0);

@@ -1,10 +1,10 @@
-//! What lights sample against the density that they state: χ² for triangles near and far and for the sky, the solid angle
-//! for triangles seen edge-on and for needles, whose outline no quadrature resolves.
+//! What lights sample against the density that they state: χ² for triangles near and far and for the sky, the solid
+//! angle for triangles seen edge-on and for needles, whose outline no quadrature resolves.
 
 use crate::chi_square::{SphereCells, p_value, sidak};
 use crate::random::{Random, samples};
 use etendue::geometry::Triangle;
-use etendue::light::{AreaLight, Emission, Environment, Light, Receiver, Sky};
+use etendue::light::{AreaLight, ConstantEnvironment, Emission, Environment, Light, LightSampleContext};
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
 use glam::{DVec3, Vec3};
@@ -16,8 +16,14 @@ const SAMPLES: u32 = 40_000;
 
 fn two_sided(vertices: [Vec3; 3]) -> (Triangle, Light) {
     let triangle = Triangle::new(vertices[0], vertices[1], vertices[2]);
-    let emission =
-        Emission { radiance: Spectrum::ONE, texture: None, corners: None, two_sided: true, only_seen: false, coverage: None };
+    let emission = Emission {
+        radiance: Spectrum::ONE,
+        texture: None,
+        corners: None,
+        two_sided: true,
+        only_seen: false,
+        coverage: None,
+    };
     (triangle, Light::Area(AreaLight::new(triangle, 1.0, emission, Spectrum::ONE)))
 }
 
@@ -29,7 +35,7 @@ fn density(triangle: &Triangle, light: &Light, w: DVec3) -> f64 {
     let inside = [(a, b), (b, c), (c, a)].iter().all(|&(s, e)| (e - s).cross(p - s).dot(n) >= 0.0);
     let Light::Area(area) = light else { return 0.0 };
     let ahead = inside && p.dot(w) > 0.0;
-    if ahead { f64::from(area.pdf_toward(p.length_squared() as f32, w.as_vec3()).value()) } else { 0.0 }
+    if ahead { f64::from(area.pdf_li(p.length_squared() as f32, w.as_vec3()).value()) } else { 0.0 }
 }
 
 /// p-value of directions from the origin to `light`, in cells around `axis` of width about `angle`.
@@ -41,9 +47,9 @@ fn follows(light: &Light, axis: DVec3, angle: f64, pdf: impl Fn(DVec3) -> f64, s
     expected.push(0.0);
     let (mut random, n) = (Random::new(seed), samples(SAMPLES));
     let mut observed = vec![0.0; expected.len()];
-    let at = Receiver { p: Vec3::ZERO, ng: Vec3::Y };
+    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Y };
     for _ in 0..n {
-        let sample = light.sample_toward(&at, random.cube());
+        let sample = light.sample_li(&at, random.cube());
         let cell = sample.map_or(cells.len(), |s| {
             let stated = if let Density::Smooth(pdf) = s.density { f64::from(pdf.value()) } else { 0.0 };
             let w = s.wi.as_dvec3();
@@ -62,7 +68,8 @@ type Named = (&'static str, [Vec3; 3]);
 
 const FAR: Named = ("small and far", [Vec3::new(3.0, 9.0, 1.0), Vec3::new(3.1, 9.0, 1.0), Vec3::new(3.0, 9.02, 1.1)]);
 const NEAR: Named = ("near", [Vec3::new(-2.0, 0.3, -1.0), Vec3::new(1.0, 0.5, -2.0), Vec3::new(0.5, 0.4, 3.0)]);
-const EDGE_ON: Named = ("edge-on", [Vec3::new(1.0, 0.001, 0.0), Vec3::new(2.0, 0.002, 0.3), Vec3::new(2.0, 0.05, -0.3)]);
+const EDGE_ON: Named =
+    ("edge-on", [Vec3::new(1.0, 0.001, 0.0), Vec3::new(2.0, 0.002, 0.3), Vec3::new(2.0, 0.05, -0.3)]);
 const NEEDLE: Named = ("a needle", [Vec3::new(-1.0, 1.0, 0.0), Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 1.0, 1e-5)]);
 
 #[test]
@@ -87,11 +94,11 @@ fn solid_angle(vertices: [Vec3; 3]) -> f64 {
 /// The mean of 1 / density over samples is the solid angle, at the family's level; `factor` is planted.
 fn measures_its_solid_angle(vertices: [Vec3; 3], factor: f64, tests: usize) -> Result<(), String> {
     let (_, light) = two_sided(vertices);
-    let at = Receiver { p: Vec3::ZERO, ng: Vec3::Y };
+    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Y };
     let (mut random, n) = (Random::new(70), f64::from(samples(SAMPLES)));
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..samples(SAMPLES) {
-        let sample = light.sample_toward(&at, random.cube()).ok_or("nothing sampled")?;
+        let sample = light.sample_li(&at, random.cube()).ok_or("nothing sampled")?;
         let inverse = factor / f64::from(sample.density.value());
         sum += inverse;
         squares += inverse * inverse;
@@ -129,7 +136,7 @@ fn a_density_without_the_cosine_is_convicted() {
 
 #[test]
 fn directions_to_the_sky_follow_its_density() {
-    let sky = Sky { radiance: Spectrum::ONE };
+    let sky = ConstantEnvironment { radiance: Spectrum::ONE };
     let pdf = f64::from(sky.pdf().value());
     let p = follows(&Light::Environment(Environment::Uniform(sky)), DVec3::new(0.6, 0.0, 0.8), 2.0, |_| pdf, 60);
     assert!(p > sidak(1), "{p}");

@@ -21,8 +21,8 @@ fn name(example: &Example) -> String {
     format!("{}, {}", example.integral, example.estimator)
 }
 
-/// Whether an estimate is compatible with `exact` at the family's level over `tests` tests. Independent draws have 2¹⁹ degrees
-/// of freedom. Sobol' estimates have 31; their intervals are t intervals of that level.
+/// Whether an estimate is compatible with `exact` at the family's level over `tests` tests. Independent draws have 2¹⁹
+/// degrees of freedom. Sobol' estimates have 31; their intervals are t intervals of that level.
 fn compatible(estimate: &Estimate, exact: f64, tests: usize) -> bool {
     const ROUNDING: f64 = 1e-12; // f64 sums and the error function, where an estimator has no error
     let [low, high] = estimate.interval(1.0 - sidak(tests));
@@ -50,19 +50,22 @@ fn exact_values_are_those_of_the_tutorial() {
     let exact: Vec<f64> = all().iter().map(|e| e.exact).collect();
     let normal = Normal::standard();
     let narrow = (normal.cdf(2.0) - normal.cdf(1.9)) * 10.0;
-    let expected = [std::f64::consts::PI, 1.0, narrow, narrow, narrow, narrow, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0];
+    let expected =
+        [std::f64::consts::PI, 1.0, narrow, narrow, narrow, narrow, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0];
     assert!(exact.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{exact:?}"); // erf's own error
 }
 
-/// Each density is good for one of the products and bad for the other; both heuristics are good for both, and the balance
-/// heuristic is no worse than any other combination by more than (1 / min nᵢ − 1 / Σ nᵢ) I² = I² / 2 [Veach97 §9.2.2].
+/// Each density is good for one of the products and bad for the other; both heuristics are good for both, and the
+/// balance heuristic is no worse than any other combination by more than (1 / min nᵢ − 1 / Σ nᵢ) I² = I² / 2 [Veach97
+/// §9.2.2].
 #[test]
 fn a_combination_is_good_where_one_of_its_densities_is() {
     for (product, good) in products().into_iter().zip([1, 0]) {
         let examples = product.estimators();
         let squared = examples[0].exact.powi(2);
         // of one sample, relative to the integral
-        let variance = |e: &Example| e.independent(3, DRAWS / 8).standard_error.powi(2) * f64::from(DRAWS / 8) / squared;
+        let variance =
+            |e: &Example| e.independent(3, DRAWS / 8).standard_error.powi(2) * f64::from(DRAWS / 8) / squared;
         let [gaussian, uniform, balance, power] = examples.each_ref().map(variance);
         let (good, bad) = if good == 1 { (uniform, gaussian) } else { (gaussian, uniform) };
         println!("relative variances: {good:.2e} alone, {bad:.2e} alone, balance {balance:.2e}, power {power:.2e}");
@@ -71,16 +74,16 @@ fn a_combination_is_good_where_one_of_its_densities_is() {
     }
 }
 
-/// Mean squared error over 64 runs at 2⁴ to 2¹² draws. The logarithm of each mean deviates by √(2/64) = 0.18 for normal errors,
-/// so that the slope over these nine doublings deviates by 0.18 / (ln 2 √60) = 0.033.
+/// Mean squared error over 64 runs at 2⁴ to 2¹² draws. The logarithm of each mean deviates by √(2/64) = 0.18 for normal
+/// errors, so that the slope over these nine doublings deviates by 0.18 / (ln 2 √60) = 0.033.
 fn mean_squares(example: &Example, run: impl Fn(u64, u32) -> f64) -> f64 {
     let mse = |n: u32| (0..64).map(|i| (run(100 + i, n) - example.exact).powi(2)).sum::<f64>() / 64.0;
     let points: Vec<(f64, f64)> = (4..=12).map(|k| 1 << k).map(|n: u32| (f64::from(n), mse(n))).collect();
     slope(&points)
 }
 
-/// Independent: −1 within four deviations, level 6e-5 each. Sobol': −3 for the smooth integral in one dimension, −3/2 for the
-/// circle's edge in two [Owen97]; four deviations and what the first few points are off the asymptote.
+/// Independent: −1 within four deviations, level 6e-5 each. Sobol': −3 for the smooth integral in one dimension, −3/2
+/// for the circle's edge in two [Owen97]; four deviations and what the first few points are off the asymptote.
 #[test]
 fn errors_fall_as_theory_says() {
     let deviations = 4.0 * 0.033;

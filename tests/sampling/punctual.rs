@@ -1,7 +1,7 @@
 //! Point, spot and directional lights: nothing about them is random, so every sample is the closed form.
 
 use crate::random::{Random, samples};
-use etendue::light::{DirectionalLight, End, Light, PointLight, Receiver, SpotLight};
+use etendue::light::{DirectionalLight, EmitterPoint, Light, LightSampleContext, PointLight, SpotLight};
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
 use glam::{DVec3, Vec3};
@@ -14,8 +14,8 @@ fn somewhere(random: &mut Random) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
-fn at(p: Vec3) -> Receiver {
-    Receiver { p, ng: Vec3::Y }
+fn at(p: Vec3) -> LightSampleContext {
+    LightSampleContext { p, ng: Vec3::Y }
 }
 
 /// Intensity over the square of the distance, from where the light is, whatever the numbers are.
@@ -25,11 +25,16 @@ fn a_point_light_has_no_variance() {
         (Random::new(90), PointLight { position: Vec3::new(0.3, -0.2, 0.6), intensity: Spectrum([1.0, 2.0, 3.0]) });
     for _ in 0..samples(1000) {
         let p = somewhere(&mut random);
-        let sample = Light::Point(light).sample_toward(&at(p), random.cube()).expect("a point elsewhere");
+        let sample = Light::Point(light).sample_li(&at(p), random.cube()).expect("a point elsewhere");
         let to = light.position.as_dvec3() - p.as_dvec3();
         assert!((sample.wi.as_dvec3() - to.normalize()).length() < ROUNDING / to.length().min(1.0));
-        assert!((f64::from(sample.radiance[1]) * to.length_squared() / 2.0 - 1.0).abs() < ROUNDING / to.length().min(1.0));
-        assert!(sample.density == Density::Delta(1.0) && matches!(sample.end, End::Point(q) if q == light.position));
+        assert!(
+            (f64::from(sample.radiance[1]) * to.length_squared() / 2.0 - 1.0).abs() < ROUNDING / to.length().min(1.0)
+        );
+        assert!(
+            sample.density == Density::Delta(1.0)
+                && matches!(sample.end, EmitterPoint::Point(q) if q == light.position)
+        );
     }
 }
 
@@ -49,7 +54,7 @@ fn a_spot_has_the_profile_of_the_specification() {
             let ramp = (start - end).max(1e-3); // the specification's
             let x = ((cos - end) / ramp).clamp(0.0, 1.0);
             let expected = 2.0 * x * x / away.length_squared();
-            let got = spot.sample_toward(&at(p), random.cube()).map_or(0.0, |s| f64::from(s.radiance[0]));
+            let got = spot.sample_li(&at(p), random.cube()).map_or(0.0, |s| f64::from(s.radiance[0]));
             let slack = ROUNDING * (2.0 / ramp + 1.0) / away.length_squared() / away.length().min(1.0) * 2.0;
             assert!((got - expected).abs() < slack, "{inner} {outer} {p}: {got} {expected}");
             seen[if x <= 0.0 {
@@ -70,8 +75,8 @@ fn parallel_light_is_the_same_everywhere() {
     let light = Light::Directional(DirectionalLight { toward, irradiance: Spectrum([1.0, 2.0, 3.0]) });
     let mut random = Random::new(92);
     for _ in 0..samples(100) {
-        let sample = light.sample_toward(&at(somewhere(&mut random)), random.cube()).expect("light");
+        let sample = light.sample_li(&at(somewhere(&mut random)), random.cube()).expect("light");
         assert_eq!((sample.wi, sample.radiance), (toward, Spectrum([1.0, 2.0, 3.0])));
-        assert!(sample.density == Density::Delta(1.0) && matches!(sample.end, End::Infinity));
+        assert!(sample.density == Density::Delta(1.0) && matches!(sample.end, EmitterPoint::Distant));
     }
 }

@@ -6,7 +6,7 @@ use etendue::bsdf::{Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lambert, Lobes, S
 use etendue::geometry::{Frame, Hit, SurfacePoint};
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
-use etendue::transport::Transport;
+use etendue::transport::TransportMode;
 use glam::Vec3;
 
 fn point(ng: Vec3, ns: Vec3) -> SurfacePoint {
@@ -45,8 +45,8 @@ fn both_walks_see_one_scattering_function() {
     for model in [0.05, 0.3].into_iter().flat_map(models) {
         for _ in 0..samples(200) {
             let (wi, wo) = (world(random.cube()), world(random.cube()));
-            let camera_walk = Shading::new(&point, &model.surface, wo, Transport::Light);
-            let light_walk = Shading::new(&point, &model.surface, wi, Transport::Camera);
+            let camera_walk = Shading::new(&point, &model.surface, wo, TransportMode::Radiance);
+            let light_walk = Shading::new(&point, &model.surface, wi, TransportMode::Importance);
             let (Some(camera_walk), Some(light_walk)) = (camera_walk, light_walk) else { continue };
             let f = camera_walk.f(wi);
             assert!(close(f, light_walk.f(wo)), "{}: {f:?} {:?}", model.name, light_walk.f(wo));
@@ -64,16 +64,16 @@ fn light_does_not_leak_between_the_normals() {
     let surface = Surface::Lambert(Lambert { albedo: Spectrum::ONE });
     let (mut random, mut between) = (Random::new(22), 0);
     let up = point.ng;
-    let walk = Shading::new(&point, &surface, up, Transport::Light).unwrap();
+    let walk = Shading::new(&point, &surface, up, TransportMode::Radiance).unwrap();
     for _ in 0..samples(2000) {
         let w = world(random.cube());
         let sides = [w.dot(point.ng) > 0.0, w.dot(point.frame.n) > 0.0];
         if sides[0] != sides[1] {
             between += 1;
             assert!(walk.f(w).is_black() && walk.scattering(w).is_none());
-            assert!(Shading::new(&point, &surface, w, Transport::Camera).is_none());
+            assert!(Shading::new(&point, &surface, w, TransportMode::Importance).is_none());
             // a camera there sees the side where it is
-            let seen = Shading::new(&point, &surface, w, Transport::Light).unwrap();
+            let seen = Shading::new(&point, &surface, w, TransportMode::Radiance).unwrap();
             assert_eq!(seen.scattering(up).is_some(), sides[0]);
         } else {
             assert_eq!(walk.scattering(w).is_some(), sides[0]);
@@ -90,8 +90,8 @@ fn a_sampled_weight_is_the_value_over_the_density() {
     let (point, mut random) = (tilted(), Random::new(23));
     for model in [0.1, 0.5].into_iter().flat_map(models) {
         for i in 0..samples(400) {
-            let toward = [Transport::Light, Transport::Camera][i as usize % 2];
-            let Some(walk) = Shading::new(&point, &model.surface, world(random.cube()), toward) else { continue };
+            let mode = [TransportMode::Radiance, TransportMode::Importance][i as usize % 2];
+            let Some(walk) = Shading::new(&point, &model.surface, world(random.cube()), mode) else { continue };
             let Some(sample) = walk.sample(random.cube()) else { continue };
             let Density::Smooth(pdf) = sample.density else { continue };
             let cos = (point.frame.to_local(sample.direction).z * point.frame.to_local(walk.known()).z).abs();
@@ -99,13 +99,13 @@ fn a_sampled_weight_is_the_value_over_the_density() {
                 continue; // a world direction's rounding is not small against a grazing cosine
             }
             let back = walk.scattering(sample.direction).unwrap();
-            // directions are rounded on the way to the world: 4 units of it over the cosine and the lobe's width. The half vector
-            // of refraction, known + η other, moves by 1 + η of that and may be as short as η − 1
+            // directions are rounded on the way to the world: 4 units of it over the cosine and the lobe's width. The
+            // half vector of refraction, known + η other, moves by 1 + η of that and may be as short as η − 1
             let refraction = if model.eta == 1.0 { 1.0 } else { (1.0 + model.eta) / (1.0 - model.eta).abs() };
             let tolerance = 16.0 * f32::EPSILON * refraction / (cos * 0.1);
             let ratio = sample.weight[1] * pdf.value() / back.f_cos[1];
-            assert!((ratio - 1.0).abs() < tolerance, "{} {toward:?}: {ratio}", model.name);
-            assert!((back.pdf.value() / pdf.value() - 1.0).abs() < tolerance, "{} {toward:?}", model.name);
+            assert!((ratio - 1.0).abs() < tolerance, "{} {mode:?}: {ratio}", model.name);
+            assert!((back.pdf.value() / pdf.value() - 1.0).abs() < tolerance, "{} {mode:?}", model.name);
         }
     }
 }
@@ -113,15 +113,16 @@ fn a_sampled_weight_is_the_value_over_the_density() {
 #[test]
 fn a_mirror_keeps_radiance_toward_the_light_and_flux_toward_the_camera() {
     let point = tilted();
-    let surface = Surface::Conductor(Conductor { ggx: Ggx::new(0.0), fresnel: Fresnel::Constant(Spectrum::splat(0.5)) });
+    let surface =
+        Surface::Conductor(Conductor { ggx: Ggx::new(0.0), fresnel: Fresnel::Constant(Spectrum::splat(0.5)) });
     let known = Vec3::new(0.5, -0.3, 1.0).normalize();
-    for toward in [Transport::Light, Transport::Camera] {
-        let walk = Shading::new(&point, &surface, known, toward).unwrap();
+    for mode in [TransportMode::Radiance, TransportMode::Importance] {
+        let walk = Shading::new(&point, &surface, known, mode).unwrap();
         let sample = walk.sample([0.5; 3]).unwrap();
         let cos = |w: Vec3, n: Vec3| w.dot(n).abs();
         let (ns, ng) = (point.frame.n, point.ng);
         let adjoint = cos(known, ns) * cos(sample.direction, ng) / (cos(known, ng) * cos(sample.direction, ns));
-        let expected = 0.5 * if toward == Transport::Light { 1.0 } else { adjoint };
+        let expected = 0.5 * if mode == TransportMode::Radiance { 1.0 } else { adjoint };
         assert!((sample.weight[0] / expected - 1.0).abs() < ROUNDING);
         assert!(sample.density == Density::Delta(1.0) && surface.lobes() == Lobes::DIRAC_REFLECT);
     }
@@ -157,7 +158,7 @@ fn clear_and_white_lose_nothing_between_the_normals() {
     for surface in &lossless {
         for _ in 0..samples(4000) {
             let (point, known) = (bent(&mut random), world(random.cube()));
-            let walk = Shading::new(&point, surface, known, Transport::Light).unwrap();
+            let walk = Shading::new(&point, surface, known, TransportMode::Radiance).unwrap();
             let sample = walk.sample(random.cube()).unwrap();
             // every weight is one: no variance; a folded direction's is of two values over two densities
             let off = (weight_over_index(&sample) - 1.0).abs();
@@ -166,7 +167,8 @@ fn clear_and_white_lose_nothing_between_the_normals() {
     }
 }
 
-/// The albedo of rough surfaces for a bent normal is that of a straight one: the mean of weights is, whatever the normals.
+/// The albedo of rough surfaces for a bent normal is that of a straight one: the mean of weights is, whatever the
+/// normals.
 #[test]
 fn rough_metal_reflects_as_much_where_normals_differ() {
     let surface = Surface::Conductor(Conductor { ggx: Ggx::new(0.3), fresnel: Fresnel::Constant(Spectrum::ONE) });
@@ -178,12 +180,13 @@ fn rough_metal_reflects_as_much_where_normals_differ() {
         let [bent, flat] = [point(ng, ns), point(ns, ns)];
         let seen = if known.dot(ns) > 0.0 { known } else { known - ns * (2.0 * known.dot(ns)) };
         let mean = |point: &SurfacePoint, known: Vec3, random: &mut Random| {
-            let walk = Shading::new(point, &surface, known, Transport::Light).unwrap();
+            let walk = Shading::new(point, &surface, known, TransportMode::Radiance).unwrap();
             let sum: f64 = (0..n).map(|_| walk.sample(random.cube()).map_or(0.0, |s| f64::from(s.weight[1]))).sum();
             sum / f64::from(n)
         };
         let (a, b) = (mean(&bent, known, &mut random), mean(&flat, seen, &mut random));
-        // weights of visible normals are within 0 and 1 and so their means' deviation within 1 / 2 √n each: five of them
+        // weights of visible normals are within 0 and 1 and so their means' deviation within 1 / 2 √n each: five of
+        // them
         let bound = 5.0 * 0.5 * (2.0 / f64::from(n)).sqrt();
         assert!((a - b).abs() < bound, "tilt {tilt} angle {angle}: {a} and {b}");
     }
@@ -196,8 +199,8 @@ fn one_scattering_function_over_all_bends() {
     for model in [0.3, 0.6].into_iter().flat_map(models) {
         for _ in 0..samples(400) {
             let (point, wi, wo) = (bent(&mut random), world(random.cube()), world(random.cube()));
-            let camera_walk = Shading::new(&point, &model.surface, wo, Transport::Light).unwrap();
-            let Some(light_walk) = Shading::new(&point, &model.surface, wi, Transport::Camera) else {
+            let camera_walk = Shading::new(&point, &model.surface, wo, TransportMode::Radiance).unwrap();
+            let Some(light_walk) = Shading::new(&point, &model.surface, wi, TransportMode::Importance) else {
                 assert!(camera_walk.f(wi).is_black());
                 continue;
             };
@@ -227,9 +230,9 @@ fn dirac_pairs_map_onto_each_other_over_all_bends() {
     let (mut random, mut pairs) = (Random::new(27), 0);
     for model in models(0.0) {
         for i in 0..samples(1000) {
-            let toward = [Transport::Light, Transport::Camera][i as usize % 2];
+            let mode = [TransportMode::Radiance, TransportMode::Importance][i as usize % 2];
             let (point, known) = (bent(&mut random), world(random.cube()));
-            let Some(walk) = Shading::new(&point, &model.surface, known, toward) else { continue };
+            let Some(walk) = Shading::new(&point, &model.surface, known, mode) else { continue };
             let Some(sample) = walk.sample(random.cube()) else { continue };
             let other = sample.direction;
             let cosines = [known, other].map(|w| w.dot(point.ng).abs().min(w.dot(point.frame.n).abs()));
@@ -238,11 +241,11 @@ fn dirac_pairs_map_onto_each_other_over_all_bends() {
                 continue;
             }
             let there = walk.densities(&sample);
-            let back = Shading::new(&point, &model.surface, other, toward.reversed()).expect("the way back");
-            let wo = if toward == Transport::Light { known } else { other };
+            let back = Shading::new(&point, &model.surface, other, mode.reversed()).expect("the way back");
+            let wo = if mode == TransportMode::Radiance { known } else { other };
             let folds = etendue::bsdf::shading::folds(&point, &model.surface, wo, sample.lobe).expect("the component");
             let again = back.dirac(sample.lobe, folds).expect("the component");
-            assert!(again.distance(known) < 1e-4, "{} {toward:?}: {known} {again}", model.name);
+            assert!(again.distance(known) < 1e-4, "{} {mode:?}: {known} {again}", model.name);
             assert!(there.into_iter().all(|density| density > 0.0), "{}: {there:?}", model.name);
             pairs += 1;
         }

@@ -1,8 +1,11 @@
-//! Values against formulas as textbooks print them, in double precision and written from the books and not from the code.
+//! Values against formulas as textbooks print them, in double precision and written from the books and not from the
+//! code.
 
 use crate::models::{any_direction, white_plastic};
 use crate::random::{Random, samples};
-use etendue::bsdf::{Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lobes, MetallicRoughness, Surface, Thin, Wall, fresnel};
+use etendue::bsdf::{
+    Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lobes, MetallicRoughness, Surface, Thin, Wall, fresnel,
+};
 use etendue::geometry::Local;
 use etendue::spectrum::Spectrum;
 use std::f64::consts::PI;
@@ -11,8 +14,8 @@ fn tan2(w: Local<f64>) -> f64 {
     (1.0 - w.z * w.z) / (w.z * w.z)
 }
 
-/// D(h) in the angle, Λ in the tangent, and masking of heights that are correlated: Walter et al. 2007 (33), Heitz 2014 (72)
-/// and (99).
+/// D(h) in the angle, Λ in the tangent, and masking of heights that are correlated: Walter et al. 2007 (33), Heitz 2014
+/// (72) and (99).
 #[test]
 fn rough_reflection_is_the_textbooks() {
     // the textbook's 1 − cos² cancels: one rounding over the smallest α² cos⁴, of a half vector at cos 0.05
@@ -69,15 +72,17 @@ fn alpha_is_the_square_of_roughness() {
     }
 }
 
-/// KHR_materials_specular: its strength scales the reflection of a dielectric at every angle, its colour at normal incidence alone
-/// and up to 1; of sheets and of opaque surfaces alike. What is mirrored meets a facet at its own cosine.
+/// KHR_materials_specular: its strength scales the reflection of a dielectric at every angle, its colour at normal
+/// incidence alone and up to 1; of sheets and of opaque surfaces alike. What is mirrored meets a facet at its own
+/// cosine.
 #[test]
 fn specular_strength_scales_reflection_at_every_angle() {
     // the eight roundings of f0 and f90
     const ROUNDING: f64 = 8.0 * 0.5 * f32::EPSILON as f64;
     let color = Spectrum([0.5, 1.0, 40.0]);
     for strength in [0.25f32, 0.7, 1.0] {
-        let sheet = MetallicRoughness { transmission: 1.0, specular: strength, specular_color: color, ..white_plastic(0.25) };
+        let sheet =
+            MetallicRoughness { transmission: 1.0, specular: strength, specular_color: color, ..white_plastic(0.25) };
         let Surface::Thin(Thin { fresnel, ggx, .. }) = sheet.surface() else { panic!("not a sheet") };
         let opaque = MetallicRoughness { base: Spectrum::ZERO, transmission: 0.0, ..sheet }.surface();
         for cos in [1.0f64, 0.5, 0.1, 0.01] {
@@ -89,14 +94,18 @@ fn specular_strength_scales_reflection_at_every_angle() {
                 let f0 = (0.04 * f64::from(color[lane])).min(1.0);
                 let expected = f64::from(strength) * (f0 + (1.0 - f0) * (1.0 - cos).powi(5));
                 for got in [fresnel.reflectance(cos)[lane], mirrored[lane] / facets] {
-                    assert!((got / expected - 1.0).abs() < ROUNDING, "strength {strength} cos {cos}: {got}, not {expected}");
+                    assert!(
+                        (got / expected - 1.0).abs() < ROUNDING,
+                        "strength {strength} cos {cos}: {got}, not {expected}"
+                    );
                 }
             }
         }
     }
 }
 
-/// Unpolarised reflectance by Snell's law and the two amplitudes, in sines and cosines; all of it beyond the critical angle.
+/// Unpolarised reflectance by Snell's law and the two amplitudes, in sines and cosines; all of it beyond the critical
+/// angle.
 #[test]
 fn a_clear_boundary_reflects_what_fresnels_amplitudes_say() {
     for eta in [1.5f32, 1.0 / 1.5, 2.4] {

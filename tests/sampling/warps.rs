@@ -79,9 +79,11 @@ fn inverses_undo_warps() {
             assert!((w.length() - 1.0).abs() < ERROR, "length of {i} {u:?}");
             let back = warp(inverse(w));
             // a height above the horizon or next to the pole has the root of its number's rounding
-            let slack = ERROR + (1.0 - w.truncate().length_squared()).abs().max(f32::EPSILON).sqrt().recip().min(1e4) * ERROR;
+            let slack =
+                ERROR + (1.0 - w.truncate().length_squared()).abs().max(f32::EPSILON).sqrt().recip().min(1e4) * ERROR;
             assert!(
-                back.distance(w) < slack + 2.0 * f32::EPSILON.sqrt() * f32::from(u8::from(w.truncate().length() < 1e-3)),
+                back.distance(w)
+                    < slack + 2.0 * f32::EPSILON.sqrt() * f32::from(u8::from(w.truncate().length() < 1e-3)),
                 "{i} {u:?}: {w} {back}"
             );
         }

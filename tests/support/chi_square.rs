@@ -1,5 +1,5 @@
-//! Pearson's χ² test of a sampler against its density. Cells whose expected count is below 5 are pooled, and p-values are
-//! compared with a family-wise level by Šidák's correction.
+//! Pearson's χ² test of a sampler against its density. Cells whose expected count is below 5 are pooled, and p-values
+//! are compared with a family-wise level by Šidák's correction.
 
 use crate::quadrature::Rectangle;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -15,8 +15,8 @@ pub(crate) fn sidak(tests: usize) -> f64 {
     1.0 - (1.0 - FAMILY_LEVEL).powf(1.0 / tests as f64)
 }
 
-/// The p-value of `observed` counts under `expected` ones. Samples where hardly any are expected land in the pools; that
-/// none has a density of zero is for the caller to see, since quadrature may miss the corner of a cell.
+/// The p-value of `observed` counts under `expected` ones. Samples where hardly any are expected land in the pools;
+/// that none has a density of zero is for the caller to see, since quadrature may miss the corner of a cell.
 pub(crate) fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
     let mut cells: Vec<(f64, f64)> = observed.iter().copied().zip(expected.iter().copied()).collect();
     cells.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -37,9 +37,9 @@ pub(crate) fn survival(statistic: f64, degrees: f64) -> f64 {
     if degrees < 1.0 { 1.0 } else { ChiSquared::new(degrees).expect("degrees of freedom").sf(statistic) }
 }
 
-/// The sphere in cells around an axis. With S = sin²(angle / 2), whose 2 dS dφ is solid angle, the radial coordinate x is
-/// S = k ((1 + 1/k)ˣ − 1): even in S for large k, in its logarithm from k on for small k. A lobe of half width √k and a
-/// diffuse base below it are both resolved.
+/// The sphere in cells around an axis. With S = sin²(angle / 2), whose 2 dS dφ is solid angle, the radial coordinate x
+/// is S = k ((1 + 1/k)ˣ − 1): even in S for large k, in its logarithm from k on for small k. A lobe of half width √k
+/// and a diffuse base below it are both resolved.
 pub(crate) struct SphereCells {
     axis: [[f64; 3]; 3],
     k: f64,
@@ -77,7 +77,8 @@ impl SphereCells {
             2.0 * (self.k + away) * range * TAU * pdf(self.direction(away, turn))
         };
         let edge = |i: usize, n: usize| [i as f64 / n as f64, (i + 1) as f64 / n as f64];
-        let cell = |i: usize| Rectangle { x: edge(i / self.around, self.radial), y: edge(i % self.around, self.around) };
+        let cell =
+            |i: usize| Rectangle { x: edge(i / self.around, self.radial), y: edge(i % self.around, self.around) };
         (0..self.len()).map(|i| cell(i).integrate(tolerance, &integrand)).collect()
     }
 

@@ -19,15 +19,15 @@ const CORNERS: [f64; 2] = [1e-6, 1.0 - 1e-6];
 #[derive(Clone, Copy)]
 struct Estimate {
     integral: f64,
-    /// What it may be off by because an edge of the integrand's support goes through: the whole, if the integrand is zero in some
-    /// points, corners included, and not in others. Where a lobe ends at the horizon all points of the rule may be beyond it
-    /// although a strip along an edge is not, and both resolutions agree on nothing.
+    /// What it may be off by because an edge of the integrand's support goes through: the whole, if the integrand is
+    /// zero in some points, corners included, and not in others. Where a lobe ends at the horizon all points of the
+    /// rule may be beyond it although a strip along an edge is not, and both resolutions agree on nothing.
     cut: f64,
 }
 
 impl Rectangle {
-    /// ∫ f, quartering until both resolutions agree within `tolerance`, or the depth is used up, as it may be along jumps. Quarters
-    /// have half the tolerance: as many as are met by a curve have all of it together.
+    /// ∫ f, quartering until both resolutions agree within `tolerance`, or the depth is used up, as it may be along
+    /// jumps. Quarters have half the tolerance: as many as are met by a curve have all of it together.
     pub(crate) fn integrate(self, tolerance: f64, f: &impl Fn(f64, f64) -> f64) -> f64 {
         self.refine(self.gauss(f), tolerance, DEPTH, f)
     }
@@ -52,7 +52,8 @@ impl Rectangle {
         let corners = CORNERS.map(|u| CORNERS.map(|v| f(self.x[0] + u * dx, self.y[0] + v * dy)));
         let inside = values.as_flattened().iter().map(|(_, value)| *value);
         let all = inside.chain(corners.as_flattened().iter().copied());
-        let (least, most) = all.fold((f64::INFINITY, 0.0f64), |(least, most), value| (least.min(value), most.max(value)));
+        let (least, most) =
+            all.fold((f64::INFINITY, 0.0f64), |(least, most), value| (least.min(value), most.max(value)));
         let integral = values.as_flattened().iter().map(|(weight, value)| weight * value).sum::<f64>() * dx * dy;
         Estimate { integral, cut: if least == 0.0 { most * dx * dy } else { 0.0 } }
     }

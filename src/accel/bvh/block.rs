@@ -1,13 +1,13 @@
-//! Four triangles side by side, and whether a ray meets them: the watertight test of [Woop13].
+//! Blocks of four triangles, with the watertight intersection test of [Woop13].
 //!
-//! Why no ray slips through an edge or a vertex: all triangles at a vertex see the same sheared coordinates, and the sign of
-//! an edge function is exact for them. A difference of two rounded products has the sign of the exact difference unless the
-//! rounded products are equal, because rounding is monotone; where they are equal the products are formed in f64, exactly.
+//! Watertightness: all triangles at a vertex share its sheared coordinates, and the signs of their edge functions are
+//! exact. A difference of two rounded products has the sign of the exact difference unless the rounded products are
+//! equal, because rounding is monotone. For equal products the computation is repeated in f64, which is exact.
 //!
-//! Where on the ray a triangle is met is another question, and edge functions do not answer it for slivers: their rounding,
-//! 6e-8 of the reach squared, is a tenth of the area of a triangle a million times as long as wide, and a hit interpolated by
-//! them lies anywhere along it. A ray that left such a triangle met it again. So where the area is small against reach times
-//! range of heights the plane is met in f64 (always doing so costs a quarter of a render's speed).
+//! Edge functions do not give an accurate hit distance on slivers. Their rounding error, 6e-8 of the squared reach, is
+//! a tenth of the area of a triangle of aspect ratio 10⁶, and a hit interpolated by them may lie anywhere along it.
+//! Rays that left such triangles hit them again. If the area is small relative to reach times range of heights, the
+//! plane is therefore intersected in f64. Always doing so would cost a quarter of the rendering speed.
 
 use super::ray::Query;
 use crate::geometry::Hit;
@@ -16,21 +16,21 @@ use glam::{DVec3, Vec3, Vec4};
 use std::array::from_fn;
 use std::ops::ControlFlow;
 
-/// Triangles in a block.
+/// Number of triangles in a block.
 pub(super) const LANES: usize = 4;
 
-/// Edge functions place a hit where reach × range of heights is at most this times their sum. Rounding of a coordinate then
-/// moves the hit along the ray by at most 64 times as much, as it does on an ordinary triangle 1 / 64 off edge-on.
+/// Edge functions determine the hit distance where reach × range of heights is at most this times their sum. Rounding
+/// of a coordinate is then amplified along the ray by at most 64, as on an ordinary triangle 1 / 64 off edge-on.
 const WELL_SHAPED: f32 = 64.0;
 
-/// A triangle and its name.
+/// A triangle and its id.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Corners {
     pub(super) vertices: [Vec3; 3],
     pub(super) hit: Hit,
 }
 
-/// Up to four triangles; where there are fewer the last is repeated.
+/// Up to four triangles; in a partial block the last one is repeated.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Block {
@@ -41,7 +41,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// A block of one to four `triangles`.
+    /// Returns a block of one to four `triangles`.
     pub(super) fn new(triangles: &[Corners]) -> Self {
         let lanes: [Corners; LANES] = from_fn(|lane| triangles[lane.min(triangles.len() - 1)]);
         Block {
@@ -51,13 +51,13 @@ impl Block {
         }
     }
 
-    /// The triangle in `lane`, of the object `instance` if the block stands in several places.
+    /// Returns the id of the triangle in `lane`; `instance` is the object if the mesh is instanced.
     #[inline]
     pub(super) fn hit(&self, lane: usize, instance: Option<u32>) -> Hit {
         Hit { object: instance.unwrap_or(self.objects[lane]), primitive: self.primitives[lane] }
     }
 
-    /// Calls `found(t, lane)` for each triangle that the ray meets at `t_min` < t ≤ `t_max`.
+    /// Calls `found(t, lane)` for each triangle that the ray hits at `t_min` < t ≤ `t_max`.
     #[inline]
     pub(super) fn meet(
         &self,
@@ -95,13 +95,14 @@ impl Block {
         ControlFlow::Continue(())
     }
 
-    /// Where the ray meets the plane of the triangle in `lane`, but not outside its vertices' own range; NaN for a ray in the
-    /// plane and for a triangle without area.
+    /// Returns the parameter of the intersection with the plane of the triangle in `lane`, clamped to the range of its
+    /// vertices; NaN for a ray in the plane and for a triangle without area.
     #[cold]
     fn parameter(&self, query: &Query, lane: usize) -> f32 {
         let axis = |of: &[Vec4; 3], k: usize| f64::from(of[k][lane]);
-        let vertex =
-            |v: usize| DVec3::from_array(from_fn(|k| f64::from(self.vertices[v][query.axes[k]][lane]) - axis(&query.origin, k)));
+        let vertex = |v: usize| {
+            DVec3::from_array(from_fn(|k| f64::from(self.vertices[v][query.axes[k]][lane]) - axis(&query.origin, k)))
+        };
         let (a, b, c) = (vertex(0), vertex(1), vertex(2));
         let normal = (b - a).cross(c - a);
         let direction = query.direction.as_dvec3();
@@ -113,7 +114,7 @@ impl Block {
         (height.max(least).min(most) / direction.z) as f32
     }
 
-    /// Vertex `v` of all lanes in coordinates where the ray is the z axis, z not yet scaled.
+    /// Returns vertex `v` of all lanes in coordinates with the ray as z axis, z not yet scaled.
     #[inline]
     fn sheared(&self, query: &Query, v: usize) -> [Vec4; 3] {
         let [x, y, z] = from_fn(|k| self.vertices[v][query.axes[k]] - query.origin[k]);
@@ -121,13 +122,14 @@ impl Block {
     }
 }
 
-/// Whether the z axis meets one triangle whose edges are too close to it for f32.
+/// Returns whether the z axis intersects a triangle whose edges are too close to it for f32.
 #[cold]
 fn is_inside(vertices: [[Vec4; 3]; 3], lane: usize) -> bool {
     let [a, b, c] = vertices.map(|v| v.map(|x| f64::from(x[lane])));
     let (u, v, w) = (c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]);
     if u == 0.0 && v == 0.0 && w == 0.0 {
-        // From afar rounding may leave of a triangle a point, or a piece of a line through the axis: has it the axis itself?
+        // From afar, rounding may reduce a triangle to a point, or to a segment on a line through the axis: test
+        // whether it contains the axis itself.
         let spans_zero = |k: usize| a[k].min(b[k]).min(c[k]) <= 0.0 && a[k].max(b[k]).max(c[k]) >= 0.0;
         return spans_zero(0) && spans_zero(1);
     }

@@ -1,13 +1,13 @@
-//! obvhs's own eight-wide compressed tree [Ylitie17] with obvhs's own traversal and triangle test, as a row of `bench rays`
-//! beside our four-wide tree. It is not a backend, and cannot be chosen to render with:
+//! The eight-wide compressed tree of obvhs [Ylitie17] with its own traversal and triangle test, for comparison with our
+//! four-wide tree in `bench rays`. It is not a backend and cannot be selected for rendering:
 //!
 //! - It is not watertight: the triangle test of [Moller97] loses rays at edges, and boxes are not widened.
-//! - Boxes that a ray leaves within the parameter 1e-4 are passed, whatever the scale.
-//! - Direction components below 1.2e-7 are taken for that.
-//! - There is one level: instances are flattened, which may take too much memory.
-//! - There is one build; filters are asked about every object.
+//! - Boxes that a ray leaves before the parameter 1e-4 are skipped, whatever the scale.
+//! - Direction components below 1.2e-7 are clamped to it.
+//! - It has one level: instances are flattened, which may take too much memory.
+//! - It has one build quality; filters are called for every object.
 
-use super::plant::compressed;
+use super::build::compressed;
 use super::{Corners, corners};
 use crate::accel::Intersector;
 use crate::error::{Error, Kind, Result};
@@ -18,37 +18,39 @@ use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ray::{Ray as Query, RayHit, safe_inverse};
 use obvhs::triangle::Triangle;
 
-/// Triangles that instances may become when they are flattened: building takes about 250 bytes of each.
+/// Largest number of triangles after flattening of instances; construction takes about 250 bytes per triangle.
 const MOST_FLATTENED: usize = 1 << 22;
 
-/// Levels of nodes that obvhs's traversal has room for.
+/// Largest depth that the traversal of obvhs supports.
 const DEEPEST: u32 = 32;
 
-/// Built geometry.
+/// Committed geometry.
 pub struct Cwbvh {
     tree: CwBvh,
-    /// In the order of the leaves, as their names.
+    /// By leaf, like the ids in `hits`.
     triangles: Box<[Triangle]>,
     hits: Box<[Hit]>,
     bounds: Bounds,
 }
 
 impl Cwbvh {
-    /// Builds the tree over `geometry`, instances flattened, in the current rayon pool.
+    /// Builds the tree over `geometry`, with flattened instances, in the current rayon pool.
     ///
     /// # Errors
-    /// A memory error if instances would become more than four million triangles; an internal one if the tree is deeper than
-    /// obvhs can walk.
+    /// A memory error if flattening gives more than four million triangles; an internal error if the tree is deeper
+    /// than obvhs supports.
     ///
     /// # Panics
-    /// If an object names a mesh that is not there.
+    /// If an object refers to a missing mesh.
     pub fn build(geometry: &Geometry) -> Result<Cwbvh> {
-        let count: usize = (0..geometry.objects.len()).map(|object| geometry.mesh_of(object as u32).triangles().len()).sum();
+        let count: usize =
+            (0..geometry.objects.len()).map(|object| geometry.mesh_of(object as u32).triangles().len()).sum();
         if count > MOST_FLATTENED && geometry.objects.iter().any(|object| object.placement.is_some()) {
             let what = format!("CWBVH has no instances, and {count} triangles are too many to flatten them");
             return Err(Error::new(Kind::Memory, what));
         }
-        let flat: Vec<Corners> = (0..geometry.objects.len() as u32).flat_map(|object| placed(geometry, object)).collect();
+        let flat: Vec<Corners> =
+            (0..geometry.objects.len() as u32).flat_map(|object| placed(geometry, object)).collect();
         let tree = if flat.is_empty() { CwBvh::default() } else { compressed(&flat) };
         if depth(&tree) > DEEPEST {
             return Err(Error::new(Kind::Internal, format!("CWBVH would be more than {DEEPEST} levels deep")));
@@ -62,12 +64,12 @@ impl Cwbvh {
         })
     }
 
-    /// Bytes of nodes and leaves.
+    /// Returns the memory of nodes and leaves in bytes.
     pub fn bytes(&self) -> usize {
         self.tree.nodes.len() * size_of::<CwBvhNode>() + size_of_val(&*self.triangles) + size_of_val(&*self.hits)
     }
 
-    /// Where the ray meets the leaf's triangle, infinite where it does not or `any` does not accept it.
+    /// Returns the parameter of the hit with the leaf's triangle; infinite if there is none or `any` rejects it.
     #[inline]
     fn meet<A: AnyHit>(&self, query: &Query, leaf: usize, ray: &Ray, any: &A) -> f32 {
         let t = self.triangles[leaf].intersect(query);
@@ -85,7 +87,8 @@ impl Intersector for Cwbvh {
 
     #[inline]
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
-        query(ray).is_some_and(|query| !self.tree.ray_traverse_miss(query, |query, leaf| self.meet(query, leaf, ray, any)))
+        query(ray)
+            .is_some_and(|query| !self.tree.ray_traverse_miss(query, |query, leaf| self.meet(query, leaf, ray, any)))
     }
 
     fn bounds(&self) -> Bounds {
@@ -93,7 +96,7 @@ impl Intersector for Cwbvh {
     }
 }
 
-/// The ray as obvhs wants it; `None` if it is none.
+/// Returns the ray in the format of obvhs; `None` for an invalid ray.
 #[inline]
 fn query(ray: &Ray) -> Option<Query> {
     let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
@@ -102,7 +105,7 @@ fn query(ray: &Ray) -> Option<Query> {
     is_ray.then_some(Query { origin, direction, inv_direction, tmin: ray.t_min, tmax: ray.t_max })
 }
 
-/// The triangles of an object in world space.
+/// Returns the world-space triangles of an object.
 fn placed(geometry: &Geometry, object: u32) -> impl Iterator<Item = Corners> + '_ {
     corners(geometry, object).map(|corners| Corners { vertices: geometry.triangle(corners.hit).vertices, ..corners })
 }
@@ -112,7 +115,7 @@ pub(super) fn triangle(corners: &Corners) -> Triangle {
     Triangle { v0, v1, v2 }
 }
 
-/// How many nodes lie above one another; children come after their parents.
+/// Returns the depth of the tree; children come after their parents.
 fn depth(tree: &CwBvh) -> u32 {
     if tree.nodes.is_empty() {
         return 0;
@@ -127,21 +130,22 @@ fn depth(tree: &CwBvh) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::equivalence::Tally;
+    use crate::accel::equivalence::DifferenceCounts;
     use crate::accel::hard_cases::{by_name, sphere};
     use crate::accel::{Build, bvh};
     use crate::geometry::{Attributes, Object, Opaque, TriangleMesh};
     use glam::{Affine3A, Vec3};
     use std::sync::Arc;
 
-    /// It hits what our tree hits, up to ties and grazes, on a soup and on placed spheres; rays that are none hit nothing.
+    /// It has the same hits as our tree, up to ties and grazes, on a soup and on placed spheres; invalid rays hit
+    /// nothing.
     #[test]
     fn it_hits_what_our_own_tree_hits() {
         for name in ["random", "sphere-random", "instances-outside", "not-finite"] {
             let case = by_name(name).expect("a case");
-            let ours = bvh::Scene::build(case.geometry(), Build::Robust).expect("builds");
+            let ours = bvh::BvhScene::build(case.geometry(), Build::Robust).expect("builds");
             let theirs = Cwbvh::build(case.geometry()).expect("builds");
-            let tally = Tally::of(case.geometry(), &case.rays(0..20_000), &theirs, &ours, false);
+            let tally = DifferenceCounts::of(case.geometry(), &case.rays(0..20_000), &theirs, &ours, false);
             assert_eq!((tally.rays, tally.true_differences), (20_000, 0), "{name}: {tally:?}");
             assert_eq!(tally.hits > 1_000, name != "not-finite", "{name}: {tally:?}");
         }

@@ -1,24 +1,25 @@
-//! A ray made ready for the two tests: slabs for boxes, a shear for triangles.
+//! A ray prepared for the two tests: slabs for boxes, a shear for triangles.
 //!
-//! The triangle test moves vertices so that the ray is the z axis. With u = 2⁻²⁴, M the largest |vertex − origin| of any
-//! coordinate and shear factors of at most 1, a sheared coordinate is off by at most 6uM: u·M for each of the two
-//! differences, 2u·M for the product, 2u·M for the last difference. A box test rounds a difference, a reciprocal and a
-//! product, 3uM, and the widened origin, uM. Widening every slab by 16uM therefore keeps each box that holds a triangle which
-//! the triangle test would accept; it is done to the ray's origin, where it costs nothing, and not to the boxes.
+//! The triangle test transforms vertices so that the ray is the z axis. With u = 2⁻²⁴, M the largest |vertex − origin|
+//! of any coordinate and shear factors of at most 1, a sheared coordinate has an error of at most 6uM: u·M for each of
+//! the two differences, 2u·M for the product, 2u·M for the last difference. A box test rounds a difference, a
+//! reciprocal and a product, 3uM, and the widened origin, uM. Widening every slab by 16uM is therefore conservative: no
+//! box is missed that contains a triangle accepted by the triangle test. The widening is applied to the ray's origin
+//! instead of the boxes, at no cost.
 
 use super::tree::Node;
 use crate::geometry::Ray;
 use glam::{BVec4A, Vec3, Vec4};
 
-/// Direction components below this are taken for this, so that no reciprocal overflows.
+/// Lower bound of direction components in magnitude, so that no reciprocal overflows.
 const LEAST: f32 = 1e-37;
 
-/// Half-ulps that slabs are widened by: see the module's head.
+/// Widening of slabs, in half-ulps: see the module documentation.
 const WIDENING: f32 = 16.0 * 0.5 * f32::EPSILON;
 
-/// A ray as box tests want it.
+/// A ray prepared for box tests.
 pub(super) struct Slabs {
-    /// For each axis: which plane of a box is met first, its index in [`Node::planes`].
+    /// By axis: index in [`Node::planes`] of the near plane of a box.
     first: [usize; 3],
     near_origin: [Vec4; 3],
     far_origin: [Vec4; 3],
@@ -27,7 +28,7 @@ pub(super) struct Slabs {
 }
 
 impl Slabs {
-    /// For boxes whose coordinates are at most `extent`.
+    /// Prepares a ray for boxes with coordinates of at most `extent`.
     #[inline]
     pub(super) fn new(ray: &Ray, extent: f32) -> Self {
         let pad = (ray.origin.abs().max_element() + extent) * WIDENING;
@@ -43,7 +44,7 @@ impl Slabs {
         }
     }
 
-    /// Which of a node's boxes the ray meets before `reach`, and where it enters them.
+    /// Returns a mask of the node's boxes that the ray enters before `reach`, and the entry parameters.
     #[inline]
     pub(super) fn meet(&self, node: &Node, reach: f32) -> (u32, [f32; 4]) {
         let near = |k: usize| (node.planes[self.first[k]] - self.near_origin[k]) * self.inverse[k];
@@ -55,17 +56,17 @@ impl Slabs {
     }
 }
 
-/// A ray as triangle tests want it [Woop13].
+/// A ray prepared for triangle tests [Woop13].
 pub(super) struct Query {
-    /// Axes in an order that keeps handedness, the direction's largest last.
+    /// Permutation of the axes that keeps handedness, with the direction's largest component last.
     pub(super) axes: [usize; 3],
-    /// Origin along these axes.
+    /// Permuted origin.
     pub(super) origin: [Vec4; 3],
     /// d_x / d_z and d_y / d_z.
     pub(super) shear: [Vec4; 2],
     /// 1 / d_z.
     pub(super) scale: Vec4,
-    /// The direction along these axes.
+    /// Permuted direction.
     pub(super) direction: Vec3,
     pub(super) t_min: f32,
 }

@@ -1,39 +1,39 @@
-//! A four-wide tree of boxes and the walk through it.
+//! A four-wide bounding volume hierarchy and its traversal.
 
 use super::Nearest;
 use super::ray::Slabs;
-use crate::pages::Pages;
+use crate::pages::HugeVec;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 use smallvec::SmallVec;
 use std::ops::ControlFlow;
 
-/// Marks a child that is a leaf; the rest of the bits is its number.
+/// Flag of a leaf child; the other bits are its index.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// Entries of the stack that are kept off the heap: enough for the trees that are built in practice.
+/// Stack entries kept off the heap: enough for typical trees.
 const SHALLOW: usize = 96;
 
-/// Four children and their boxes. Where there are fewer, a box is empty and met by no ray.
+/// Four children and their boxes. Absent children have empty boxes, which no ray hits.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Node {
-    /// Smallest x, largest x, smallest y, … of the four.
+    /// Least x, greatest x, least y, … of the four.
     pub(super) planes: [Vec4; 6],
     /// Index of a node, or of a leaf with [`LEAF`] set.
     pub(super) children: [u32; 4],
 }
 
-/// Nodes from the root down.
+/// Nodes, starting at the root.
 pub(super) struct Tree {
-    nodes: Pages<Node>,
+    nodes: HugeVec<Node>,
     root: u32,
-    /// The largest coordinate of any box.
+    /// Largest coordinate of any box.
     extent: f32,
 }
 
 impl Tree {
-    /// A tree of `nodes` within coordinates of `extent`.
+    /// Returns a tree of `nodes` with coordinates of at most `extent`.
     pub(super) fn new(nodes: Vec<Node>, root: u32, extent: f32) -> Self {
         Tree { nodes: nodes.into(), root, extent }
     }
@@ -47,7 +47,8 @@ impl Tree {
         size_of_val(&*self.nodes)
     }
 
-    /// Calls `leaf` for the leaves that the ray reaches, roughly from near to far, until it breaks. It may shorten the reach.
+    /// Calls `leaf` for the leaves along the ray, approximately front to back, until it breaks. It may shorten the
+    /// reach.
     #[inline]
     pub(super) fn visit(
         &self,
@@ -55,7 +56,7 @@ impl Tree {
         reach: &mut Nearest,
         mut leaf: impl FnMut(usize, &mut Nearest) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        // Not an array: writing zeros to it takes a sixth of the time of a ray in a small scene.
+        // Not an array: its zero-initialisation takes a sixth of the time of a ray in a small scene.
         let mut stack = SmallVec::<[(u32, f32); SHALLOW]>::new();
         let (nodes, mut current) = (&*self.nodes, self.root);
         loop {

@@ -1,4 +1,4 @@
-//! A device: Embree's own state, its threads and the memory it holds.
+//! An Embree device: library state, threads and memory.
 
 use super::error;
 use crate::error::{Error, Kind, Result};
@@ -10,23 +10,24 @@ use std::ffi::{CString, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicIsize, Ordering};
 
-/// An Embree device. Everything made from it holds a reference to it.
+/// An Embree device. All objects created from it hold a reference to it.
 pub struct Device {
     raw: RTCDevice,
-    /// Shared with the memory monitor, so it has one address for as long as the device lives.
+    /// Shared with the memory monitor, so that its address is fixed for the lifetime of the device.
     bytes: Arc<AtomicIsize>,
 }
 
-// SAFETY: Embree's manual allows calls on one device from any thread; errors are kept per thread, references are atomic.
+// SAFETY: Embree's manual allows calls on one device from any thread; errors are kept per thread, references are
+// atomic.
 unsafe impl Send for Device {}
 // SAFETY: as above; the only other state is an atomic counter.
 unsafe impl Sync for Device {}
 
 impl Device {
-    /// A device that builds with `threads` threads (0: as many as there are).
+    /// Creates a device that builds with `threads` threads (0: all available).
     ///
     /// # Errors
-    /// Internal errors: the processor is not supported, or the library is not the one the bindings were made for.
+    /// Internal errors: the processor is not supported, or the library does not match the bindings.
     pub fn new(threads: usize) -> Result<Self> {
         let config = CString::new(format!("threads={threads}"))
             .map_err(|e| Error::new(Kind::Internal, "Embree's configuration is not a C string").because(e))?;
@@ -39,7 +40,9 @@ impl Device {
         }
         let device = Device { raw, bytes: Arc::default() };
         // SAFETY: the device is live; its last use of the counter is in `Drop`, before the counter's own.
-        unsafe { rtcSetDeviceMemoryMonitorFunction(raw, Some(count_bytes), Arc::as_ptr(&device.bytes).cast_mut().cast()) };
+        unsafe {
+            rtcSetDeviceMemoryMonitorFunction(raw, Some(count_bytes), Arc::as_ptr(&device.bytes).cast_mut().cast())
+        };
         device.check("watch Embree's memory")?;
         device.check_library()?;
         Ok(device)
@@ -49,18 +52,18 @@ impl Device {
         self.raw
     }
 
-    /// The calling thread's error since the last check, if any.
+    /// Returns the calling thread's error since the last check, if any.
     pub(super) fn check(&self, what: &str) -> Result<()> {
         // SAFETY: the device lives as long as `self`.
         unsafe { error::check(self.raw, what) }
     }
 
-    /// Bytes of the memory that Embree holds.
+    /// Returns the memory allocated by Embree in bytes.
     pub fn bytes(&self) -> usize {
         self.bytes.load(Ordering::Relaxed).max(0).unsigned_abs()
     }
 
-    /// Version of the library at run time.
+    /// Returns the version of the library at run time.
     pub fn version(&self) -> String {
         let version = self.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_VERSION);
         format!("{}.{}.{}", version / 10000, version / 100 % 100, version % 100)
@@ -71,8 +74,8 @@ impl Device {
         unsafe { rtcGetDeviceProperty(self.raw, property) }
     }
 
-    /// Checks what the bindings and this backend take for granted but the library was free to be built without. The layout of
-    /// rays and hits is fixed by the headers' version, which the bindings assert.
+    /// Checks build options of the library that the bindings and this backend rely on. The layout of rays and hits is
+    /// fixed by the version of the headers, which the bindings assert.
     fn check_library(&self) -> Result<()> {
         let headers = RTC_VERSION as isize;
         let version = self.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_VERSION);
@@ -87,9 +90,13 @@ impl Device {
         match wrong {
             _ if version < headers || version / 10000 != headers / 10000 => Err(Error::new(
                 Kind::Internal,
-                format!("the loader found Embree {built}, but this program was built for {RTC_VERSION}: build it again"),
+                format!(
+                    "the loader found Embree {built}, but this program was built for {RTC_VERSION}: build it again"
+                ),
             )),
-            Some((_, _, what)) => Err(Error::new(Kind::Internal, format!("the loader found an Embree {built} built {what}"))),
+            Some((_, _, what)) => {
+                Err(Error::new(Kind::Internal, format!("the loader found an Embree {built} built {what}")))
+            }
             None => Ok(()),
         }
     }
@@ -102,7 +109,7 @@ impl Drop for Device {
     }
 }
 
-/// Embree calls this around its allocations (positive) and deallocations (negative), from any thread.
+/// Memory monitor. Embree calls it around its allocations (positive) and deallocations (negative), from any thread.
 unsafe extern "C" fn count_bytes(counter: *mut c_void, bytes: isize, _post: bool) -> bool {
     // SAFETY: `Device::new` registered the address of a counter that lives as long as the device.
     let counter = unsafe { &*counter.cast::<AtomicIsize>() };

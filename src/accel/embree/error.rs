@@ -1,10 +1,10 @@
-//! Embree's error codes as errors. Codes are kept per thread and device until read, so they are read after each set-up call
-//! and never after a query, which sets none.
+//! Conversion of Embree's error codes. Codes are kept per thread and device until read. They are read after each set-up
+//! call, and never after a query, which sets none.
 
 use crate::error::{Error, Kind, Result};
 use embree4_sys::{RTCDevice, RTCError, rtcGetDeviceError};
 
-/// Takes the calling thread's error of `device`; a null device asks why none could be made.
+/// Takes the calling thread's error of `device`; a null device gives the cause of a failed device creation.
 ///
 /// # Safety
 /// `device` is null or a live device.
@@ -16,7 +16,7 @@ pub(super) unsafe fn check(device: RTCDevice, what: &str) -> Result<()> {
     }
 }
 
-/// The error that `code` stands for: "cannot `what`: Embree reports …".
+/// Returns the error for `code`: "cannot `what`: Embree reports …".
 pub(super) fn of(code: RTCError, what: &str) -> Error {
     let (kind, cause) = match code {
         RTCError::RTC_ERROR_OUT_OF_MEMORY => (Kind::Memory, "too little memory".into()),
@@ -36,7 +36,10 @@ mod tests {
     #[test]
     fn lack_of_memory_has_its_own_exit_class() {
         let error = of(RTCError::RTC_ERROR_OUT_OF_MEMORY, "build");
-        assert_eq!((error.kind, error.to_string().as_str()), (Kind::Memory, "cannot build: Embree reports too little memory"));
+        assert_eq!(
+            (error.kind, error.to_string().as_str()),
+            (Kind::Memory, "cannot build: Embree reports too little memory")
+        );
     }
 
     #[test]

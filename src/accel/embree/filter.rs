@@ -1,8 +1,10 @@
-//! The filter of a query: how Embree's callback reaches the caller's [`AnyHit`].
+//! Filter of a query: connects Embree's callback to the caller's [`AnyHit`].
 
 use super::ray::named;
 use crate::geometry::{AnyHit, Hit, Ray};
-use embree4_sys::{RTC_INVALID_GEOMETRY_ID, RTCFilterFunctionN, RTCFilterFunctionNArguments, RTCHit, RTCRayQueryContext};
+use embree4_sys::{
+    RTC_INVALID_GEOMETRY_ID, RTCFilterFunctionN, RTCFilterFunctionNArguments, RTCHit, RTCRayQueryContext,
+};
 use std::any::Any;
 use std::mem::offset_of;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -11,20 +13,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 const IDS: usize = offset_of!(RTCHit, primID);
 const _: () = assert!(offset_of!(RTCHit, geomID) == IDS + 4 && offset_of!(RTCHit, instID) == IDS + 8);
 
-/// What Embree carries through one query for the callback. Embree knows its first member only.
+/// Query context passed through Embree to the callback. Embree knows only its first member.
 #[repr(C)]
 pub(super) struct Filter<'a, A> {
     context: RTCRayQueryContext,
     /// The world-space ray: inside an instance Embree's own is in object space.
     ray: &'a Ray,
     any: &'a A,
-    /// Objects to ask about: an instanced mesh may be shared with objects that are not filtered.
+    /// By object: whether the filter applies. An instanced mesh may be shared with objects without a filter.
     filtered: &'a [bool],
     panic: Option<Box<dyn Any + Send>>,
 }
 
 impl<'a, A: AnyHit> Filter<'a, A> {
-    /// The function that Embree calls on candidate hits of a query whose context is [`Self::context`].
+    /// The function that Embree calls on candidate hits of a query with the context [`Self::context`].
     pub(super) const CALLBACK: RTCFilterFunctionN = Some(on_candidate::<A>);
 
     #[inline]
@@ -33,18 +35,18 @@ impl<'a, A: AnyHit> Filter<'a, A> {
         Filter { context: RTCRayQueryContext { instID: [none], instPrimID: [none] }, ray, any, filtered, panic: None }
     }
 
-    /// The context to give to Embree, as a pointer that is good for the whole filter.
+    /// Returns the context for Embree, as a pointer that is valid for the whole filter.
     #[inline]
     pub(super) fn context(&mut self) -> *mut RTCRayQueryContext {
         (&raw mut *self).cast()
     }
 
-    /// The caller's answer; after a panic everything is accepted, which ends the query soonest.
+    /// Returns the caller's answer. After a panic every candidate is accepted, which ends the query soonest.
     fn accepts(&mut self, hit: Hit) -> bool {
         if self.panic.is_some() || self.filtered.get(hit.object as usize) != Some(&true) {
             return true;
         }
-        // Nothing of a half-made state is seen: the panic goes on as soon as Embree returns.
+        // No inconsistent state is observed: the panic resumes as soon as Embree returns.
         let answer = catch_unwind(AssertUnwindSafe(|| self.any.accepts(self.ray, hit)));
         answer.unwrap_or_else(|panic| {
             self.panic = Some(panic);
@@ -53,7 +55,7 @@ impl<'a, A: AnyHit> Filter<'a, A> {
     }
 }
 
-/// Goes on with the panic of the caller's filter, if it panicked: unwinding must not pass through Embree.
+/// Resumes a panic of the caller's filter: unwinding must not pass through Embree.
 #[inline]
 pub(super) fn resume_panic<A>(filter: Option<Filter<'_, A>>) {
     if let Some(panic) = filter.and_then(|filter| filter.panic) {
@@ -66,8 +68,8 @@ pub(super) fn resume_panic<A>(filter: Option<Filter<'_, A>>) {
 unsafe extern "C" fn on_candidate<A: AnyHit>(arguments: *const RTCFilterFunctionNArguments) {
     // SAFETY: Embree passes arguments that are valid during the call.
     let arguments = unsafe { &*arguments };
-    // SAFETY: the context is the first member of a `Filter<A>` in C layout, `Filter::context` gave a pointer to the whole of
-    // it, and Embree does not touch the context while its callback runs.
+    // SAFETY: the context is the first member of a `Filter<A>` in C layout, `Filter::context` gave a pointer to the
+    // whole of it, and Embree does not touch the context while its callback runs.
     let filter = unsafe { &mut *arguments.context.cast::<Filter<'_, A>>() };
     // SAFETY: a single-ray query has N = 1, where `RTCHitN` begins as `RTCHit` does: the ids stand side by side.
     let [primitive, geometry, instance] = unsafe { arguments.hit.wrapping_byte_add(IDS).cast::<[u32; 3]>().read() };

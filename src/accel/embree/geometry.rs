@@ -1,4 +1,4 @@
-//! What is attached to a scene: a triangle mesh or an instance of another scene.
+//! Geometries attached to a scene: a triangle mesh or an instance of another scene.
 
 use super::device::Device;
 use super::scene::Committed;
@@ -12,30 +12,30 @@ use embree4_sys::{
 use glam::{Affine3A, Vec3};
 use std::sync::Arc;
 
-// Embree is told these strides.
+// Strides passed to Embree.
 const _: () = assert!(size_of::<Vec3>() == 12 && size_of::<[u32; 3]>() == 12);
 
-/// An Embree geometry and what it points to.
+/// An Embree geometry with the data that it points to.
 pub(super) struct Shape {
     raw: RTCGeometry,
     _source: Source,
 }
 
-/// Kept alive by a shape, never looked at. Embree itself counts references to an instanced scene, but not to the meshes in it.
+/// Held by a shape only to keep it alive. Embree counts references to an instanced scene, but not to the meshes in it.
 #[expect(dead_code, reason = "held for its lifetime")]
 enum Source {
     Mesh(Arc<TriangleMesh>),
-    Scene(Arc<Committed>),
+    EmbreeScene(Arc<Committed>),
 }
 
-// SAFETY: a shape is only changed before it is attached, by the thread that makes it; afterwards it is only released, and
-// Embree counts references atomically.
+// SAFETY: a shape is only changed before it is attached, by the thread that makes it; afterwards it is only released,
+// and Embree counts references atomically.
 unsafe impl Send for Shape {}
 // SAFETY: no method of a shared shape changes it.
 unsafe impl Sync for Shape {}
 
 impl Shape {
-    /// A shape that reads the arrays of `mesh`; queries ask their filter about it if it is `filtered`.
+    /// Returns a shape that reads the arrays of `mesh`; queries call their filter for it if it is `filtered`.
     pub(super) fn mesh(device: &Device, mesh: &Arc<TriangleMesh>, filtered: bool) -> Result<Shape> {
         let shape = Shape::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_TRIANGLE, Source::Mesh(Arc::clone(mesh)))?;
         // Embree reads 16 bytes at each position, and the padding is what follows the last.
@@ -49,9 +49,10 @@ impl Shape {
         shape.committed(device)
     }
 
-    /// An instance of `scene` at `placement`.
+    /// Returns an instance of `scene` at `placement`.
     pub(super) fn instance(device: &Device, scene: &Arc<Committed>, placement: &Affine3A) -> Result<Shape> {
-        let shape = Shape::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_INSTANCE, Source::Scene(Arc::clone(scene)))?;
+        let shape =
+            Shape::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_INSTANCE, Source::EmbreeScene(Arc::clone(scene)))?;
         // SAFETY: both handles are live, and the shape holds the scene.
         unsafe { rtcSetGeometryInstancedScene(shape.raw, scene.raw()) };
         let columns: [f32; 12] = placement.to_cols_array();
@@ -77,7 +78,8 @@ impl Shape {
     /// Lets Embree read `elements` in place.
     ///
     /// # Safety
-    /// `format` describes `T`; the elements neither move nor change while the shape lives, and 16 bytes may be read at each.
+    /// `format` describes `T`; the elements neither move nor change while the shape lives, and 16 bytes may be read at
+    /// each.
     unsafe fn share<T>(&self, buffer: RTCBufferType, format: RTCFormat, elements: &[T]) {
         let (start, stride) = (elements.as_ptr().cast(), size_of::<T>());
         // SAFETY: the geometry is live; the caller answers for the elements.

@@ -1,12 +1,14 @@
-//! The Embree 4 backend: the fastest queries on x86-64 and ARM, watertight across edges with every [`Build`] but `Fast`.
+//! The Embree 4 backend: the fastest queries on x86-64 and ARM, watertight across edges with every [`Build`] but
+//! `Fast`.
 //!
-//! Objects without a placement lie in the top scene, placed ones are instances of one scene per mesh; either way an object's
-//! index in [`Geometry`] is its Embree geometry id there, so that a hit is named without a table. Embree reads the meshes'
-//! own arrays, which the scene keeps alive.
+//! Objects without a placement are in the top scene; placed ones are instances of one scene per mesh. In both cases an
+//! object's index in [`Geometry`] is its Embree geometry id in the top scene, so that hits need no lookup table. Embree
+//! reads the meshes' own arrays, which the scene keeps alive.
 //!
-//! Limits: triangles are still, a ray's time is passed on but changes nothing; Embree finds other hits on other instruction
-//! sets where rays graze edges; of directions shorter than 1e-15 it loses hits, as was measured, and where components exceed 1e38 it
-//! loses and invents some; the floating-point environment is left alone (FTZ and DAZ off). Reference: Embree's manual.
+//! Limits: no motion blur; a ray's time is passed on but has no effect. Rays that graze edges may give different hits
+//! on different instruction sets. As measured, directions shorter than 1e-15 lose hits, and components above 1e38 lose
+//! some hits and create false ones. The floating-point environment is unchanged (FTZ and DAZ off). Reference: Embree's
+//! manual.
 
 // The only unsafe code of this crate: calls into a C library, each with the fact that makes it sound.
 #![allow(unsafe_code)]
@@ -27,24 +29,24 @@ use std::sync::Arc;
 
 pub use device::Device;
 
-/// Committed geometry under Embree. It never changes, so any number of threads may query it.
-pub struct Scene {
+/// Committed geometry under Embree. It is immutable, so that any number of threads may query it.
+pub struct EmbreeScene {
     top: Committed,
-    /// Whether the filter is asked about an object.
+    /// By object: whether the filter applies.
     filtered: Box<[bool]>,
     any_filtered: bool,
     bounds: Bounds,
     device: Arc<Device>,
 }
 
-impl Scene {
-    /// Builds acceleration structures over `geometry` with `threads` threads (0: all there are). Embree has threads of its
-    /// own: call it from outside the rayon pool.
+impl EmbreeScene {
+    /// Builds acceleration structures over `geometry` with `threads` threads (0: all available). Embree has its own
+    /// threads: call it from outside the rayon pool.
     ///
     /// # Errors
-    /// A scene error if an object has a placement that cannot be inverted or reaches beyond ±1.8e18; a memory error; an
-    /// internal error if an object names a mesh that is not there or Embree is not of the version it was built for.
-    pub fn build(geometry: &Geometry, build: Build, threads: usize) -> Result<Scene> {
+    /// A scene error if an object has a singular placement or exceeds ±1.8e18; a memory error; an internal error if an
+    /// object refers to a missing mesh or Embree's version does not match the bindings.
+    pub fn build(geometry: &Geometry, build: Build, threads: usize) -> Result<EmbreeScene> {
         let device = Arc::new(Device::new(threads)?);
         let mut top = SceneBuilder::new(&device)?;
         let mut prototypes = vec![None; geometry.meshes.len()];
@@ -64,36 +66,36 @@ impl Scene {
         }
         let filtered: Box<[bool]> = geometry.objects.iter().map(|object| object.filtered).collect();
         let any_filtered = filtered.contains(&true);
-        Ok(Scene { top: top.commit(build)?, filtered, any_filtered, bounds, device })
+        Ok(EmbreeScene { top: top.commit(build)?, filtered, any_filtered, bounds, device })
     }
 
-    /// Bytes that Embree holds for the acceleration structures, the meshes themselves not counted.
+    /// Returns the memory of Embree's acceleration structures in bytes, without the meshes.
     pub fn bytes(&self) -> usize {
         self.device.bytes()
     }
 
-    /// Embree's version at run time, such as `4.3.3`.
+    /// Returns Embree's version at run time, such as `4.3.3`.
     pub fn version(&self) -> String {
         self.device.version()
     }
 
-    /// The filter of a query, unless it has nothing to decide.
+    /// Returns the filter of a query; `None` if it has no effect.
     #[inline]
     fn filter<'a, A: AnyHit>(&'a self, ray: &'a Ray, any: &'a A) -> Option<Filter<'a, A>> {
         (A::FILTERS && self.any_filtered).then(|| Filter::new(ray, any, &self.filtered))
     }
 }
 
-/// The version of the library that the loader found.
+/// Returns the version of the library found by the loader.
 ///
 /// # Errors
-/// It cannot be used.
+/// If the library cannot be used.
 pub fn version() -> Result<String> {
     Ok(Device::new(1)?.version())
 }
 
-impl Intersector for Scene {
-    /// Embree wants `ray.t_min` ≥ 0. A ray that is not finite or has no direction gets some answer.
+impl Intersector for EmbreeScene {
+    /// Embree requires `ray.t_min` ≥ 0. The answer for a ray that is not finite or has no direction is unspecified.
     #[inline]
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
         let mut query = ray::query(ray);
@@ -119,7 +121,7 @@ impl Intersector for Scene {
     }
 }
 
-/// The scene that every placed object of mesh `index` is an instance of.
+/// Returns the scene that is instanced by every placed object of mesh `index`.
 fn prototype_of(geometry: &Geometry, index: u32, device: &Arc<Device>, build: Build) -> Result<Arc<Committed>> {
     let mut placed = geometry.objects.iter().filter(|object| object.mesh == index && object.placement.is_some());
     let mut scene = SceneBuilder::new(device)?;
@@ -135,13 +137,14 @@ mod tests {
 
     #[test]
     fn a_dropped_scene_gives_everything_back() {
-        let triangle = TriangleMesh::new("t", vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]], Attributes::default());
+        let triangle =
+            TriangleMesh::new("t", vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]], Attributes::default());
         let mesh = Arc::new(triangle.expect("valid"));
         let object = |placement| Object { mesh: 0, placement, filtered: true };
         let placed = object(Some(Affine3A::from_translation(Vec3::Z)));
         let objects = vec![object(None), placed.clone(), placed];
         let geometry = Geometry { meshes: vec![Arc::clone(&mesh)], objects };
-        let scene = Scene::build(&geometry, Build::Robust, 1).expect("builds");
+        let scene = EmbreeScene::build(&geometry, Build::Robust, 1).expect("builds");
         drop(geometry);
         assert!(scene.occluded(&Ray::new(Vec3::new(0.2, 0.2, 2.0), Vec3::NEG_Z), &Opaque), "it keeps what it reads");
         assert!(scene.bytes() > 0 && Arc::strong_count(&mesh) > 1);

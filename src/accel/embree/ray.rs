@@ -3,7 +3,7 @@
 use crate::geometry::{Hit, Ray};
 use embree4_sys::{RTC_INVALID_GEOMETRY_ID, RTCHit, RTCRay, RTCRayHit};
 
-/// `ray` with no hit yet.
+/// Returns `ray` without a hit.
 #[inline]
 pub(super) fn query(ray: &Ray) -> RTCRayHit {
     debug_assert!(ray.t_min >= 0.0 || ray.t_min.is_nan(), "Embree sorts by distance as if there were no negative ones");
@@ -27,13 +27,13 @@ pub(super) fn query(ray: &Ray) -> RTCRayHit {
     }
 }
 
-/// What a query found.
+/// Returns the result of a query.
 #[inline]
 pub(super) fn hit(hit: &RTCHit) -> Option<Hit> {
     (hit.geomID != RTC_INVALID_GEOMETRY_ID).then(|| named(hit.primID, hit.geomID, hit.instID[0]))
 }
 
-/// The hit that Embree's ids name: an object is an instance or, where there is none, a geometry of the top scene.
+/// Returns the hit with Embree's ids: an object is an instance or, without one, a geometry of the top scene.
 #[inline]
 pub(super) fn named(primitive: u32, geometry: u32, instance: u32) -> Hit {
     Hit { object: if instance == RTC_INVALID_GEOMETRY_ID { geometry } else { instance }, primitive }

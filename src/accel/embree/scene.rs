@@ -1,4 +1,4 @@
-//! Scenes: attached to, then committed, then queried.
+//! Embree scenes: shapes are attached, the scene is committed, then queried.
 
 use super::device::Device;
 use super::filter::Filter;
@@ -7,9 +7,9 @@ use crate::accel::Build;
 use crate::error::{Error, Kind, Result};
 use crate::geometry::{AnyHit, TriangleMesh};
 use embree4_sys::{
-    RTC_INVALID_GEOMETRY_ID, RTCBuildQuality, RTCFeatureFlags, RTCIntersectArguments, RTCOccludedArguments, RTCRay, RTCRayHit,
-    RTCRayQueryFlags, RTCScene, RTCSceneFlags, rtcAttachGeometryByID, rtcCommitScene, rtcIntersect1, rtcNewScene, rtcOccluded1,
-    rtcReleaseScene, rtcSetSceneBuildQuality, rtcSetSceneFlags,
+    RTC_INVALID_GEOMETRY_ID, RTCBuildQuality, RTCFeatureFlags, RTCIntersectArguments, RTCOccludedArguments, RTCRay,
+    RTCRayHit, RTCRayQueryFlags, RTCScene, RTCSceneFlags, rtcAttachGeometryByID, rtcCommitScene, rtcIntersect1,
+    rtcNewScene, rtcOccluded1, rtcReleaseScene, rtcSetSceneBuildQuality, rtcSetSceneFlags,
 };
 use glam::Affine3A;
 use std::ptr;
@@ -31,7 +31,7 @@ impl Drop for Handle {
     }
 }
 
-/// A scene that shapes are attached to.
+/// A scene under construction.
 pub(super) struct SceneBuilder {
     handle: Handle,
     shapes: Vec<Shape>,
@@ -40,7 +40,7 @@ pub(super) struct SceneBuilder {
 }
 
 impl SceneBuilder {
-    /// An empty scene.
+    /// Returns an empty scene.
     pub(super) fn new(device: &Arc<Device>) -> Result<Self> {
         // SAFETY: the device is live.
         let handle = Handle(unsafe { rtcNewScene(device.raw()) });
@@ -48,15 +48,21 @@ impl SceneBuilder {
         Ok(SceneBuilder { handle, shapes: Vec::new(), filtered: false, device: Arc::clone(device) })
     }
 
-    /// Attaches a mesh whose hits will be named `id`.
+    /// Attaches a mesh whose hits have the object index `id`.
     pub(super) fn attach_mesh(&mut self, id: usize, mesh: &Arc<TriangleMesh>, filtered: bool) -> Result<()> {
         let shape = Shape::mesh(&self.device, mesh, filtered)?;
         self.filtered |= filtered;
         self.attach(id, shape)
     }
 
-    /// Attaches an instance whose hits will be named `id`; `filtered` as the shapes in `scene` that it shows.
-    pub(super) fn attach_instance(&mut self, id: usize, scene: &Arc<Committed>, m: &Affine3A, filtered: bool) -> Result<()> {
+    /// Attaches an instance whose hits have the object index `id`; `filtered` as for the shapes in `scene`.
+    pub(super) fn attach_instance(
+        &mut self,
+        id: usize,
+        scene: &Arc<Committed>,
+        m: &Affine3A,
+        filtered: bool,
+    ) -> Result<()> {
         let shape = Shape::instance(&self.device, scene, m)?;
         self.filtered |= filtered;
         self.attach(id, shape)
@@ -99,7 +105,7 @@ fn effort(build: Build) -> (RTCSceneFlags, RTCBuildQuality) {
     }
 }
 
-/// A committed scene, immutable from here on, and everything that Embree points to from it.
+/// A committed scene, immutable from here on, with everything that Embree points to.
 pub(super) struct Committed {
     // Released before the shapes, and these before the meshes that they point to.
     handle: Handle,
@@ -115,7 +121,8 @@ impl Committed {
     #[inline]
     pub(super) fn intersect<A: AnyHit>(&self, query: &mut RTCRayHit, filter: Option<&mut Filter<'_, A>>) {
         let Some(filter) = filter else {
-            // SAFETY: the scene is committed, the query is laid out and aligned as Embree's headers say; null is the default.
+            // SAFETY: the scene is committed, the query is laid out and aligned as Embree's headers say; null is the
+            // default.
             return unsafe { rtcIntersect1(self.handle.0, query, ptr::null_mut()) };
         };
         let mut arguments = RTCIntersectArguments {
@@ -129,11 +136,12 @@ impl Committed {
         unsafe { rtcIntersect1(self.handle.0, query, &raw mut arguments) }
     }
 
-    /// Sets the last parameter of `query` to −∞ if anything that `filter` accepts is hit.
+    /// Sets the last parameter of `query` to −∞ if there is a hit that `filter` accepts.
     #[inline]
     pub(super) fn occluded<A: AnyHit>(&self, query: &mut RTCRay, filter: Option<&mut Filter<'_, A>>) {
         let Some(filter) = filter else {
-            // SAFETY: the scene is committed, the query is laid out and aligned as Embree's headers say; null is the default.
+            // SAFETY: the scene is committed, the query is laid out and aligned as Embree's headers say; null is the
+            // default.
             return unsafe { rtcOccluded1(self.handle.0, query, ptr::null_mut()) };
         };
         let mut arguments = RTCOccludedArguments {

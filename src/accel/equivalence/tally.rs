@@ -1,70 +1,70 @@
-//! How the answers of one backend to many rays relate to those of another.
+//! Comparison of the answers of two backends over many rays.
 
 use super::{Agreement, agreement};
 use crate::accel::Intersector;
 use crate::geometry::{Geometry, Opaque, Ray};
 use rayon::prelude::*;
 
-/// Rays that one task asks.
+/// Number of rays per task.
 const CHUNK: usize = 4096;
-/// So many differences and leaks are kept to be looked at.
+/// Largest number of differences and leaks that are stored.
 const MOST_KEPT: usize = 8;
 
 /// Counts over a stream of rays.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Tally {
-    /// Rays asked.
+pub struct DifferenceCounts {
+    /// Number of rays.
     pub rays: u64,
-    /// Rays that hit something, by the backend's own word.
+    /// Rays with a hit, as reported by the backend.
     pub hits: u64,
-    /// Answers at distances that rounding cannot tell apart from the other's.
+    /// Answers at distances equal to the other's within rounding.
     pub ties: u64,
     /// Answers that differ at an edge within rounding.
     pub grazes: u64,
-    /// Answers of which one is wrong.
+    /// Pairs of answers of which one is wrong.
     pub true_differences: u64,
-    /// Rays that left a closed surface, by either query; 0 where none is closed.
+    /// Rays that left a closed surface, by either query; 0 if no surface is closed.
     pub leaks: u64,
-    /// The first rays with a true difference or a leak, by their place in the stream.
+    /// Indices in the stream of the first rays with a true difference or a leak.
     pub suspects: Vec<u64>,
 }
 
-/// A tally with its names.
+/// A tally with its labels.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Category {
-    /// Which rays.
+    /// Name of the ray stream.
     pub name: String,
-    /// Which backend and build answered, such as `obvhs-robust`.
+    /// Backend and build under test, such as `obvhs-robust`.
     pub backend: String,
-    /// Which it was compared with.
+    /// Reference backend and build.
     pub reference: String,
     /// The counts.
     #[serde(flatten)]
-    pub tally: Tally,
+    pub tally: DifferenceCounts,
 }
 
-impl Tally {
-    /// Asks both backends both queries about every ray. `is_closed`: all rays begin inside of closed surfaces, and each that hits
-    /// nothing, or is not occluded, is a leak of `subject`. A ray that `subject` calls occluded while it hits nothing, or the other
-    /// way round, is a true difference unless it grazes.
+impl DifferenceCounts {
+    /// Runs both queries of both backends for every ray. With `is_closed`, all rays start inside closed surfaces; a ray
+    /// without a hit, or not occluded, is then a leak of `subject`. A ray for which the two queries of `subject`
+    /// disagree is a true difference unless it grazes.
     ///
     /// # Panics
-    /// If a backend names what is not in `geometry`.
+    /// If a backend reports a hit that is not in `geometry`.
     pub fn of(
         geometry: &Geometry,
         rays: &[Ray],
         subject: &impl Intersector,
         reference: &impl Intersector,
         is_closed: bool,
-    ) -> Tally {
+    ) -> DifferenceCounts {
         let chunk = |(at, rays): (usize, &[Ray])| {
-            let mut tally = Tally::default();
+            let mut tally = DifferenceCounts::default();
             for (i, ray) in rays.iter().enumerate() {
                 tally.add((at * CHUNK + i) as u64, geometry, ray, subject, reference, is_closed);
             }
             tally
         };
-        rays.par_chunks(CHUNK).enumerate().map(chunk).reduce(Tally::default, Tally::plus)
+        rays.par_chunks(CHUNK).enumerate().map(chunk).reduce(DifferenceCounts::default, DifferenceCounts::plus)
     }
 
     fn add(
@@ -81,7 +81,7 @@ impl Tally {
         let found = if occluded == closest.is_some() {
             agreement(geometry, ray, closest, expected)
         } else {
-            // Where only the other query hit, its triangle is not known, but what the reference hit is the best guess.
+            // Where only the other query hit, its triangle is unknown; that of the reference is the best guess.
             closest.or(expected).map_or(Agreement::Different, |met| agreement(geometry, ray, Some(met), None))
         };
         let is_leak = is_closed && (closest.is_none() || !occluded);
@@ -96,14 +96,14 @@ impl Tally {
         }
     }
 
-    /// The tally of a stream that begins at `start`, where this one counts from 0.
-    pub(in crate::accel) fn moved(mut self, start: u64) -> Tally {
+    /// Offsets the indices of a stream that begins at `start` instead of 0.
+    pub(in crate::accel) fn moved(mut self, start: u64) -> DifferenceCounts {
         self.suspects.iter_mut().for_each(|index| *index += start);
         self
     }
 
-    /// Both together.
-    pub(in crate::accel) fn plus(mut self, other: Tally) -> Tally {
+    /// Adds two tallies.
+    pub(in crate::accel) fn plus(mut self, other: DifferenceCounts) -> DifferenceCounts {
         self.rays += other.rays;
         self.hits += other.hits;
         self.ties += other.ties;
@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn leaks_and_differences_are_counted_and_kept_in_order() {
         let rays = vec![Ray::new(Vec3::NAN, Vec3::X); 3 * CHUNK];
-        let blind = Tally::of(&Geometry::default(), &rays, &Always(false), &Always(true), true);
+        let blind = DifferenceCounts::of(&Geometry::default(), &rays, &Always(false), &Always(true), true);
         let n = rays.len() as u64;
         assert_eq!((blind.rays, blind.hits, blind.leaks, blind.true_differences), (n, 0, n, n));
         assert_eq!(blind.suspects, (0..MOST_KEPT as u64).collect::<Vec<_>>());
@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(later.suspects[0], n, "a stream in pieces names its rays by their place in the whole");
         let both = later.plus(blind.clone());
         assert_eq!((both.rays, both.leaks, &both.suspects), (2 * n, 2 * n, &blind.suspects));
-        let same = Tally::of(&Geometry::default(), &rays, &Always(true), &Always(true), true);
-        assert_eq!(same, Tally { rays: n, hits: n, ..Tally::default() });
+        let same = DifferenceCounts::of(&Geometry::default(), &rays, &Always(true), &Always(true), true);
+        assert_eq!(same, DifferenceCounts { rays: n, hits: n, ..DifferenceCounts::default() });
     }
 }

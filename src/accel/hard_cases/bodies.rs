@@ -1,4 +1,4 @@
-//! Closed bodies whose rays begin inside: aimed at seams, sewn of slivers, at every scale and far from the origin.
+//! Closed bodies with rays from inside: aimed at seams, built of slivers, at all scales and far from the origin.
 
 use super::numbers::Numbers;
 use super::shapes::{Faces, sphere, world};
@@ -6,11 +6,11 @@ use super::{HardCase, aimed, on_edge, some_triangle};
 use crate::geometry::{Geometry, Ray, spawn_ray};
 use glam::Vec3;
 
-/// Sides of the tube: they are 1e6 times as long as wide.
+/// Number of sides of the tube; each is 1e6 times as long as wide.
 const SIDES: u32 = 8192;
-/// Its radius; it is 1 long.
+/// Radius of the tube, whose length is 1.
 const BORE: f32 = 1e-3;
-/// Coordinates that are all subnormal, of 17 bits and less.
+/// Scale at which all coordinates are subnormal, with at most 17 bits.
 const SUBNORMAL: f32 = 1e-40;
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -31,22 +31,22 @@ pub(super) fn cases() -> Vec<HardCase> {
         HardCase::closed("deep-overlap", overlapping(), mixed(Vec3::ZERO, 1.0)),
         HardCase::closed("unnormalised", ball(), |geometry, n| {
             let ray = mixed(Vec3::ZERO, 1.0)(geometry, n);
-            // What f32 holds with room for squares.
+            // The range of f32 with room for squares.
             Ray { direction: ray.direction * n.magnitude(1e-10, 1e10), ..ray }
         }),
     ]
 }
 
-/// One sphere in many sizes and places.
+/// A sphere at many scales and offsets.
 pub(super) fn scales() -> Vec<HardCase> {
     let at = |name, radius: f32, offset: f32| {
-        // Inside whatever rounding does to vertices: at 1e6 they are moved by 0.05, and rays begin within 0.6 of the centre.
+        // Inside despite rounding of the vertices: at 1e6 they move by 0.05, and rays start within 0.6 of the centre.
         let center = Vec3::new(1.0, -0.5, 0.75) * offset;
         HardCase::closed(name, world([sphere(3, radius, center)]), mixed(center, radius))
     };
     vec![
         at("scale-1e-40", SUBNORMAL, 0.0),
-        // Named by what they are.
+        // Named by scale or offset.
         at("scale-1e-12", 1e-12, 0.0),
         at("scale-1e8", 1e8, 0.0),
         at("offset-1e4", 1.0, 1e4),
@@ -55,19 +55,19 @@ pub(super) fn scales() -> Vec<HardCase> {
     ]
 }
 
-/// From inside of a sphere: one ray in two at random, the others at edges.
+/// Rays from inside a sphere: every second one at random, the others at edges.
 fn mixed(center: Vec3, radius: f32) -> impl Fn(&Geometry, &mut Numbers) -> Ray + Send + Sync + 'static {
     move |geometry, numbers| {
         let origin = center + numbers.in_ball(0.6 * radius);
         if numbers.below(2) == 0 {
             return Ray::new(origin, numbers.direction());
         }
-        // Divided, since directions so short that 1 / |d| overflows are no directions.
+        // Divided by the radius, since very short directions, for which 1 / |d| overflows, are invalid.
         Ray::new(origin, (on_edge(geometry, 0, numbers) - origin) / radius)
     }
 }
 
-/// A ray spawned from the inside of the surface.
+/// A ray spawned inward from the surface.
 fn spawned_inward(geometry: &Geometry, numbers: &mut Numbers) -> Ray {
     let triangle = geometry.triangle(some_triangle(geometry, 0, numbers));
     let (p, error) = triangle.point(numbers.barycentric());
@@ -76,7 +76,7 @@ fn spawned_inward(geometry: &Geometry, numbers: &mut Numbers) -> Ray {
     spawn_ray(p, error, ng, if d.dot(ng) < 0.0 { d } else { -d })
 }
 
-/// Triangles without area: two for each of a sphere, and some inside of it on a line.
+/// Triangles without area: two for each triangle of a sphere, and some collinear ones inside it.
 fn without_area() -> Faces {
     let (mut positions, triangles) = sphere(3, 1.0, Vec3::ZERO);
     let mut needles: Vec<[u32; 3]> = triangles.iter().flat_map(|&[a, b, c]| [[a, a, b], [c, c, c]]).collect();
@@ -100,7 +100,7 @@ fn tube() -> Faces {
     (positions, faces.collect())
 }
 
-/// A point of the unit circle by square roots alone: four quarters of a chord, pushed out.
+/// A point of the unit circle by square roots only: four quarters of a chord, projected outward.
 fn octant(side: u32) -> (f32, f32) {
     let quarter = SIDES / 4;
     let share = (side % quarter) as f32 / quarter as f32;
@@ -115,7 +115,7 @@ fn octant(side: u32) -> (f32, f32) {
     }
 }
 
-/// Hundreds of bodies in one place: half of them the same, half an ulp or so larger each than the last.
+/// Hundreds of bodies at one place: half of them equal, the others each about half an ulp larger than the last.
 fn overlapping() -> Geometry {
     let grown = |i: u32| 1.0 + f32::EPSILON * i.saturating_sub(200) as f32;
     world((0..400).map(|i| sphere(1, grown(i), Vec3::ZERO)))

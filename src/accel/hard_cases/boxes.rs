@@ -1,4 +1,4 @@
-//! Boxes cut into grids: rays along the axes or nearly, exactly at the lines of the grid.
+//! Boxes divided into grids: rays parallel or nearly parallel to the axes, exactly at the grid lines.
 
 use super::numbers::Numbers;
 use super::shapes::{solid, world};
@@ -6,15 +6,17 @@ use super::{HardCase, aimed};
 use crate::geometry::{Geometry, Ray};
 use glam::Vec3;
 
-/// Squares along an edge of the box, a number that halving does not make.
+/// Squares along an edge of the box; not a power of two.
 const CELLS: u32 = 10;
-/// A component so small beside 1 that f32 adds it to a coordinate in vain.
+/// A component so small relative to 1 that adding it to a coordinate has no effect in f32.
 const NEARLY_NONE: f32 = 1e-7;
 
 pub(super) fn cases() -> Vec<HardCase> {
     let room = || world([solid(CELLS, Vec3::NEG_ONE, Vec3::ONE)]);
     vec![
-        HardCase::closed("box-grid-lines", room(), |geometry, n| Ray::new(on_lines(geometry, n), along_axis(n, |_| 0.0))),
+        HardCase::closed("box-grid-lines", room(), |geometry, n| {
+            Ray::new(on_lines(geometry, n), along_axis(n, |_| 0.0))
+        }),
         HardCase::closed("box-corners", room(), |geometry, n| aimed(on_lines(geometry, n), some_vertex(geometry, n))),
         HardCase::closed("near-axis", room(), |geometry, n| {
             Ray::new(on_lines(geometry, n), along_axis(n, |n| NEARLY_NONE * n.signed()))
@@ -33,12 +35,12 @@ pub(super) fn cases() -> Vec<HardCase> {
     ]
 }
 
-/// A vertex of the first object.
+/// Returns a random vertex of the first object.
 fn some_vertex(geometry: &Geometry, numbers: &mut Numbers) -> Vec3 {
     numbers.any(geometry.mesh_of(0).positions())
 }
 
-/// A point in the box with each coordinate that of some line of the grid, or of none.
+/// Returns a point in the box; each coordinate is either on a grid line or random.
 fn on_lines(geometry: &Geometry, numbers: &mut Numbers) -> Vec3 {
     let coordinate = |numbers: &mut Numbers, axis: usize| {
         let line = some_vertex(geometry, numbers)[axis];
@@ -47,7 +49,7 @@ fn on_lines(geometry: &Geometry, numbers: &mut Numbers) -> Vec3 {
     Vec3::new(coordinate(numbers, 0), coordinate(numbers, 1), coordinate(numbers, 2))
 }
 
-/// A direction of ±1 along an axis and what `other` gives along the two others.
+/// Returns a direction of ±1 along an axis, with the other two components from `other`.
 fn along_axis(numbers: &mut Numbers, other: impl Fn(&mut Numbers) -> f32) -> Vec3 {
     let axis = numbers.below(3);
     let mut direction = Vec3::new(other(numbers), other(numbers), other(numbers));
@@ -55,7 +57,7 @@ fn along_axis(numbers: &mut Numbers, other: impl Fn(&mut Numbers) -> f32) -> Vec
     direction
 }
 
-/// A ray that begins exactly on a wall, at no edge of the box, and leads inward.
+/// A ray that starts exactly on a wall, away from the edges of the box, and points inward.
 fn from_wall(numbers: &mut Numbers) -> Ray {
     let (axis, side) = (numbers.below(3), numbers.any(&[1.0, -1.0]));
     let (mut origin, mut direction) = (numbers.in_cube(0.99), numbers.direction());
@@ -64,7 +66,7 @@ fn from_wall(numbers: &mut Numbers) -> Ray {
     Ray::new(origin, direction)
 }
 
-/// 27 cubes with common faces, each closed by itself, which fill the cube from −1 to 1.
+/// 27 cubes with common faces, each closed by itself, that fill the cube from −1 to 1.
 fn adjoining() -> Geometry {
     let line = |i: u32| i as f32 / 1.5 - 1.0;
     world((0..27).map(|cell: u32| {

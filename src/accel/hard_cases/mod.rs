@@ -1,13 +1,13 @@
-//! Rays that go wrong in ray tracers, by name: soups, closed bodies aimed at where they are sewn together, slivers, scales
-//! from 1e-40 to 1e8, offsets, instances, rays that are none.
+//! Rays that are difficult for ray tracers, by name: soups, closed bodies with rays at their seams, slivers, scales
+//! from 1e-40 to 1e8, offsets, instances, invalid rays.
 //!
-//! A ray is addressed by its case and index, `sphere-edges:1234`, and is the same ray on every machine: what a report names can
-//! be asked again with [`by_name`] and [`HardCase::ray`]. [`categories`] asks all cases of several backends; how answers are
-//! compared is [`super::equivalence`]'s matter.
+//! A ray is addressed by its case and index, such as `sphere-edges:1234`, and is the same on every machine. Rays named
+//! in a report can be traced again with [`by_name`] and [`HardCase::ray`]. [`categories`] runs all cases on several
+//! backends; [`super::equivalence`] compares the answers.
 //!
-//! To add a case, write a row in the file of its theme: a name, whether each ray must hit, a geometry, and how a ray is drawn.
-//! Limits: triangles are still and nothing is filtered; geometries are small (under 40,000 triangles), so that a judge may try
-//! all triangles, and say nothing of large trees.
+//! To add a case, write a row in the file of its theme: a name, whether each ray must hit, a geometry, and a function
+//! that draws a ray. Limits: no motion blur and no filters. Geometries are small (under 40,000 triangles), so that a
+//! reference can test all triangles; they do not exercise large trees.
 
 mod bodies;
 mod boxes;
@@ -19,7 +19,7 @@ mod soups;
 
 pub use shapes::{Faces, sphere};
 
-use crate::accel::equivalence::{Category, Tally};
+use crate::accel::equivalence::{Category, DifferenceCounts};
 use crate::accel::{Accel, Backend, Build};
 use crate::error::Result;
 use crate::geometry::{Geometry, Hit, Ray};
@@ -29,13 +29,13 @@ use numbers::Numbers;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rays that are held in memory at once.
+/// Largest number of rays in memory.
 const MOST_HELD: u64 = 1 << 20;
 
-/// How a ray is drawn from random numbers.
+/// Draws a ray from random numbers.
 type Draw = Box<dyn Fn(&Geometry, &mut Numbers) -> Ray + Send + Sync>;
 
-/// A geometry and a stream of rays that are hard on it.
+/// A geometry and a stream of rays that are difficult for it.
 pub struct HardCase {
     name: &'static str,
     is_closed: bool,
@@ -52,7 +52,7 @@ impl HardCase {
         HardCase { name, is_closed: false, geometry, draw: Box::new(draw) }
     }
 
-    /// `draw` must begin every ray inside of a closed surface.
+    /// Returns a closed case; `draw` must start every ray inside a closed surface.
     fn closed(
         name: &'static str,
         geometry: Geometry,
@@ -61,34 +61,34 @@ impl HardCase {
         HardCase { is_closed: true, ..HardCase::open(name, geometry, draw) }
     }
 
-    /// What it is called in tables and addresses.
+    /// Returns the name in tables and addresses.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Whether every ray begins inside of a closed surface, so that one which hits nothing has leaked.
+    /// Returns whether every ray starts inside a closed surface, so that a ray without a hit has leaked.
     pub fn is_closed(&self) -> bool {
         self.is_closed
     }
 
-    /// What the rays are asked of.
+    /// Returns the geometry of the rays.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// The ray at an address: a pure function of the case's name and `index`.
+    /// Returns the ray at an address: a pure function of the case's name and `index`.
     pub fn ray(&self, index: u64) -> Ray {
         (self.draw)(&self.geometry, &mut Numbers::new(self.name, index))
     }
 
-    /// The rays of a range of indices, in order; 48 bytes each.
+    /// Returns the rays of a range of indices, in order; 48 bytes each.
     pub fn rays(&self, range: Range<u64>) -> Vec<Ray> {
         range.into_par_iter().map(|index| self.ray(index)).collect()
     }
 
-    /// Asks the first `rays` rays of the [`reference`] and of each of `subjects`, built with `threads` threads (0: all there
-    /// are), and counts how each answers beside the reference: one row for each, the reference first. Memory does not grow with
-    /// `rays`. Call it from outside the rayon pool.
+    /// Traces the first `rays` rays with the [`reference`] and each of `subjects`, built with `threads` threads (0: all
+    /// available), and compares the answers with the reference. Returns one row for each, the reference first. Memory
+    /// does not grow with `rays`. Call it from outside the rayon pool.
     ///
     /// # Errors
     /// As [`Accel::build`].
@@ -97,15 +97,15 @@ impl HardCase {
         let others = subjects.iter().filter(|&&subject| subject != reference());
         let setups: Vec<_> = std::iter::once(reference()).chain(others.copied()).collect();
         let accels = setups.iter().map(build).collect::<Result<Vec<_>>>()?;
-        let mut tallies = vec![Tally::default(); accels.len()];
+        let mut tallies = vec![DifferenceCounts::default(); accels.len()];
         for start in (0..rays).step_by(MOST_HELD as usize) {
             let asked = self.rays(start..rays.min(start + MOST_HELD));
             for (sum, accel) in tallies.iter_mut().zip(&accels) {
-                let tally = Tally::of(&self.geometry, &asked, accel, &accels[0], self.is_closed);
+                let tally = DifferenceCounts::of(&self.geometry, &asked, accel, &accels[0], self.is_closed);
                 *sum = std::mem::take(sum).plus(tally.moved(start));
             }
         }
-        let row = |(setup, tally): (&(Backend, Build), Tally)| Category {
+        let row = |(setup, tally): (&(Backend, Build), DifferenceCounts)| Category {
             name: self.name.to_owned(),
             backend: title(*setup),
             reference: title(reference()),
@@ -115,18 +115,18 @@ impl HardCase {
     }
 }
 
-/// What the others are compared with: the robust build of the default backend.
+/// Returns the reference of comparisons: the robust build of the default backend.
 pub fn reference() -> (Backend, Build) {
     (Backend::default(), Build::Robust)
 }
 
-/// A backend and its build as tables name them, such as `embree-fast`.
+/// Returns the label of a backend and its build in tables, such as `embree-fast`.
 pub fn title((backend, build): (Backend, Build)) -> String {
     let build = build.to_possible_value();
     format!("{}-{}", backend.name(), build.as_ref().map_or("", |value| value.get_name()))
 }
 
-/// Every case, in the order of reports.
+/// Returns all cases, in the order of reports.
 pub fn all() -> Vec<HardCase> {
     [soups::cases(), bodies::cases(), bodies::scales(), boxes::cases(), placements::cases(), odd::cases()]
         .into_iter()
@@ -134,30 +134,30 @@ pub fn all() -> Vec<HardCase> {
         .collect()
 }
 
-/// The case of that name, if there is one.
+/// Returns the case of the given name, if there is one.
 pub fn by_name(name: &str) -> Option<HardCase> {
     all().into_iter().find(|case| case.name == name)
 }
 
-/// A triangle of `object`, by chance.
+/// Returns a random triangle of `object`.
 fn some_triangle(geometry: &Geometry, object: u32, numbers: &mut Numbers) -> Hit {
     let count = geometry.mesh_of(object).triangles().len();
     Hit { object, primitive: numbers.below(count) as u32 }
 }
 
-/// A triangle of any object.
+/// Returns a random triangle of any object.
 fn any_triangle(geometry: &Geometry, numbers: &mut Numbers) -> Hit {
     let object = numbers.below(geometry.objects.len()) as u32;
     some_triangle(geometry, object, numbers)
 }
 
-/// A point on an edge of `object`, as rounding leaves it.
+/// Returns a point on an edge of `object`, up to rounding.
 fn on_edge(geometry: &Geometry, object: u32, numbers: &mut Numbers) -> Vec3 {
     let [a, b, _] = geometry.triangle(some_triangle(geometry, object, numbers)).vertices;
     a + (b - a) * numbers.unit()
 }
 
-/// A ray from `origin` to or through `target`.
+/// Returns a ray from `origin` to or through `target`.
 fn aimed(origin: Vec3, target: Vec3) -> Ray {
     Ray::new(origin, target - origin)
 }

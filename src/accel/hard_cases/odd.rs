@@ -1,4 +1,4 @@
-//! Rays that are none, or nearly.
+//! Invalid and nearly invalid rays.
 
 use super::HardCase;
 use super::numbers::Numbers;
@@ -6,7 +6,7 @@ use super::shapes::{sphere, world};
 use crate::geometry::Ray;
 use glam::Vec3;
 
-/// What stands in place of a number.
+/// Replacements for a component.
 const NOT_FINITE: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -25,7 +25,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     ]
 }
 
-/// A ray with one component to six that are not finite.
+/// A ray with one to six components that are not finite.
 fn not_finite(numbers: &mut Numbers) -> Ray {
     let mut ray = Ray::new(numbers.in_cube(1.5), numbers.direction());
     for _ in 0..=numbers.below(6) {

@@ -1,4 +1,4 @@
-//! Instances: scaled, mirrored, sheared, stretched; and small things on large ones.
+//! Instances: scaled, mirrored, sheared, stretched; and small objects on large ones.
 
 use super::numbers::Numbers;
 use super::shapes::{Faces, instances, plane, sphere, world};
@@ -6,18 +6,19 @@ use super::{HardCase, aimed, on_edge};
 use crate::geometry::{Geometry, Ray};
 use glam::{Affine3A, Mat3, Vec3};
 
-/// Instances of a case.
+/// Instances per case.
 const COUNT: u64 = 40;
-/// Half of the ground.
+/// Half-width of the ground.
 const GROUND: f32 = 1e6;
-/// The radius of what lies on it.
+/// Radius of the spheres on the ground.
 const SPECK: f32 = 1e-3;
-/// How instances are scaled.
+/// Range of instance scales.
 const SCALES: [f32; 2] = [1e-3, 1e3];
 
 pub(super) fn cases() -> Vec<HardCase> {
-    let scaled =
-        |n: &mut Numbers| Affine3A::from_mat3_translation(Mat3::IDENTITY * n.magnitude(SCALES[0], SCALES[1]), n.in_cube(50.0));
+    let scaled = |n: &mut Numbers| {
+        Affine3A::from_mat3_translation(Mat3::IDENTITY * n.magnitude(SCALES[0], SCALES[1]), n.in_cube(50.0))
+    };
     let bent = |n: &mut Numbers| Affine3A::from_mat3_translation(bent(n), n.in_cube(2.0));
     let stretched = |n: &mut Numbers| {
         let stretch = Vec3::new(n.magnitude(0.01, 100.0), n.magnitude(0.01, 100.0), n.magnitude(0.01, 100.0));
@@ -38,7 +39,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     ]
 }
 
-/// How far away the ground is looked at: from a few specks to its end.
+/// Distance from which the ground is viewed: from a few spheres' radii to its border.
 fn far_away(numbers: &mut Numbers) -> f32 {
     numbers.magnitude(10.0 * SPECK, GROUND)
 }
@@ -52,7 +53,7 @@ fn placed(name: &str, place: impl Fn(&mut Numbers) -> Affine3A) -> Geometry {
     instances(sphere(2, 1.0, Vec3::ZERO), (0..COUNT).map(|i| place(&mut Numbers::new(name, i))).collect())
 }
 
-/// A map that turns, shears and, one time in two, mirrors; its determinant is 0.1 at least.
+/// A linear map that rotates, shears and, in half of the cases, mirrors; its determinant is at least 0.1.
 fn bent(numbers: &mut Numbers) -> Mat3 {
     loop {
         let m = Mat3::from_cols(numbers.in_cube(1.0), numbers.in_cube(1.0), numbers.in_cube(1.0));
@@ -62,7 +63,7 @@ fn bent(numbers: &mut Numbers) -> Mat3 {
     }
 }
 
-/// A ray from well inside of an instance, at random or at one of its edges.
+/// A ray from well inside an instance, in a random direction or toward one of its edges.
 fn from_inside(geometry: &Geometry, numbers: &mut Numbers) -> Ray {
     let object = numbers.below(geometry.objects.len());
     let placement = geometry.objects[object].placement.unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Meshes that the cases are made of. Closed ones are closed by shared indices, wherever rounding puts their vertices.
+//! Meshes of the cases. Closed meshes share vertex indices, so that rounding cannot open them.
 
 use super::numbers::Numbers;
 use crate::geometry::{Attributes, Geometry, Object, TriangleMesh};
@@ -6,29 +6,30 @@ use glam::{Affine3A, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Positions and triangles.
+/// Vertex positions and triangles.
 pub type Faces = (Vec<Vec3>, Vec<[u32; 3]>);
 
-/// A mesh of faces that are known to be valid.
+/// Returns a mesh of valid faces.
 pub(super) fn mesh((positions, triangles): Faces) -> Arc<TriangleMesh> {
     let mesh = TriangleMesh::new("hard case", positions, triangles, Attributes::default());
     Arc::new(mesh.expect("finite positions and indices in range"))
 }
 
-/// Each of `meshes` once, where it is.
+/// Returns a world with each of `meshes` once, without placement.
 pub(super) fn world(meshes: impl IntoIterator<Item = Faces>) -> Geometry {
     let meshes: Vec<_> = meshes.into_iter().map(mesh).collect();
     let objects = (0..meshes.len() as u32).map(|mesh| Object { mesh, placement: None, filtered: false }).collect();
     Geometry { meshes, objects }
 }
 
-/// One mesh in many places.
+/// Returns a world with one mesh at several placements.
 pub(super) fn instances(shape: Faces, placements: Vec<Affine3A>) -> Geometry {
     let object = |m| Object { mesh: 0, placement: Some(m), filtered: false };
     Geometry { meshes: vec![mesh(shape)], objects: placements.into_iter().map(object).collect() }
 }
 
-/// An icosahedron whose 20 faces are cut into four `levels` times, its vertices moved onto the sphere; wound outward.
+/// Returns an icosahedron with its 20 faces subdivided into four `levels` times, and its vertices projected to the
+/// sphere; wound outward.
 pub fn sphere(levels: u32, radius: f32, center: Vec3) -> Faces {
     let golden = (1.0 + 5.0f32.sqrt()) / 2.0;
     let corners = |axis: usize| {
@@ -38,7 +39,7 @@ pub fn sphere(levels: u32, radius: f32, center: Vec3) -> Faces {
         })
     };
     let mut points: Vec<Vec3> = (0..3).flat_map(corners).collect();
-    // Edges of the icosahedron in the unit sphere are 1.05 long, its other chords 1.7 and more.
+    // Edges of the icosahedron in the unit sphere have length 1.05, its other chords 1.7 and more.
     let near = |i: usize, j: usize| points[i].distance(points[j]) < 1.3;
     let mut faces = Vec::new();
     for (i, j, k) in (0..12).flat_map(|i| (0..12).flat_map(move |j| (0..12).map(move |k| (i, j, k)))) {
@@ -54,7 +55,7 @@ pub fn sphere(levels: u32, radius: f32, center: Vec3) -> Faces {
     (points.into_iter().map(|p| center + p * radius).collect(), faces)
 }
 
-/// Cuts each face into four at the middles of its edges, moved onto the unit sphere.
+/// Subdivides each face into four at the edge midpoints, which are projected to the unit sphere.
 fn cut(points: &mut Vec<Vec3>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut middles = HashMap::new();
     let mut middle = |a: u32, b: u32| {
@@ -70,14 +71,14 @@ fn cut(points: &mut Vec<Vec3>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
     faces.iter().flat_map(cut_one).collect()
 }
 
-/// A closed box from `least` to `most`, each face cut into `cells`² squares and each square into two triangles.
+/// Returns a closed box from `least` to `most`, with `cells`² squares of two triangles per face.
 pub(super) fn solid(cells: u32, least: Vec3, most: Vec3) -> Faces {
     let (mut positions, mut triangles, mut indices) = (Vec::new(), Vec::new(), HashMap::new());
     let share = |i: u32| i as f32 / cells as f32;
     let mut vertex = |at: [u32; 3]| {
         *indices.entry(at).or_insert_with(|| {
             let shares = Vec3::from(at.map(share));
-            // Ends exactly, so that neighbours share faces.
+            // Exact at both ends, so that adjacent boxes share faces.
             positions.push(least * (Vec3::ONE - shares) + most * shares);
             positions.len() as u32 - 1
         })
@@ -96,7 +97,7 @@ pub(super) fn solid(cells: u32, least: Vec3, most: Vec3) -> Faces {
     (positions, triangles)
 }
 
-/// A square of half-width `half` at height `z`, cut into `cells`² squares of two triangles.
+/// Returns a square of half-width `half` at height `z`, with `cells`² squares of two triangles.
 pub(super) fn plane(cells: u32, half: f32, z: f32) -> Faces {
     let side = cells + 1;
     let at = |i: u32| half * (2.0 * i as f32 / cells as f32 - 1.0);
@@ -108,7 +109,7 @@ pub(super) fn plane(cells: u32, half: f32, z: f32) -> Faces {
     (positions, (0..cells * cells).flat_map(square).collect())
 }
 
-/// `count` triangles without order in the cube from −1 to 1, their sizes between two bounds.
+/// Returns `count` random triangles in the cube from −1 to 1, with sizes between two bounds.
 pub(super) fn soup(count: u32, least: f32, most: f32) -> Faces {
     let mut numbers = Numbers::new("soup", 0);
     let mut positions = Vec::new();
@@ -119,7 +120,7 @@ pub(super) fn soup(count: u32, least: f32, most: f32) -> Faces {
     (positions, apart(count))
 }
 
-/// The indices of `count` triangles that share no vertices.
+/// Returns the indices of `count` triangles without shared vertices.
 pub(super) fn apart(count: u32) -> Vec<[u32; 3]> {
     (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()
 }

@@ -1,4 +1,4 @@
-//! Open geometries: triangles without order, and those that lie on or along one another.
+//! Open geometries: random triangles, and triangles that overlap or are nearly coplanar with one another.
 
 use super::numbers::Numbers;
 use super::shapes::{Faces, apart, plane, soup, world};
@@ -6,7 +6,7 @@ use super::{HardCase, aimed, any_triangle};
 use crate::geometry::{Geometry, Ray, spawn_ray};
 use glam::{Vec2, Vec3};
 
-/// Triangles of a soup, and their sizes.
+/// Triangles of a soup, and the range of their sizes.
 const COUNT: u32 = 2000;
 const SIZES: [f32; 2] = [1e-3, 0.5];
 /// Length over width of a sliver.
@@ -30,7 +30,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         HardCase::open("coplanar-overlap", world([overlapping()]), |_, n| aimed(n.in_cube(1.0), flat(n, 1.2))),
         HardCase::open("parallel-sheets", sheets, |_, n| aimed(n.in_cube(1.0) * 3.0, n.in_cube(1.2))),
         HardCase::open("grazing-plane", world([plane(32, 1.0, 0.0)]), |_, n| {
-            // Down to a millionth above the plane, which is as grazing as light that still matters.
+            // Down to a millionth above the plane, the most grazing light of practical relevance.
             let height = n.magnitude(1e-6, 1e-2);
             aimed(flat(n, 1.0) + Vec3::Z * height, flat(n, 1.2))
         }),
@@ -46,7 +46,7 @@ fn across(numbers: &mut Numbers) -> Ray {
     aimed(numbers.in_cube(1.5), numbers.in_cube(1.0))
 }
 
-/// A ray that leaves a surface, as renderers spawn it.
+/// A ray spawned from a surface, as in rendering.
 fn spawned(geometry: &Geometry, numbers: &mut Numbers) -> Ray {
     let triangle = geometry.triangle(any_triangle(geometry, numbers));
     let (p, error) = triangle.point(numbers.barycentric());
@@ -57,7 +57,7 @@ fn flat(numbers: &mut Numbers, half: f32) -> Vec3 {
     Vec2::new(numbers.signed(), numbers.signed()).extend(0.0) * half
 }
 
-/// Triangles in one plane that overlap at random.
+/// Coplanar triangles that overlap at random.
 fn overlapping() -> Faces {
     let mut numbers = Numbers::new("overlapping", 0);
     let positions = (0..3 * 400).map(|_| flat(&mut numbers, 1.0)).collect();

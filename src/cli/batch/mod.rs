@@ -1,5 +1,5 @@
-//! `etendue batch`: many pictures, one process. The next scene is loaded while the present one renders, and what fails does not stop
-//! the others.
+//! `etendue batch`: many pictures in one process. The next scene is loaded while the present one renders. A failure
+//! does not stop the remaining pictures.
 
 mod rows;
 mod stages;
@@ -11,15 +11,15 @@ use super::task::{Task, warn};
 use super::{Console, startup};
 use crate::error::{Error, Kind, Result};
 use crate::render::checkpoint::INTERVAL;
-use crate::render::job::{Job, Picture};
-use crate::render::{Choices, Ended, Outputs, Provenance, Rendered, Selection};
-use rows::{Entry, Outcome, Written};
-use stages::{Stages, Wanted};
+use crate::render::job::{Job, JobPicture};
+use crate::render::{Ended, Outputs, PassSelection, Provenance, Rendered, SettingsPatch};
+use rows::{Entry, Outcome, WriterQueue};
+use stages::{SceneCache, SceneKey};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What the help says at its end.
+/// Text at the end of the help.
 pub(super) const AFTER: &str = r#"A batch file:
   output = "out/{scene}.{camera}.{method}.exr"   # also {frame:04}, {seed}; seen from the file's folder
   report = "out/{scene}.{camera}.{method}.json"  # if reports are wanted
@@ -44,14 +44,14 @@ What is complete is not rendered again, and what was stopped goes on. The exit c
 /// Arguments of `batch`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The batch file, .toml: which scenes, cameras and methods, and where the pictures go
+    /// The batch file, .toml, with the scenes, cameras, methods and output paths
     job: PathBuf,
     #[command(flatten)]
-    choices: Choices,
-    /// Render again what is complete
+    choices: SettingsPatch,
+    /// Render complete pictures again
     #[arg(long)]
     again: bool,
-    /// Say what would be rendered, and render nothing
+    /// List the pictures to render, and render nothing
     #[arg(long)]
     dry_run: bool,
     #[command(flatten)]
@@ -64,22 +64,22 @@ pub(super) struct Args {
     console: Console,
 }
 
-/// How the pictures of a batch are rendered.
+/// Options for rendering the pictures of a batch.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Means {
-    /// Whether what is complete is rendered again.
+pub(super) struct BatchOptions {
+    /// Whether to render complete pictures again.
     pub(super) again: bool,
-    /// What is an error.
+    /// Warnings treated as errors.
     pub(super) strict: StrictArgs,
-    /// On how many threads.
+    /// Thread count and memory limit.
     pub(super) threads: ThreadArgs,
-    /// How progress is told.
+    /// Progress display.
     pub(super) progress: ProgressArgs,
-    /// How talkative it is.
+    /// Console output.
     pub(super) console: Console,
 }
 
-/// Renders what the file says.
+/// Renders the pictures of a batch file.
 pub(super) fn run(args: Args) -> Result<()> {
     let job = Job::read(&args.job)?;
     let pictures = job.pictures(args.job.parent().unwrap_or(Path::new("")), &args.choices)?;
@@ -87,21 +87,21 @@ pub(super) fn run(args: Args) -> Result<()> {
         return pictures.iter().try_for_each(|picture| args.console.line(&picture.output.display().to_string()));
     }
     let Args { again, strict, threads, progress, console, .. } = args;
-    render_all(&pictures, Means { again, strict, threads, progress, console })
+    render_all(&pictures, BatchOptions { again, strict, threads, progress, console })
 }
 
-/// Renders them all.
-pub(super) fn render_all(pictures: &[Picture], means: Means) -> Result<()> {
-    // Mistakes of any picture are told before the first.
+/// Renders all pictures.
+pub(super) fn render_all(pictures: &[JobPicture], means: BatchOptions) -> Result<()> {
+    // Errors in the settings of any picture are reported before the first one is rendered.
     let threads = startup::start_threads(means.threads)?;
-    let wanted = pictures.iter().map(|picture| Wanted::of(picture, threads)).collect::<Result<Vec<_>>>()?;
+    let wanted = pictures.iter().map(|picture| SceneKey::of(picture, threads)).collect::<Result<Vec<_>>>()?;
     for picture in pictures {
-        means.strict.check(&picture.choices.plan(Selection::All)?)?;
+        means.strict.check(&picture.choices.plan(PassSelection::All)?)?;
         Outputs::of(&picture.output)?;
     }
     let signals = Signals::heed()?;
     let begun = Instant::now();
-    let mut batch = Batch { means, signals: &signals, stages: Stages::default(), written: Written::default() };
+    let mut batch = Batch { means, signals: &signals, stages: SceneCache::default(), written: WriterQueue::default() };
     for (index, picture) in pictures.iter().enumerate() {
         let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
         means.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
@@ -110,37 +110,37 @@ pub(super) fn render_all(pictures: &[Picture], means: Means) -> Result<()> {
     batch.written.tell(begun, means.console)
 }
 
-/// A batch in work.
+/// A batch in progress.
 struct Batch<'a> {
-    means: Means,
+    means: BatchOptions,
     signals: &'a Signals,
-    stages: Stages,
-    written: Written,
+    stages: SceneCache,
+    written: WriterQueue,
 }
 
-/// What rendering a picture comes to.
-enum Made {
-    /// It was stopped before.
+/// Result of rendering a picture.
+enum PictureResult {
+    /// A stop was requested before it began.
     Nothing,
-    /// It was there.
+    /// It was already complete.
     Complete,
-    /// It is to be written.
+    /// It was rendered and is ready to be written.
     Rendered(Task, Box<Rendered>, Ended),
 }
 
 impl Batch<'_> {
-    /// Renders a picture, whatever may happen, while the one before it is written and `next` is loaded.
-    fn picture(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) {
+    /// Renders a picture, catching errors and panics. Meanwhile the previous one is written and `next` is loaded.
+    fn picture(&mut self, picture: &JobPicture, wanted: &SceneKey, next: Option<&SceneKey>) {
         let entry = Entry::begin(picture, self.means.console);
         let stopped = self.signals.cancel.requested();
-        let made = if stopped { Ok(Made::Nothing) } else { surviving(|| self.render(picture, wanted, next)) };
+        let made = if stopped { Ok(PictureResult::Nothing) } else { surviving(|| self.render(picture, wanted, next)) };
         let load = self.stages.seconds();
         self.written.wait();
         let row = match made {
-            Ok(Made::Complete) => entry.row(&Outcome::Complete, load),
-            Ok(Made::Nothing) => entry.row(&Outcome::NotBegun, load),
+            Ok(PictureResult::Complete) => entry.row(&Outcome::Complete, load),
+            Ok(PictureResult::Nothing) => entry.row(&Outcome::NotBegun, load),
             Err(error) => entry.row(&Outcome::Failed(&error), load),
-            Ok(Made::Rendered(task, rendered, ended)) => {
+            Ok(PictureResult::Rendered(task, rendered, ended)) => {
                 self.written.expect(std::thread::spawn(move || match surviving(|| task.finish(&rendered, ended)) {
                     Ok(report) => entry.row(&Outcome::Rendered(&report), load),
                     Err(error) => entry.row(&Outcome::Failed(&error), load),
@@ -151,7 +151,7 @@ impl Batch<'_> {
         self.written.push(row);
     }
 
-    fn render(&mut self, picture: &Picture, wanted: &Wanted, next: Option<&Wanted>) -> Result<Made> {
+    fn render(&mut self, picture: &JobPicture, wanted: &SceneKey, next: Option<&SceneKey>) -> Result<PictureResult> {
         self.stages.load(wanted, || self.written.wait());
         self.stages.load_ahead(next);
         let (stage, task) = (self.stages.here()?, self.task(picture)?);
@@ -160,19 +160,19 @@ impl Batch<'_> {
         if strict.strict {
             stage.refuse_ignored()?;
         }
-        let provenance = Provenance::new(stage, settings, choices.plan(Selection::All)?, choices.look()?);
+        let provenance = Provenance::new(stage, settings, choices.plan(PassSelection::All)?, choices.look()?);
         warn(task.console, &provenance);
         let begun = match task.begin(stage, provenance.clone()) {
-            // The picture before takes memory until it is written.
+            // The previous picture occupies memory until it is written.
             Err(error) if error.kind == Kind::Memory && self.written.wait() => task.begin(stage, provenance),
             begun => begun,
         };
-        let Some(mut session) = begun? else { return Ok(Made::Complete) };
+        let Some(mut session) = begun? else { return Ok(PictureResult::Complete) };
         let ended = task.render(&mut session, self.signals)?;
-        Ok(Made::Rendered(task, Box::new(session.end()?), ended))
+        Ok(PictureResult::Rendered(task, Box::new(session.end()?), ended))
     }
 
-    fn task(&self, picture: &Picture) -> Result<Task> {
+    fn task(&self, picture: &JobPicture) -> Result<Task> {
         let outputs = Outputs::of(&picture.output)?;
         for path in outputs.paths().chain(picture.report.as_deref()) {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -192,7 +192,7 @@ impl Batch<'_> {
     }
 }
 
-/// A panic as an error.
+/// Converts a panic to an error.
 fn surviving<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     let done = catch_unwind(AssertUnwindSafe(work));
     done.unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error, told above")))

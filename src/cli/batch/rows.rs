@@ -1,24 +1,24 @@
-//! What became of the pictures of a batch: a row each, told as soon as it is known, and a summary.
+//! Results of the pictures of a batch: one row each, printed as soon as it is known, and a summary.
 
 use crate::cli::{Console, console};
 use crate::error::{Error, Kind, Result};
-use crate::render::Report;
-use crate::render::job::Picture;
+use crate::render::RenderReport;
+use crate::render::job::JobPicture;
 use serde::Serialize;
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// What became of a picture.
+/// Result of a picture.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Row {
     output: String,
     scene: String,
     /// `rendered`, `complete` (before this run), `failed`, `stopped` or `not-begun`.
     outcome: &'static str,
-    /// Its exit code, had it been rendered alone.
+    /// The exit code of rendering this picture alone.
     exit_code: u8,
     seconds: f64,
-    /// Of its scene, which other pictures may share.
+    /// Loading time of its scene, which other pictures may share.
     load_seconds: f64,
     relmse: Option<f64>,
     pixel_hash: Option<String>,
@@ -33,22 +33,22 @@ impl Row {
     }
 }
 
-/// A picture whose row is not known yet.
+/// A picture in progress, without a row yet.
 pub(super) struct Entry {
-    picture: Picture,
+    picture: JobPicture,
     begun: Instant,
     console: Console,
 }
 
-/// What became of a picture.
+/// Outcome of a picture.
 pub(super) enum Outcome<'a> {
     /// It was rendered and written.
-    Rendered(&'a Report),
-    /// It was there.
+    Rendered(&'a RenderReport),
+    /// It was already complete.
     Complete,
-    /// The batch was stopped before.
+    /// The batch was stopped before it began.
     NotBegun,
-    /// It was stopped, or failed.
+    /// It was stopped, or it failed.
     Failed(&'a Error),
 }
 
@@ -65,12 +65,12 @@ impl Outcome<'_> {
 }
 
 impl Entry {
-    /// That of a picture which begins now.
-    pub(super) fn begin(picture: &Picture, console: Console) -> Self {
+    /// Begins the entry of a picture.
+    pub(super) fn begin(picture: &JobPicture, console: Console) -> Self {
         Entry { picture: picture.clone(), begun: Instant::now(), console }
     }
 
-    /// The row, which is told at once; the scene took `load_seconds`.
+    /// Creates the row and prints it at once. The scene took `load_seconds` to load.
     pub(super) fn row(self, outcome: &Outcome<'_>, load_seconds: f64) -> Row {
         let (output, seconds) = (self.picture.output.display().to_string(), self.begun.elapsed().as_secs_f64());
         let report = if let Outcome::Rendered(report) = outcome { Some(*report) } else { None };
@@ -93,31 +93,31 @@ impl Entry {
             pixel_hash: report.map(|r| r.pixel_hash().to_owned()),
             problem: error.map(|(_, why)| why),
         };
-        // Whoever reads it may be gone; the others are rendered all the same, and the summary says so.
+        // If stdout is closed, the other pictures are rendered nevertheless. The summary reports the error.
         let _ = self.console.line(&row.line());
         row
     }
 }
 
-/// What is written, and what is being written.
+/// Rows of finished pictures, and the picture being written.
 #[derive(Default)]
-pub(super) struct Written {
+pub(super) struct WriterQueue {
     rows: Vec<Row>,
     next: Option<JoinHandle<Row>>,
 }
 
-impl Written {
-    /// Another row.
+impl WriterQueue {
+    /// Adds a row.
     pub(super) fn push(&mut self, row: Row) {
         self.rows.push(row);
     }
 
-    /// Another row to come, from a thread that writes the picture; wait for the last one before.
+    /// Adds the row of a picture that another thread is writing. The previous one must have been waited for.
     pub(super) fn expect(&mut self, next: JoinHandle<Row>) {
         self.next = Some(next);
     }
 
-    /// Waits for the picture that is being written; whether there was one.
+    /// Waits for the picture being written. Returns whether there was one.
     pub(super) fn wait(&mut self) -> bool {
         let row = self.next.take().and_then(|next| next.join().ok());
         let waited = row.is_some();
@@ -126,7 +126,8 @@ impl Written {
     }
 }
 
-/// What a picture may fail of, the worst first: a stop above all, since another run goes on; then what another run does not mend.
+/// Kinds of failure by severity. A stop comes first, since another run continues; then the failures that another run
+/// does not cure.
 const KINDS: [Kind; 8] = [
     Kind::Interrupted,
     Kind::Internal,
@@ -138,12 +139,12 @@ const KINDS: [Kind; 8] = [
     Kind::TargetMissed,
 ];
 
-/// The worst that any picture failed of.
+/// Returns the most severe failure of any picture.
 fn worst(rows: &[Row]) -> Option<Kind> {
     KINDS.into_iter().find(|kind| rows.iter().any(|row| row.exit_code == kind.exit_code()))
 }
 
-/// What all pictures came to.
+/// Results of all pictures.
 #[derive(Debug, Serialize)]
 struct Summary {
     pictures: Vec<Row>,
@@ -151,11 +152,11 @@ struct Summary {
     exit_code: u8,
 }
 
-impl Written {
-    /// Says how it all ended, which began at `begun`.
+impl WriterQueue {
+    /// Prints the summary of the batch that began at `begun`.
     ///
     /// # Errors
-    /// The worst that any picture failed of.
+    /// The most severe failure of any picture.
     pub(super) fn tell(mut self, begun: Instant, console: Console) -> Result<()> {
         self.wait();
         let worst = worst(&self.rows);

@@ -6,8 +6,8 @@ use crate::cli::args::{SceneArgs, ThreadArgs};
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
 use crate::integrator::Method;
-use crate::render::methods::{self, MethodsReport, Request, SceneReport, Subject};
-use crate::render::{Budget, Choices};
+use crate::render::methods::{self, BenchScene, MethodsReport, MethodsRequest, SceneReport};
+use crate::render::{Budget, SettingsPatch};
 use clap::ValueEnum;
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub(in crate::cli) struct Args {
     /// Do not read the render.toml beside a scene
     #[arg(long)]
     no_config: bool,
-    /// Where report.json, points.csv and index.html go; made references are kept there and taken again
+    /// Folder of report.json, points.csv and index.html; rendered references are kept there and reused
     #[arg(long, short, value_name = "FOLDER")]
     output: PathBuf,
     /// Methods to compare, separated by commas [default: all]
@@ -35,31 +35,32 @@ pub(in crate::cli) struct Args {
     /// Independent renders of each curve [default: 5, or what fits into the budget]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
     repetitions: Option<u32>,
-    /// Images to compare with, separated by commas, one for each scene [default: one is made]
+    /// Reference images, separated by commas, one for each scene [default: one is made]
     #[arg(long = "reference", value_name = "EXR", value_delimiter = ',')]
     references: Vec<PathBuf>,
-    /// What the reference's own relMSE is, where the file has no standard error, one for each scene
+    /// relMSE of the reference itself, where the file has no standard error, one for each scene
     #[arg(long, value_name = "RELMSE", value_delimiter = ',', requires = "references")]
     reference_noise: Vec<f64>,
-    /// Time for a reference that has to be made [default: four times the budget]
+    /// Time for rendering a reference [default: four times the budget]
     #[arg(long, value_name = "TIME", conflicts_with = "references")]
     reference_budget: Option<Budget>,
     #[command(flatten)]
-    choices: Choices,
+    choices: SettingsPatch,
     #[command(flatten)]
     threads: ThreadArgs,
     #[command(flatten)]
     console: Console,
 }
 
-/// Measures.
+/// Runs the measurement.
 pub(super) fn run(args: &Args) -> Result<()> {
     check(args)?;
     let threads = startup::start_threads(args.threads)?;
     let subjects = (0..args.scenes.len()).map(|at| subject(args, at, threads)).collect::<Result<Vec<_>>>()?;
     let report = methods::run(&request(args), &subjects, &mut |text| args.console.note(text))?;
     for scene in report.scenes.iter().filter(|scene| scene.is_reference_poor()) {
-        args.console.warn(&format!("{}: the reference's own error is above a tenth of an error compared with it", scene.name));
+        args.console
+            .warn(&format!("{}: the reference's own error is above a tenth of an error compared with it", scene.name));
     }
     args.console.document(&report)?;
     report.scenes.iter().try_for_each(|scene| lines(scene).iter().try_for_each(|line| args.console.line(line)))?;
@@ -67,7 +68,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     args.console.line(&format!("report: {}", args.output.join("index.html").display()))
 }
 
-/// Tells mistakes before anything is loaded.
+/// Reports errors in the arguments before anything is loaded.
 fn check(args: &Args) -> Result<()> {
     let choices = &args.choices;
     if choices.spp.is_some() || choices.time.is_some() {
@@ -78,7 +79,10 @@ fn check(args: &Args) -> Result<()> {
     }
     for (what, count) in [("--reference", args.references.len()), ("--reference-noise", args.reference_noise.len())] {
         if count > 0 && count != args.scenes.len() {
-            return Err(Error::usage(format!("{what} names {count} for {} scenes: give one for each", args.scenes.len())));
+            return Err(Error::usage(format!(
+                "{what} names {count} for {} scenes: give one for each",
+                args.scenes.len()
+            )));
         }
     }
     if let Some(noise) = args.reference_noise.iter().find(|n| !(n.is_finite() && **n >= 0.0)) {
@@ -87,8 +91,8 @@ fn check(args: &Args) -> Result<()> {
     Ok(())
 }
 
-fn request(args: &Args) -> Request {
-    Request {
+fn request(args: &Args) -> MethodsRequest {
+    MethodsRequest {
         methods: unique(args.methods.as_deref().unwrap_or(Method::value_variants())),
         budget: args.budget.0,
         repetitions: args.repetitions,
@@ -98,12 +102,12 @@ fn request(args: &Args) -> Request {
     }
 }
 
-fn subject(args: &Args, at: usize, threads: usize) -> Result<Subject> {
+fn subject(args: &Args, at: usize, threads: usize) -> Result<BenchScene> {
     let scene = SceneArgs { scene: args.scenes[at].clone(), no_config: args.no_config, choices: args.choices.clone() };
     let choices = scene.choices()?;
-    let build = |backend| scene.stage(&Choices { backend: Some(backend), ..choices.clone() }, threads);
+    let build = |backend| scene.stage(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads);
     let backends = unique(args.backends.as_deref().unwrap_or(Backend::AVAILABLE));
-    Ok(Subject {
+    Ok(BenchScene {
         name: scene_name(&args.scenes, at),
         stages: backends.into_iter().map(build).collect::<Result<_>>()?,
         look: choices.look()?,
@@ -116,9 +120,11 @@ fn lines(scene: &SceneReport) -> Vec<String> {
     let mut lines = vec![format!("{}: reference {}, its own relMSE {noise}", scene.name, scene.reference.origin)];
     lines.extend(scene.curves.iter().filter_map(|curve| {
         let last = curve.points.last()?;
-        let error = last.relmse.map_or("lost in noise".into(), |e| format!("{:.3e} [{:.3e}, {:.3e}]", e.value, e.low, e.high));
-        let slope =
-            curve.slope_in_time.map_or(String::new(), |s| format!(", slope {:.2} [{:.2}, {:.2}]", s.value, s.low, s.high));
+        let error =
+            last.relmse.map_or("lost in noise".into(), |e| format!("{:.3e} [{:.3e}, {:.3e}]", e.value, e.low, e.high));
+        let slope = curve
+            .slope_in_time
+            .map_or(String::new(), |s| format!(", slope {:.2} [{:.2}, {:.2}]", s.value, s.low, s.high));
         let quality = match curve.efficiency {
             _ if !curve.blind_spots.is_empty() => "blind to parts of the scene".into(),
             Some(e) => format!("efficiency {:.4} [{:.4}, {:.4}]", e.value, e.low, e.high),

@@ -1,18 +1,20 @@
-//! `etendue bench rays`: how fast rays are answered, and whether all backends answer the same.
+//! `etendue bench rays`: the ray throughput of the backends, and the agreement of their hits.
 
 use super::{command, scene_name, unique};
-use crate::accel::equivalence::Tally;
+use crate::accel::equivalence::DifferenceCounts;
 use crate::accel::{Backend, Build};
 use crate::cli::args::SceneArgs;
 use crate::cli::args::ThreadArgs;
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
-use crate::render::Choices;
+use crate::render::SettingsPatch;
 use crate::render::machine;
-use crate::render::ray_bench::{self, Address, CategoryRow, PaceRates, Rate, RaysReport, Request, RowRates, SceneRates, Subject};
+use crate::render::ray_bench::{
+    self, CategoryRow, PaceRates, Rate, RayAddress, RayBenchRequest, RayBenchSubject, RaysReport, RowRates, SceneRates,
+};
 use std::path::PathBuf;
 
-/// Addresses on a line; reports have more.
+/// Maximum number of addresses on a line; reports list more.
 const MOST_SHOWN: usize = 3;
 
 /// Arguments of `bench rays`.
@@ -24,7 +26,7 @@ pub(in crate::cli) struct Args {
     /// Do not read the render.toml beside a scene
     #[arg(long)]
     no_config: bool,
-    /// Where report.json, rates.csv, categories.csv and index.html go [default: nowhere]
+    /// Folder of report.json, rates.csv, categories.csv and index.html [default: nowhere]
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Backends to compare, separated by commas [default: all there are]
@@ -33,38 +35,38 @@ pub(in crate::cli) struct Args {
     /// Builds of each backend, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "robust")]
     builds: Vec<Build>,
-    /// Numbers of threads, separated by commas [default: 1 and all cores]
+    /// Thread counts, separated by commas [default: 1 and all cores]
     #[arg(long, short = 'j', value_name = "N", value_delimiter = ',')]
     threads: Vec<usize>,
-    /// Rounds, each of which measures everything once; 0 compares hits alone
+    /// Number of rounds, each of which measures everything once; 0 only compares hits
     #[arg(long, default_value_t = 9, value_name = "N")]
     rounds: u32,
-    /// About how many rays are recorded at most: a pass that would trace more is made with fewer pixels of the same view. 100
-    /// bytes each
+    /// Approximate maximum of recorded rays, 100 bytes each: a pass that would trace more is rendered with fewer pixels
+    /// of the same view
     #[arg(long, default_value_t = 2_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     rays: u64,
     /// Keep the recorded rays of the scene in this file
     #[arg(long, value_name = "FILE", conflicts_with = "load")]
     save: Option<PathBuf>,
-    /// Take the rays of the scene from a file that --save made, instead of recording them
+    /// Load the rays of the scene from a file that --save wrote, instead of recording them
     #[arg(long, value_name = "FILE")]
     load: Option<PathBuf>,
-    /// Compare what is hit in hard cases, too: seams, slivers, instances, scales (see src/accel/hard_cases)
+    /// Also compare hits in hard cases: seams, slivers, instances, scales (see src/accel/hard_cases)
     #[arg(long)]
     hard_cases: bool,
-    /// Rays of each hard case
+    /// Number of rays of each hard case
     #[arg(long, default_value_t = 100_000, value_name = "N", requires = "hard_cases")]
     rays_per_case: u64,
-    /// Print one ray and what every row answers, by the address that a report gives it; measures nothing
+    /// Print one ray and the answer of every row, by the ray's address in a report; measures nothing
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["output", "save", "hard_cases"])]
-    replay: Option<Address>,
+    replay: Option<RayAddress>,
     #[command(flatten)]
-    choices: Choices,
+    choices: SettingsPatch,
     #[command(flatten)]
     console: Console,
 }
 
-/// Measures.
+/// Runs the measurement.
 pub(super) fn run(args: &Args) -> Result<()> {
     check(args)?;
     let request = request(args)?;
@@ -83,7 +85,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
 }
 
-/// Tells mistakes before anything is loaded.
+/// Reports errors in the arguments before anything is loaded.
 fn check(args: &Args) -> Result<()> {
     let choices = &args.choices;
     if choices.spp.is_some() || choices.time.is_some() || choices.target_error.is_some() {
@@ -98,7 +100,7 @@ fn check(args: &Args) -> Result<()> {
     Ok(())
 }
 
-fn request(args: &Args) -> Result<Request> {
+fn request(args: &Args) -> Result<RayBenchRequest> {
     let backends = unique(args.backends.as_deref().unwrap_or(Backend::AVAILABLE));
     let builds = unique(&args.builds);
     let count = |asked| machine::threads(asked, |name| std::env::var(name).ok());
@@ -106,7 +108,7 @@ fn request(args: &Args) -> Result<Request> {
         [] => vec![1, count(None)?],
         asked => asked.iter().map(|&n| count(Some(n))).collect::<Result<_>>()?,
     };
-    Ok(Request {
+    Ok(RayBenchRequest {
         setups: backends.iter().flat_map(|&backend| builds.iter().map(move |&build| (backend, build))).collect(),
         threads: unique(&threads),
         rounds: args.rounds,
@@ -119,21 +121,23 @@ fn request(args: &Args) -> Result<Request> {
     })
 }
 
-/// A scene with the default backend, robustly built: what records does not depend on what is measured.
-fn subject(args: &Args, at: usize, threads: usize) -> Result<Subject> {
+/// Loads a scene with the default backend and the robust build. The recorded rays thus do not depend on the measured
+/// backends.
+fn subject(args: &Args, at: usize, threads: usize) -> Result<RayBenchSubject> {
     let scene = SceneArgs { scene: args.scenes[at].clone(), no_config: args.no_config, choices: args.choices.clone() };
     let (backend, build) = (Some(Backend::default()), Some(Build::Robust));
-    let (stage, settings) = scene.stage(&Choices { backend, build, ..scene.choices()? }, threads)?;
-    Ok(Subject { name: scene_name(&args.scenes, at), stage, settings })
+    let (stage, settings) = scene.stage(&SettingsPatch { backend, build, ..scene.choices()? }, threads)?;
+    Ok(RayBenchSubject { name: scene_name(&args.scenes, at), stage, settings })
 }
 
-fn replay(args: &Args, request: &Request, address: &Address, threads: usize) -> Result<()> {
+fn replay(args: &Args, request: &RayBenchRequest, address: &RayAddress, threads: usize) -> Result<()> {
     let names: Vec<String> = (0..args.scenes.len()).map(|at| scene_name(&args.scenes, at)).collect();
     let subject = match &address.scene {
         None => None,
         Some(name) => {
             let at = names.iter().position(|other| other == name);
-            let at = at.ok_or_else(|| Error::usage(format!("--replay {address}: no scene given is called '{name}'")))?;
+            let at =
+                at.ok_or_else(|| Error::usage(format!("--replay {address}: no scene given is called '{name}'")))?;
             Some(subject(args, at, threads)?)
         }
     };
@@ -152,7 +156,8 @@ fn lines(report: &RaysReport) -> Vec<String> {
     }
     let hard: Vec<_> = report.categories.iter().filter(|row| row.scene.is_none()).collect();
     if !hard.is_empty() {
-        let wrong: Vec<String> = hard.iter().filter(|row| !row.addresses.is_empty()).map(|row| hard_hits(row)).collect();
+        let wrong: Vec<String> =
+            hard.iter().filter(|row| !row.addresses.is_empty()).map(|row| hard_hits(row)).collect();
         lines.push(format!("hard cases: {} of {} rows have true differences or leaks", wrong.len(), hard.len()));
         lines.extend(wrong);
     }
@@ -177,22 +182,25 @@ fn rate_lines(scene: &SceneRates, rounds: u32) -> Vec<String> {
 }
 
 fn pace_lines(row: &RowRates, pace: &PaceRates) -> Vec<String> {
-    let spread = |r: Rate, digits: usize| format!("{:.digits$} ({:.digits$} to {:.digits$})", r.median, r.least, r.most);
-    let optional =
-        |name: &str, rate: Option<Rate>, digits| rate.map_or(String::new(), |r| format!("  {name} {}", spread(r, digits)));
+    let spread =
+        |r: Rate, digits: usize| format!("{:.digits$} ({:.digits$} to {:.digits$})", r.median, r.least, r.most);
+    let optional = |name: &str, rate: Option<Rate>, digits| {
+        rate.map_or(String::new(), |r| format!("  {name} {}", spread(r, digits)))
+    };
     let (render, share) = (optional("in the render", pace.render, 2), optional("share", pace.share, 3));
     let threads = if pace.threads == 1 { "1 thread".into() } else { format!("{} threads", pace.threads) };
-    let classes: Vec<String> = pace.classes.iter().map(|class| format!("{} {:.2}", class.name, class.rate.median)).collect();
+    let classes: Vec<String> =
+        pace.classes.iter().map(|class| format!("{} {:.2}", class.name, class.rate.median)).collect();
     vec![
         format!("  {:15} {threads:10} raw {}{render}{share}", row.backend, spread(pace.raw, 2)),
         format!("  {:15} {threads:10} by class: {}", row.backend, classes.join("  ")),
     ]
 }
 
-/// What a row hits in a scene; classes are told apart by the report.
+/// Summarises the hits of a row in a scene, over all classes. The report has them by class.
 fn scene_hits(backend: &str, found: &[&CategoryRow]) -> String {
     let rows: Vec<_> = found.iter().filter(|row| row.category.backend == backend).collect();
-    let sum = |of: fn(&Tally) -> u64| rows.iter().map(|row| of(&row.category.tally)).sum::<u64>();
+    let sum = |of: fn(&DifferenceCounts) -> u64| rows.iter().map(|row| of(&row.category.tally)).sum::<u64>();
     let [rays, hits, ties, grazes, differences] =
         [sum(|t| t.rays), sum(|t| t.hits), sum(|t| t.ties), sum(|t| t.grazes), sum(|t| t.true_differences)];
     let beside = rows.first().map_or("", |row| &row.category.reference);
@@ -208,7 +216,7 @@ fn hard_hits(row: &CategoryRow) -> String {
     format!("  {:20} {:15} {counts}{}", category.name, category.backend, again(&addresses))
 }
 
-/// How the rays at `addresses` can be asked again, if there are any.
+/// Returns the arguments that replay the rays at `addresses`, if there are any.
 fn again(addresses: &[&str]) -> String {
     let (shown, more) = addresses.split_at(addresses.len().min(MOST_SHOWN));
     let more = if more.is_empty() { "" } else { " …" };

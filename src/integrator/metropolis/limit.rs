@@ -1,55 +1,57 @@
-//! Who has what light: bidirectional path tracing all that its samples find up to a limit, chains the rest.
+//! Splits each sample's contribution at a threshold: below it BDPT, above it MCMC.
 //!
-//! A sample that is worth many times what is usual where it falls is one of few that make up that light: noise for independent samples,
-//! and what chains are good at. So a sample counts up to the limit and chains have what is above, as functions of the path alone: both
-//! parts together are the whole, whatever the limit. Where nothing is above it nothing is left to chains, and their noise vanishes with
-//! it. (Of [light-transport.md 0.7], where the split is by path and not by value.)
+//! Contributions far above the typical radiance at their position come from rare samples. They are noise for
+//! independent sampling and suit Markov chains. A sample counts up to the threshold, and chains estimate the excess.
+//! Both parts are functions of the path alone and sum to the whole for any threshold. Without an excess chains receive
+//! nothing, and their noise vanishes. (Derived from [light-transport.md 0.7], where the split is by path and not by
+//! value.)
 
 use super::FEWEST_EVENTS;
-use super::contribution::Picture;
+use super::contribution::RegionMap;
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
 use crate::geometry::Ray;
-use crate::integrator::bidirectional::{Bidirectional, Found, Sink};
+use crate::integrator::bidirectional::{Bidirectional, Sink, TechniqueSample};
 use crate::integrator::camera_pass::Radiance;
-use crate::path::Tally;
+use crate::path::TraceStats;
 use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
 
-/// No cell is taken for darker than this share of the mean.
+/// Lower bound of a cell's typical radiance, as a share of the mean.
 const DARKEST: f64 = 0.1;
 
-/// How much a sample may be worth before chains have a part in it; nothing, where chains have everything.
+/// Contribution above which chains estimate the excess; `None` if chains estimate everything.
 #[derive(Debug, Clone)]
-pub(super) struct Limit(Option<Picture>);
+pub(super) struct SampleThreshold(Option<RegionMap>);
 
-impl Limit {
-    /// Chains have everything.
-    pub(super) const NONE: Limit = Limit(None);
+impl SampleThreshold {
+    /// Chains estimate everything.
+    pub(super) const NONE: SampleThreshold = SampleThreshold(None);
 
-    /// `times` what is usual in each part of the image.
-    pub(super) fn new(usual: &Picture, times: f64) -> Self {
+    /// Sets the threshold to `times` the typical radiance in each part of the image.
+    pub(super) fn new(usual: &RegionMap, times: f64) -> Self {
         let darkest = DARKEST * usual.mean();
-        Limit(Some(usual.map(|cell| times * cell.max(darkest))))
+        SampleThreshold(Some(usual.map(|cell| times * cell.max(darkest))))
     }
 
-    /// Whether chains have everything.
+    /// Whether chains estimate everything.
     pub(super) fn is_none(&self) -> bool {
         self.0.is_none()
     }
 
-    /// The limit at a film position.
+    /// Returns the threshold at a raster position.
     pub(super) fn at(&self, film: [f32; 2]) -> f64 {
         self.0.as_ref().map_or(0.0, |picture| picture.at(film))
     }
 
-    /// What chains have of a sample that is worth `worth`.
+    /// Returns the share of a contribution `worth` that lies above the threshold.
     pub(super) fn above(limit: f64, worth: f64) -> f64 {
         if worth > limit { 1.0 - limit / worth } else { 0.0 }
     }
 
-    /// What chains have of the light that was `found` as one of so many walks a pixel. Roulette does not make it worth more.
-    pub(super) fn share_of_chains(&self, film: [f32; 2], found: &Found, walks: f32) -> f32 {
+    /// Returns the chains' share of the contribution `found`, one of `walks` subpaths per pixel. The roulette factor is
+    /// removed first.
+    pub(super) fn share_of_chains(&self, film: [f32; 2], found: &TechniqueSample, walks: f32) -> f32 {
         if found.s + found.t < FEWEST_EVENTS + 2 {
             return 0.0;
         }
@@ -58,32 +60,33 @@ impl Limit {
     }
 }
 
-/// Bidirectional path tracing without what is left to chains.
+/// Bidirectional path tracing without the chains' share.
 pub(super) struct Limited<'a> {
     pub(super) tracer: Bidirectional<'a>,
     pub(super) camera: Camera,
-    pub(super) limit: Limit,
-    /// Walks from lights for each pixel.
+    pub(super) limit: SampleThreshold,
+    /// Light subpaths per pixel.
     pub(super) walks: f32,
 }
 
 struct Below<'l, F> {
-    limit: &'l Limit,
+    limit: &'l SampleThreshold,
     walks: f32,
-    /// Of the sample.
+    /// Raster position of the sample.
     film: [f32; 2],
     color: Spectrum,
     splats: &'l mut F,
 }
 
 impl<F: FnMut([f32; 2], Spectrum)> Sink for Below<'_, F> {
-    fn add(&mut self, found: Found) {
+    fn add(&mut self, found: TechniqueSample) {
         let share = self.limit.share_of_chains(self.film, &found, 1.0);
         self.color += found.value * (found.weight as f32 * (1.0 - share));
     }
 
-    fn splat(&mut self, film: [f32; 2], found: Found) {
-        let share = if planted(Defect::SplatsUnlimited) { 0.0 } else { self.limit.share_of_chains(film, &found, self.walks) };
+    fn splat(&mut self, film: [f32; 2], found: TechniqueSample) {
+        let share =
+            if planted(Defect::SplatsUnlimited) { 0.0 } else { self.limit.share_of_chains(film, &found, self.walks) };
         (self.splats)(film, found.value * (found.weight as f32 * (1.0 - share)));
     }
 }
@@ -95,9 +98,9 @@ impl Radiance for Limited<'_> {
         sampler: &mut S,
         light: impl FnOnce() -> S,
         splats: &mut impl FnMut([f32; 2], Spectrum),
-        tally: &mut Tally,
+        tally: &mut TraceStats,
     ) -> Spectrum {
-        let film = self.camera.seen(ray.at(1.0)).map_or([0.0; 2], |seen| seen.film);
+        let film = self.camera.sample_wi(ray.at(1.0)).map_or([0.0; 2], |seen| seen.film);
         let mut sink = Below { limit: &self.limit, walks: self.walks, film, color: Spectrum::ZERO, splats };
         self.tracer.sample(ray, sampler, light, &mut sink, tally);
         sink.color

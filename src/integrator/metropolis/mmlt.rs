@@ -1,41 +1,42 @@
-//! Multiplexed Metropolis light transport: a state is one path of one technique, chosen by a coordinate among all that make paths of
-//! its length [Hachisuka14]. It costs a walk from each end and a single connection.
+//! Multiplexed Metropolis light transport: a state is one path of one technique. A coordinate selects the technique
+//! among all that sample paths of its length [Hachisuka14]. It costs a subpath from each end and one connection.
 //!
-//! Lengths are classes with chains and a normalisation of their own, the steps allotted to them beforehand: a chain that is stuck to the
-//! length of its seed leaves the light of that length to chance, with an error that no number of steps removes.
+//! Path lengths are classes with their own chains, normalisation and predetermined number of steps. If a chain could
+//! stay at the length of its seed, the light of each length would depend on the choice of seeds, with an error that no
+//! number of steps removes.
 
 use super::contribution::Contribution;
 use super::primary::{NAMES, PathSampler, PrimaryState, mixture};
 use super::seeds::{ByTechnique, Candidate};
-use super::{Chains, Common, FEWEST_EVENTS};
+use super::{ChainContext, FEWEST_EVENTS, MarkovMethod};
 use crate::defects::{Defect, planted};
-use crate::mcmc::primary::{Source, Stream};
+use crate::mcmc::primary::{PrimaryStream, Source};
 use crate::mcmc::{Mixture, Numbers};
-use crate::path::Tally;
+use crate::path::TraceStats;
 use crate::sampling::{Address, Sampler, Slot};
 use crate::spectrum::Spectrum;
 
-/// The share of the paths of the last class that go on at each event, as their lengths are drawn.
+/// Continuation probability per event for path lengths in the last class.
 const GOES_ON: f64 = 0.75;
 
-/// Of the whole numbers that coordinates are.
+/// Number of integer coordinate values.
 const CIRCLE: f64 = 4_294_967_296.0;
 
-/// The chains.
+/// The method.
 pub(super) struct Multiplexed<'a> {
-    common: Common<'a>,
+    common: ChainContext<'a>,
     lengths: Vec<OneLength<'a>>,
 }
 
-/// Paths of a length, or of all lengths from one on.
+/// Paths of one length, or of all lengths from `events` on.
 struct OneLength<'a> {
-    common: Common<'a>,
+    common: ChainContext<'a>,
     events: usize,
     and_longer: bool,
 }
 
 impl<'a> Multiplexed<'a> {
-    pub(super) fn new(common: Common<'a>) -> Self {
+    pub(super) fn new(common: ChainContext<'a>) -> Self {
         let longest = common.options.max_depth.map_or(usize::MAX, |most| most as usize);
         let last = (common.options.metropolis.lengths as usize).max(FEWEST_EVENTS).min(longest.max(FEWEST_EVENTS));
         let class = |events: usize, and_longer: bool| OneLength { common: common.clone(), events, and_longer };
@@ -48,14 +49,15 @@ impl<'a> Multiplexed<'a> {
 }
 
 impl OneLength<'_> {
-    /// The number of techniques of paths of `events` events, and the `nth` of them: vertices from the light.
+    /// Selects a technique for paths of `events` events. Returns its number of light vertices and the number of
+    /// techniques.
     fn technique(&self, events: usize, chosen: f64) -> Option<(usize, usize)> {
         let count = self.common.techniques(events).count();
         let nth = ((chosen * count as f64) as usize).min(count.max(1) - 1);
         self.common.techniques(events).nth(nth).map(|s| (s, count))
     }
 
-    /// How many events the number `u` stands for, and the probability of that.
+    /// Maps the random number `u` to a number of events, and returns it with its probability.
     fn length(&self, u: f64) -> (usize, f64) {
         if !self.and_longer {
             return (self.events, 1.0);
@@ -64,7 +66,7 @@ impl OneLength<'_> {
         (self.events + more as usize, GOES_ON.powi(more) * (1.0 - GOES_ON))
     }
 
-    /// A number that [`OneLength::length`] makes `events` of.
+    /// Returns a coordinate value that [`OneLength::length`] maps to `events`.
     fn number_of(&self, events: usize, at: f64) -> u32 {
         let more = (events - self.events) as i32;
         let [start, end] = [more, more + 1].map(|n| 1.0 - GOES_ON.powi(n));
@@ -72,17 +74,17 @@ impl OneLength<'_> {
     }
 }
 
-/// The number of a coordinate that lies in an interval, `at` this part of it.
+/// Returns the integer coordinate at the fraction `at` of an interval.
 fn number_in(start: f64, end: f64, at: f64) -> u32 {
-    // Coordinates are read with the 24 digits of f32: as much is kept from the ends.
+    // Coordinates are read with the 24 bits of f32, and results stay this far from the ends.
     const MARGIN: f64 = 1.0 / 8_388_608.0;
     let margin = (MARGIN / (end - start)).min(0.5);
     ((start + (end - start) * at.clamp(margin, 1.0 - margin)) * CIRCLE) as u32
 }
 
 impl PathSampler for OneLength<'_> {
-    fn sample(&self, [mut camera, mut light, mut join]: [Source; 3], found: &mut Contribution, tally: &mut Tally) {
-        let Common { tracer, camera: lens, region, importance, .. } = &self.common;
+    fn sample(&self, [mut camera, mut light, mut join]: [Source; 3], found: &mut Contribution, tally: &mut TraceStats) {
+        let ChainContext { tracer, camera: lens, region, importance, .. } = &self.common;
         let (events, pmf) = self.length(f64::from(join.u1(0, Slot::Distance)));
         let Some((s, count)) = self.technique(events, f64::from(join.u1(0, Slot::Lobe))) else { return };
         let film = region.at(camera.u2(0, Slot::Aux));
@@ -98,10 +100,10 @@ impl PathSampler for OneLength<'_> {
     }
 }
 
-impl Chains for Multiplexed<'_> {
+impl MarkovMethod for Multiplexed<'_> {
     type State = PrimaryState;
 
-    fn common(&self) -> &Common<'_> {
+    fn common(&self) -> &ChainContext<'_> {
         &self.common
     }
 
@@ -113,7 +115,7 @@ impl Chains for Multiplexed<'_> {
         (events - FEWEST_EVENTS).min(self.lengths.len() - 1)
     }
 
-    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut Tally) {
+    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut TraceStats) {
         Candidate::of_techniques(&self.common, address, found, tally);
     }
 
@@ -126,8 +128,8 @@ impl Chains for Multiplexed<'_> {
         let [technique, length] = [numbers.uniform(), numbers.uniform()];
         x.point.clear();
         let part = |n: usize| n as f64 / count as f64;
-        x.point.set(Stream::Connection, 0, Slot::Lobe, number_in(part(nth), part(nth + 1), technique));
-        x.point.set(Stream::Connection, 0, Slot::Distance, class.number_of(events, length));
+        x.point.set(PrimaryStream::Connection, 0, Slot::Lobe, number_in(part(nth), part(nth + 1), technique));
+        x.point.set(PrimaryStream::Connection, 0, Slot::Distance, class.number_of(events, length));
         x.found.clear();
         class.sample(x.point.draw(address), &mut x.found, &mut x.tally);
         x.found.scalar() > 0.0

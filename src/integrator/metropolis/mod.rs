@@ -1,14 +1,18 @@
-//! Metropolis light transport: chains of paths that stay where light is [Veach97 §11]. What a state is and how it changes is a method's
-//! own ([`Chains`]); seeds, normalisation and the passes are the same for all.
+//! Metropolis light transport [Veach97 §11]. Each method defines its states and mutations ([`MarkovMethod`]). Seeding,
+//! normalisation and passes are shared.
 //!
-//! A pass is a group of chains that is independent of every other. It traces its own samples of bidirectional path tracing, chooses the
-//! first states of its chains among them with probabilities proportional to their contributions, and gives what the chains deposit the mean
-//! contribution of the same samples. So its expectation is the image, exactly, for any number of samples and any length of chains
-//! [Veach97 §11.3.1]. What a chain itself knows better of that mean is not used: the ratio would bias every pass alike.
+//! A pass is a group of chains, independent of all other passes. It traces its own samples of bidirectional path
+//! tracing and resamples the initial states of its chains from them, with probabilities proportional to their
+//! contributions. The mean contribution b of the same samples scales the deposits of the chains. The estimator is
+//! unbiased for any number of samples and any chain length [Veach97 §11.3.1]. b is estimated from the seeds only.
+//! Reusing the chain's large steps would correlate numerator and denominator: a bias of O(1/N) per pass that does not
+//! average out.
 //!
-//! Light that is seen directly or after one scattering event is not left to chains: one sample a pixel of the path tracer has it,
-//! stratified over the image as chains are not. Use these methods where most of the light comes by few paths that are hard to find: through
-//! gaps, as caustics of caustics. Elsewhere bidirectional path tracing has less noise in the same time.
+//! Chains exclude emission seen directly or after one scattering event. These paths are estimated with one sample per
+//! pixel, stratified over the image: by the path tracer, or by bidirectional path tracing where it shares light with
+//! the chains (see [`SampleThreshold`]). Metropolis methods suit scenes where most light arrives along few paths that
+//! are hard to sample: through gaps, or as caustics of caustics. Elsewhere bidirectional path tracing has less noise at
+//! equal time.
 
 mod contribution;
 mod limit;
@@ -30,17 +34,17 @@ pub use report::{ChainDigest, ChainReport, Normalisation, Tiles};
 use super::bidirectional::Bidirectional;
 use super::camera_pass::CameraPass;
 use super::path::{Combined, PathTracer};
-use super::{Integrator, Options, PassReport, Prelude};
+use super::{Integrator, IntegratorConfig, PassReport, PilotEstimate};
 use crate::camera::Camera;
 use crate::defects::{Defect, planted};
 use crate::film::{Layout, PassFilm, Splats};
 use crate::mcmc::{Chain, Mixture, Numbers, State};
 use crate::parallel::Cancel;
-use crate::path::Tally;
+use crate::path::TraceStats;
 use crate::sampling::Address;
 use crate::scene::Scene;
-use contribution::{Contribution, Importance, Region};
-use limit::{Limit, Limited};
+use contribution::{Contribution, ImageImportance, Region};
+use limit::{Limited, SampleThreshold};
 use mlt::PathSpace;
 use mmlt::Multiplexed;
 use pssmlt::PrimarySpace;
@@ -49,111 +53,128 @@ use report::ChainLight;
 use seeds::{Candidate, Pilot, Seeds};
 use std::ops::RangeInclusive;
 
-/// Scattering events of the shortest paths that chains have.
+/// Minimum number of scattering events of paths in chains.
 const FEWEST_EVENTS: usize = 2;
-/// Steps of a chain, where nothing is said about the number of chains.
+/// Default number of steps per chain.
 const STEPS: usize = 500;
-/// Most chains of a pass, where nothing is said.
+/// Default maximum of chains per pass.
 const MOST_CHAINS: usize = 1024;
-/// Samples of bidirectional path tracing for each chain that begins at one of them.
+/// Bidirectional samples per chain for seeding.
 const SEEDS_PER_CHAIN: usize = 100;
-/// Variance of a sample relative to its pixel's square from which on bidirectional path tracing is not worth its time, and chains have
-/// everything. For the scenes that decided it see docs/measurements.md.
+/// Threshold of the relative variance, of one sample per pixel, above which bidirectional path tracing is inefficient
+/// and chains estimate everything. For the scenes that decided it see docs/measurements.md.
 const NOISY: f64 = 3.5;
-/// Times what is usual that a sample may count for elsewhere.
+/// Sample threshold elsewhere, as a multiple of the typical radiance.
 const LIMIT: f64 = 10.0;
-/// Sets the numbers of chains apart from those of samples.
+/// Separates the random numbers of chains from those of samples.
 const CHAIN_STREAM: u64 = 1 << 62;
-/// No class of paths has fewer than this share of the steps.
+/// Minimum share of the steps for each class of paths.
 const LEAST_SHARE: f64 = 0.01;
-/// Samples that tell how much of the light each class of paths has.
+/// Pilot samples for the share of light of each class.
 const PILOT: usize = 4096;
 
-/// Chains in primary sample space.
-pub(super) fn pssmlt<'a>(scene: &'a Scene, camera: Camera, options: &Options, prelude: &Prelude) -> Box<dyn Integrator + 'a> {
-    let chains = PrimarySpace { common: Common::new(scene, camera.clone(), options) };
+/// Builds Metropolis light transport in primary sample space.
+pub(super) fn pssmlt<'a>(
+    scene: &'a Scene,
+    camera: Camera,
+    options: &IntegratorConfig,
+    prelude: &PilotEstimate,
+) -> Box<dyn Integrator + 'a> {
+    let chains = PrimarySpace { common: ChainContext::new(scene, camera.clone(), options) };
     Box::new(Metropolis::new(scene, camera, chains, prelude))
 }
 
-/// Multiplexed chains.
-pub(super) fn mmlt<'a>(scene: &'a Scene, camera: Camera, options: &Options, prelude: &Prelude) -> Box<dyn Integrator + 'a> {
-    let chains = Multiplexed::new(Common::new(scene, camera.clone(), options));
+/// Builds multiplexed Metropolis light transport.
+pub(super) fn mmlt<'a>(
+    scene: &'a Scene,
+    camera: Camera,
+    options: &IntegratorConfig,
+    prelude: &PilotEstimate,
+) -> Box<dyn Integrator + 'a> {
+    let chains = Multiplexed::new(ChainContext::new(scene, camera.clone(), options));
     Box::new(Metropolis::new(scene, camera, chains, prelude))
 }
 
-/// Chains of paths.
-pub(super) fn mlt<'a>(scene: &'a Scene, camera: Camera, options: &Options, prelude: &Prelude) -> Box<dyn Integrator + 'a> {
-    let chains = PathSpace { common: Common::new(scene, camera.clone(), options) };
+/// Builds Metropolis light transport in path space.
+pub(super) fn mlt<'a>(
+    scene: &'a Scene,
+    camera: Camera,
+    options: &IntegratorConfig,
+    prelude: &PilotEstimate,
+) -> Box<dyn Integrator + 'a> {
+    let chains = PathSpace { common: ChainContext::new(scene, camera.clone(), options) };
     Box::new(Metropolis::new(scene, camera, chains, prelude))
 }
 
-/// States that are worth something to an image.
-trait Lit: State {
-    /// What the state adds to the image.
+/// States that contribute to an image.
+trait ImageState: State {
+    /// Image contribution of the state.
     fn contribution(&self) -> &Contribution;
-    /// Counts of the rays that states held here have traced.
-    fn tally(&mut self) -> &mut Tally;
+    /// Counters of the rays traced for states stored in this object.
+    fn tally(&mut self) -> &mut TraceStats;
 }
 
-/// A Metropolis method: its states and what changes them. Paths may be divided into classes that have chains and a normalisation of
-/// their own.
-trait Chains: Send + Sync {
-    /// A state.
-    type State: Lit + Default + Send;
-    /// What it shares with other methods.
-    fn common(&self) -> &Common<'_>;
-    /// How many classes there are.
+/// A Metropolis method: its states and kernels. Paths may be divided into classes, each with its own chains and
+/// normalisation.
+trait MarkovMethod: Send + Sync {
+    /// State type.
+    type State: ImageState + Default + Send;
+    /// Context shared with other methods.
+    fn common(&self) -> &ChainContext<'_>;
+    /// Number of classes.
     fn classes(&self) -> usize;
-    /// The class of paths of `events` scattering events.
+    /// Class of paths with `events` scattering events.
     fn class_of(&self, events: usize) -> usize;
-    /// What the sample of the numbers at `address` contributes, part by part.
-    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut Tally);
-    /// Makes `x` the state that the sample at `address` had for `seed`; whether it is lit.
+    /// Appends the contributions of the sample at `address`, one candidate per part.
+    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut TraceStats);
+    /// Sets `x` to the state of the sample at `address` that `seed` refers to. Returns whether its contribution is
+    /// nonzero.
     fn start(&self, seed: &Candidate, address: Address, x: &mut Self::State) -> bool;
-    /// The kernels for the states of a class.
+    /// Kernels for the states of a class.
     fn kernels(&self, class: usize) -> Mixture<'_, Self::State>;
-    /// Their names.
+    /// Names of the kernels.
     fn names(&self) -> &'static [&'static str];
 }
 
-/// What methods of this kind share.
+/// Context shared by the Metropolis methods.
 #[derive(Clone)]
-struct Common<'a> {
+struct ChainContext<'a> {
     scene: &'a Scene,
     camera: Camera,
-    options: Options,
-    /// Bidirectional path tracing of the paths that are left to chains.
+    options: IntegratorConfig,
+    /// Bidirectional path tracing of the paths assigned to chains.
     tracer: Bidirectional<'a>,
     region: Region,
-    /// What samples have of the light before chains do.
-    limit: Limit,
-    importance: Importance,
+    /// Threshold up to which samples, not chains, account for contributions.
+    limit: SampleThreshold,
+    importance: ImageImportance,
 }
 
-impl<'a> Common<'a> {
-    fn new(scene: &'a Scene, camera: Camera, options: &Options) -> Self {
+impl<'a> ChainContext<'a> {
+    fn new(scene: &'a Scene, camera: Camera, options: &IntegratorConfig) -> Self {
         let region = Region::new(options.crop, options.filter);
-        let tracer = Bidirectional::new(scene, &camera, options, &Prelude::default()).with_fewest_events(FEWEST_EVENTS);
-        let (limit, importance) = (Limit::NONE, Importance::uniform(region));
-        let mut common = Common { scene, camera, options: *options, tracer, region, limit, importance };
+        let tracer =
+            Bidirectional::new(scene, &camera, options, &PilotEstimate::default()).with_fewest_events(FEWEST_EVENTS);
+        let (limit, importance) = (SampleThreshold::NONE, ImageImportance::uniform(region));
+        let mut common = ChainContext { scene, camera, options: *options, tracer, region, limit, importance };
         if options.metropolis.limit != Some(0.0) {
             let pilot = Pilot::trace(&common);
             let usual = if pilot.noise > NOISY { 0.0 } else { LIMIT };
             let times = options.metropolis.limit.unwrap_or(usual);
-            common.limit = if times > 0.0 { Limit::new(&pilot.usual, times) } else { Limit::NONE };
+            common.limit = if times > 0.0 { SampleThreshold::new(&pilot.usual, times) } else { SampleThreshold::NONE };
         }
         if options.metropolis.two_stage {
-            common.importance = Importance::new(&Pilot::trace(&common).usual);
+            common.importance = ImageImportance::new(&Pilot::trace(&common).usual);
         }
         common
     }
 
-    /// The techniques that make paths of `events` events, by their vertices from the light.
+    /// Enumerates the enabled techniques for paths of `events` events, by number of light vertices.
     fn techniques(&self, events: usize) -> impl Iterator<Item = usize> + '_ {
-        (0..=events + 1).filter(move |s| self.tracer.wants(*s, events + 2 - s))
+        (0..=events + 1).filter(move |s| self.tracer.is_enabled(*s, events + 2 - s))
     }
 
-    /// Edges of the paths that are left to chains.
+    /// Number of edges of the paths assigned to chains.
     fn edges(&self) -> RangeInclusive<usize> {
         FEWEST_EVENTS + 1..=self.options.max_depth.map_or(usize::MAX, |most| most as usize + 1)
     }
@@ -162,38 +183,38 @@ impl<'a> Common<'a> {
 /// An integrator whose passes are groups of chains.
 struct Metropolis<'a, C> {
     chains: C,
-    /// What is not left to chains.
+    /// Integrator of the contributions not assigned to chains.
     samples: Box<dyn Integrator + 'a>,
-    options: Options,
-    /// Of the steps that each class gets, the same in every pass.
+    options: IntegratorConfig,
+    /// Share of steps for each class, the same in every pass.
     shares: Vec<f64>,
 }
 
-/// What a class gets in a pass.
+/// Chains of a class in one pass, and steps of each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Allotment {
+struct StepBudget {
     chains: usize,
     steps: usize,
 }
 
-/// What a chain did.
-struct Ran {
+/// Result of a chain.
+struct ChainResult {
     report: ChainReport,
-    tally: Tally,
+    tally: TraceStats,
     light: ChainLight,
 }
 
-/// A chain to be run.
+/// A chain to run.
 struct Task {
     class: usize,
     steps: usize,
     seed: Candidate,
-    /// What a weight of 1 deposits, over the state's scalar.
+    /// Deposit for a weight of 1, to be divided by the scalar contribution of the state.
     scale: f64,
 }
 
-impl<'a, C: Chains> Metropolis<'a, C> {
-    fn new(scene: &'a Scene, camera: Camera, chains: C, prelude: &Prelude) -> Self {
+impl<'a, C: MarkovMethod> Metropolis<'a, C> {
+    fn new(scene: &'a Scene, camera: Camera, chains: C, prelude: &PilotEstimate) -> Self {
         let (options, limit) = (chains.common().options, chains.common().limit.clone());
         let samples: Box<dyn Integrator + 'a> = if limit.is_none() {
             let depth = options.max_depth.map_or(FEWEST_EVENTS as u32 - 1, |most| most.min(FEWEST_EVENTS as u32 - 1));
@@ -204,31 +225,33 @@ impl<'a, C: Chains> Metropolis<'a, C> {
             let limited = Limited { tracer, camera: camera.clone(), limit, walks: options.pixels() as f32 };
             Box::new(CameraPass::new(limited, scene, camera, &options))
         };
-        // A seed that no pass has, so that passes are independent of it.
+        // No pass has this seed, so that passes are independent of the pilot.
         let pilot = Seeds::trace(&chains, Address::new(!options.seed).with(CHAIN_STREAM), PILOT, &Cancel::new());
         let class_of = |seed: &Candidate| chains.class_of(seed.events());
         let shares = shares(&pilot.map_or_else(Vec::new, |pilot| pilot.means(chains.classes(), class_of)));
         Metropolis { chains, samples, options, shares }
     }
 
-    /// How many chains of how many steps each class gets of the `steps` of a pass: all chains of a class are of one length, since equally
-    /// spaced seeds are fair only together.
-    fn allot(&self, steps: usize) -> Vec<Allotment> {
+    /// Divides the `steps` of a pass among the classes. All chains of a class have the same length, since systematic
+    /// resampling is unbiased only for the seeds together.
+    fn allot(&self, steps: usize) -> Vec<StepBudget> {
         let usual = (steps / STEPS).clamp(1, MOST_CHAINS);
         let chains = self.options.metropolis.chains.map_or(usual, |chains| chains as usize);
         let part = |share: &f64| {
             let chains = ((chains as f64 * share).round() as usize).max(1);
-            Allotment { chains, steps: ((steps as f64 * share / chains as f64).round() as usize).max(1) }
+            StepBudget { chains, steps: ((steps as f64 * share / chains as f64).round() as usize).max(1) }
         };
         self.shares.iter().map(part).collect()
     }
 
-    /// The chains of a pass.
-    fn tasks(&self, seeds: &Seeds, allotments: &[Allotment], numbers: &mut Numbers) -> Vec<Task> {
+    /// Selects the seeds of all chains of a pass.
+    fn tasks(&self, seeds: &Seeds, allotments: &[StepBudget], numbers: &mut Numbers) -> Vec<Task> {
         let mut tasks = Vec::new();
         for (class, allotment) in allotments.iter().enumerate() {
             let offset = numbers.uniform();
-            let Some((chosen, mean)) = seeds.choose(class, |c| self.chains.class_of(c.events()), allotment.chains, offset) else {
+            let Some((chosen, mean)) =
+                seeds.choose(class, |c| self.chains.class_of(c.events()), allotment.chains, offset)
+            else {
                 continue;
             };
             let scale = mean / (allotment.chains * allotment.steps) as f64;
@@ -238,11 +261,19 @@ impl<'a, C: Chains> Metropolis<'a, C> {
     }
 
     /// Runs chain number `id` of a pass.
-    fn run(&self, task: &Task, id: u64, pass: Address, kernels: &[Mixture<C::State>], layout: &Layout, splats: &Splats) -> Ran {
+    fn run(
+        &self,
+        task: &Task,
+        id: u64,
+        pass: Address,
+        kernels: &[Mixture<C::State>],
+        layout: &Layout,
+        splats: &Splats,
+    ) -> ChainResult {
         let mut light = ChainLight::new(layout, task.steps);
         let (mut x, y) = (C::State::default(), C::State::default());
         if !self.chains.start(&task.seed, seeds::address(pass, task.seed.sample), &mut x) {
-            return Ran { report: ChainReport::lost_seed(), tally: *x.tally(), light };
+            return ChainResult { report: ChainReport::lost_seed(), tally: *x.tally(), light };
         }
         let stream = if planted(Defect::ChainsShareStream) { 0 } else { id };
         let (address, mut key) = (pass.with(CHAIN_STREAM | stream), pass.with(!id));
@@ -267,13 +298,20 @@ impl<'a, C: Chains> Metropolis<'a, C> {
         let (mut x, mut y) = chain.into_states();
         let mut tally = *x.tally();
         tally.absorb(y.tally());
-        Ran { report, tally, light }
+        ChainResult { report, tally, light }
     }
 }
 
-impl<C: Chains> Metropolis<'_, C> {
-    /// What all chains of a pass say together, taken in their order: sums of floating-point numbers.
-    fn gather(&self, layout: &Layout, tasks: &[Task], ran: Vec<Ran>, mean: f64, report: &mut PassReport) -> ChainReport {
+impl<C: MarkovMethod> Metropolis<'_, C> {
+    /// Merges the results of all chains of a pass in their order, since the sums are in floating point.
+    fn gather(
+        &self,
+        layout: &Layout,
+        tasks: &[Task],
+        ran: Vec<ChainResult>,
+        mean: f64,
+        report: &mut PassReport,
+    ) -> ChainReport {
         let mut all = ChainReport::of_pass(mean, layout);
         for class in 0..self.chains.classes() {
             let lights: Vec<&ChainLight> =
@@ -288,15 +326,16 @@ impl<C: Chains> Metropolis<'_, C> {
     }
 }
 
-/// What part of the steps each class gets: the part of the light that it has, but not almost nothing.
+/// Computes the share of steps of each class: its share of the light, with a lower bound.
 fn shares(means: &[f64]) -> Vec<f64> {
     let total: f64 = means.iter().sum();
-    let lifted: Vec<f64> = means.iter().map(|&mean| if total > 0.0 { (mean / total).max(LEAST_SHARE) } else { 1.0 }).collect();
+    let lifted: Vec<f64> =
+        means.iter().map(|&mean| if total > 0.0 { (mean / total).max(LEAST_SHARE) } else { 1.0 }).collect();
     let sum: f64 = lifted.iter().sum();
     lifted.iter().map(|share| share / sum).collect()
 }
 
-impl<C: Chains> Integrator for Metropolis<'_, C> {
+impl<C: MarkovMethod> Integrator for Metropolis<'_, C> {
     fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
         let mut report = self.samples.run_pass(pass, cancel, out)?;
         let number = if planted(Defect::PassesAlike) { 0 } else { pass };
@@ -310,7 +349,7 @@ impl<C: Chains> Integrator for Metropolis<'_, C> {
         let run = |(id, task): (usize, &Task)| {
             (!cancel.requested()).then(|| self.run(task, id as u64, address, &kernels, &layout, splats))
         };
-        let ran: Vec<Ran> = tasks.par_iter().enumerate().map(run).collect::<Option<_>>()?;
+        let ran: Vec<ChainResult> = tasks.par_iter().enumerate().map(run).collect::<Option<_>>()?;
         out.fold_splats();
         report.add_tally(&seeds.tally);
         report.guards.nonfinite += seeds.nonfinite;

@@ -1,21 +1,21 @@
-//! What Metropolis methods may be told.
+//! Parameters of the Metropolis methods.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// How often each mutation of path space is tried where it can be, relative to the others.
+/// Relative selection frequency of each path space mutation, where it is applicable.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Mutations {
     /// Replaces any part of a path.
     pub bidirectional: f64,
-    /// Moves the film position; what follows up to the first edge between smooth vertices goes along.
+    /// Perturbs the raster position; the path follows up to the first edge between smooth vertices.
     pub lens: f64,
-    /// Moves the direction of the last smooth vertex before mirrors and glass that throw light to where the camera sees it.
+    /// Perturbs the direction at the last smooth vertex before the mirrors and glass of a caustic.
     pub caustic: f64,
-    /// The lens perturbation on through several chains of mirrors and glass.
+    /// Lens perturbation through several chains of mirrors and glass.
     pub multi_chain: f64,
-    /// Replaces what the lens perturbation moves by a new walk from the camera.
+    /// Replaces the vertices that the lens perturbation moves by a new camera subpath.
     pub lens_subpath: f64,
 }
 
@@ -58,14 +58,15 @@ impl TryFrom<String> for Mutations {
 impl FromStr for Mutations {
     type Err = String;
 
-    /// Reads `name=weight,…`; what is not named is not tried. The bidirectional mutation must be, since the others reach no new kind of
-    /// path.
+    /// Parses `name=weight,…`. Mutations that are not named have weight 0. The bidirectional mutation must have a
+    /// positive weight, since the others cannot reach every kind of path.
     fn from_str(text: &str) -> Result<Self, String> {
         let mut weights = [0.0; 5];
         for part in text.split(',') {
             let (name, weight) = part.split_once('=').unwrap_or((part, "1"));
             let known = Self::NAMES.iter().position(|known| *known == name.trim());
-            let index = known.ok_or_else(|| format!("'{name}' is no mutation: there are {}", Self::NAMES.join(", ")))?;
+            let index =
+                known.ok_or_else(|| format!("'{name}' is no mutation: there are {}", Self::NAMES.join(", ")))?;
             let weight: f64 = weight.trim().parse().map_err(|_| format!("'{weight}' is not a number"))?;
             if !(0.0..=1e6).contains(&weight) {
                 return Err(format!("the weight {weight} of {name} is not between 0 and 1e6"));
@@ -80,22 +81,23 @@ impl FromStr for Mutations {
     }
 }
 
-/// What the chains of a pass are like.
+/// Parameters of the chains of a pass.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct MetropolisOptions {
-    /// Chains in a pass; `None` for as many as the image's size suggests.
+    /// Chains in a pass; `None` to derive it from the image size.
     pub chains: Option<u32>,
-    /// Probability of a step to anywhere in primary sample space.
+    /// Probability of a large step in primary sample space.
     pub large_step: f64,
-    /// Path lengths, in scattering events, up to which multiplexed chains each have one of their own; longer ones share theirs.
+    /// Maximum path length, in scattering events, with a separate class of multiplexed chains; longer paths share one
+    /// class.
     pub lengths: u32,
-    /// Mutations of path space.
+    /// Path space mutations.
     pub mutations: Mutations,
-    /// How many times what is usual where it falls a sample of bidirectional path tracing may be worth before chains have the rest; 0 for
-    /// no samples and everything to chains; `None` to let a pilot decide.
+    /// Threshold of bidirectional samples, as a multiple of the typical radiance at their position; chains estimate the
+    /// excess. 0 assigns everything to chains; `None` lets a pilot decide.
     pub limit: Option<f64>,
-    /// Whether chains visit all parts of the image alike, dark or bright.
+    /// Whether chains visit all parts of the image equally, dark or bright.
     pub two_stage: bool,
 }
 

@@ -1,23 +1,23 @@
-//! States and kernels of methods whose chains live in primary sample space.
+//! States and kernels of methods in primary sample space.
 
-use super::Lit;
+use super::ImageState;
 use super::contribution::Contribution;
-use crate::mcmc::primary::{Point, Source, Step};
+use crate::mcmc::primary::{PrimaryPoint, Source, Step};
 use crate::mcmc::{Kernel, Mixture, Numbers, SmallStep, State};
-use crate::path::Tally;
+use crate::path::TraceStats;
 
-/// A map from numbers to light.
+/// Map from random numbers to contributions.
 pub(super) trait PathSampler: Send + Sync {
-    /// What the numbers of the streams for camera, light and connection find.
-    fn sample(&self, numbers: [Source; 3], found: &mut Contribution, tally: &mut Tally);
+    /// Evaluates the random numbers of the camera, light and connection streams.
+    fn sample(&self, numbers: [Source; 3], found: &mut Contribution, tally: &mut TraceStats);
 }
 
-/// A point and what it finds.
+/// A primary sample and its contribution.
 #[derive(Debug, Clone, Default)]
 pub(super) struct PrimaryState {
-    pub(super) point: Point,
+    pub(super) point: PrimaryPoint,
     pub(super) found: Contribution,
-    pub(super) tally: Tally,
+    pub(super) tally: TraceStats,
 }
 
 impl State for PrimaryState {
@@ -26,17 +26,17 @@ impl State for PrimaryState {
     }
 }
 
-impl Lit for PrimaryState {
+impl ImageState for PrimaryState {
     fn contribution(&self) -> &Contribution {
         &self.found
     }
 
-    fn tally(&mut self) -> &mut Tally {
+    fn tally(&mut self) -> &mut TraceStats {
         &mut self.tally
     }
 }
 
-/// Takes one kind of step in the space of a sampler.
+/// Kernel for one kind of step.
 struct Primary<'a, P> {
     sampler: &'a P,
     step: Step,
@@ -57,10 +57,10 @@ impl<P: PathSampler> Kernel<PrimaryState> for Primary<'_, P> {
     }
 }
 
-/// Their names.
+/// Names of the kernels.
 pub(super) const NAMES: [&str; 2] = ["large-step", "small-step"];
 
-/// Large steps with probability `large`, and small ones.
+/// Mixes large steps, with probability `large`, and small steps.
 pub(super) fn mixture<P: PathSampler>(sampler: &P, large: f64) -> Mixture<'_, PrimaryState> {
     Mixture::new(vec![
         Box::new(Primary { sampler, step: Step::Large, probability: large }),

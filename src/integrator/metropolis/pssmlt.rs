@@ -1,24 +1,24 @@
-//! Metropolis light transport in primary sample space: chains of the numbers that bidirectional path tracing takes [Kelemen02]. A state is
-//! all paths that one sample makes, and its target is their weighted contribution. Without connections and splats (`--without`) it is
-//! the path tracer's numbers that are walked.
+//! Primary sample space Metropolis light transport: chains of the random numbers of bidirectional path tracing
+//! [Kelemen02]. A state is the set of all paths of one sample; its target is their weighted contribution. Without
+//! connections and splats (`--without`) the chains mutate the random numbers of the path tracer.
 
 use super::contribution::Contribution;
 use super::primary::{NAMES, PathSampler, PrimaryState, mixture};
 use super::seeds::{ByTechnique, Candidate};
-use super::{Chains, Common};
+use super::{ChainContext, MarkovMethod};
 use crate::mcmc::Mixture;
 use crate::mcmc::primary::Source;
-use crate::path::Tally;
+use crate::path::TraceStats;
 use crate::sampling::{Address, Sampler, Slot};
 use crate::spectrum::Spectrum;
 
-/// The chains.
+/// The method.
 pub(super) struct PrimarySpace<'a> {
-    pub(super) common: Common<'a>,
+    pub(super) common: ChainContext<'a>,
 }
 
 impl PrimarySpace<'_> {
-    /// The state of the sample at `address`.
+    /// Draws the state of the sample at `address`.
     fn draw(&self, address: Address, state: &mut PrimaryState) {
         state.found.clear();
         state.point.clear();
@@ -27,8 +27,8 @@ impl PrimarySpace<'_> {
 }
 
 impl PathSampler for PrimarySpace<'_> {
-    fn sample(&self, [mut camera, light, _]: [Source; 3], found: &mut Contribution, tally: &mut Tally) {
-        let Common { tracer, camera: lens, region, importance, .. } = &self.common;
+    fn sample(&self, [mut camera, light, _]: [Source; 3], found: &mut Contribution, tally: &mut TraceStats) {
+        let ChainContext { tracer, camera: lens, region, importance, .. } = &self.common;
         let film = region.at(camera.u2(0, Slot::Aux));
         let mut add = |_, _, film: [f32; 2], color: Spectrum| {
             if region.contains(film) {
@@ -40,10 +40,10 @@ impl PathSampler for PrimarySpace<'_> {
     }
 }
 
-impl Chains for PrimarySpace<'_> {
+impl MarkovMethod for PrimarySpace<'_> {
     type State = PrimaryState;
 
-    fn common(&self) -> &Common<'_> {
+    fn common(&self) -> &ChainContext<'_> {
         &self.common
     }
 
@@ -55,7 +55,7 @@ impl Chains for PrimarySpace<'_> {
         0
     }
 
-    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut Tally) {
+    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut TraceStats) {
         let mut state = PrimaryState::default();
         self.draw(address, &mut state);
         tally.absorb(&state.tally);

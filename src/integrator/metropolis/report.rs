@@ -1,4 +1,4 @@
-//! What chains say of themselves: which kernels were accepted, how far the normalisation is known, how parts of the image were visited.
+//! Chain diagnostics: acceptance by kernel, error of the normalisation, and coverage of image tiles.
 
 use super::contribution::Region;
 use crate::film::{Filter, Layout};
@@ -6,101 +6,101 @@ use crate::mcmc::KernelCounts;
 use crate::spectrum::Spectrum;
 use std::collections::BTreeMap;
 
-/// Tiles along an axis of the image at most.
+/// Maximum number of tiles along an image axis.
 const TILES: usize = 16;
-/// A tile of whose light one chain has more than this share is owned by it.
+/// A chain owns a tile if it contributes more than this share of the tile's light.
 const OWNED: f64 = 0.5;
 
-/// The chains of one or more passes.
+/// Diagnostics of the chains of one or more passes.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ChainReport {
-    /// How many.
+    /// Number of chains.
     pub chains: u64,
     /// Their steps.
     pub steps: u64,
-    /// Seeds that were dark when their chain began: the light of their chains is missing.
+    /// Seeds with zero contribution when their chain began: the light of these chains is missing.
     pub lost_seeds: u64,
-    /// What became of proposals, by kernel.
+    /// Proposal counts, by kernel.
     pub kernels: BTreeMap<String, KernelCounts>,
-    /// The mean contribution of each pass's samples, which scales all that its chains deposit.
+    /// Mean contribution of each pass's samples, which scales all deposits of its chains.
     pub normalisation: Normalisation,
-    /// Parts of the image.
+    /// Statistics by image tile.
     pub tiles: Tiles,
 }
 
-/// A [`ChainReport`] in a few numbers.
+/// Summary of a [`ChainReport`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ChainDigest {
-    /// How many chains.
+    /// Number of chains.
     pub chains: u64,
     /// Their steps.
     pub steps: u64,
     /// See [`ChainReport::lost_seeds`].
     pub lost_seeds: u64,
-    /// What became of proposals, by kernel.
+    /// Proposal counts, by kernel.
     pub kernels: BTreeMap<String, KernelCounts>,
     /// See [`ChainReport::scale_error`].
     pub scale_error: Option<f64>,
-    /// Split-R̂ of tiles between chains: of the usual tile and of the worst. Chains that stay near their seeds have a large one; their seeds
-    /// then stand for the mixing.
+    /// Split-R̂ of tiles between chains: median and maximum. It is large if chains stay near their seeds; the sampling
+    /// of seeds then substitutes for mixing.
     pub r_hat: Option<[f64; 2]>,
-    /// Independent steps that would have done as well: for the usual tile and the worst.
+    /// Effective number of independent steps: median and minimum over tiles.
     pub effective_steps: Option<[f64; 2]>,
-    /// Tiles that chains brought light to.
+    /// Tiles with deposits.
     pub lit_tiles: usize,
-    /// Tiles most of whose light one chain brought: nothing is known of their error.
+    /// Tiles in which one chain contributed most of the light: their error is unknown.
     pub owned_tiles: usize,
 }
 
-/// Sums over passes of what scales them.
+/// Sums over passes of the normalisation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Normalisation {
-    /// Passes.
+    /// Number of passes.
     pub passes: u64,
-    /// Of their means.
+    /// Sum of their means.
     pub sum: f64,
-    /// Of the squares of their means.
+    /// Sum of the squares of their means.
     pub square: f64,
 }
 
-/// Parts of the image and how chains visited them. All vectors row by row.
+/// Statistics by image tile. All vectors are in row-major order.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tiles {
     /// Tiles in a row.
     pub columns: usize,
-    /// Light that chains deposited.
+    /// Light deposited by chains.
     pub light: Vec<f64>,
-    /// The most that a single chain did.
+    /// Maximum contribution of a single chain.
     pub largest: Vec<f64>,
     /// Variance of a step's deposit within half a chain.
     pub within: Vec<f64>,
     /// Variance of the means of half chains.
     pub between: Vec<f64>,
-    /// Variance of `light` if steps were independent.
+    /// Variance of `light` under independent steps.
     pub independent: Vec<f64>,
-    /// Variance of `light`, as far as half chains are independent.
+    /// Variance of `light`, estimated from half chains taken as independent.
     pub correlated: Vec<f64>,
 }
 
 impl ChainReport {
-    /// Of a chain whose seed was dark.
+    /// Report of a chain with a dark seed.
     pub(super) fn lost_seed() -> Self {
         ChainReport { chains: 1, lost_seeds: 1, ..Self::default() }
     }
 
-    /// Of a chain.
+    /// Report of one chain.
     pub(super) fn of_chain(names: &[&'static str], counts: &[KernelCounts], steps: usize) -> Self {
         let kernels = names.iter().zip(counts).map(|(name, counts)| ((*name).to_string(), *counts)).collect();
         ChainReport { chains: 1, steps: steps as u64, kernels, ..Self::default() }
     }
 
-    /// Of a pass before its chains.
+    /// Report of a pass before its chains.
     pub(super) fn of_pass(mean: f64, layout: &Layout) -> Self {
         let normalisation = Normalisation { passes: 1, sum: mean, square: mean * mean };
         ChainReport { normalisation, tiles: Tiles::new(Grid::new(layout)), ..Self::default() }
     }
 
-    /// Adds another chain or other passes.
+    /// Merges the report of another chain or of other passes.
     pub(crate) fn absorb(&mut self, other: ChainReport) {
         self.chains += other.chains;
         self.steps += other.steps;
@@ -114,7 +114,7 @@ impl ChainReport {
         self.tiles.absorb(other.tiles);
     }
 
-    /// All in a few numbers, beside an image whose pixels are `image` together: radiance, the mean over lanes.
+    /// Summarises the report. `image` is the sum of all pixels: radiance, mean over lanes.
     pub fn digest(&self, image: f64) -> ChainDigest {
         ChainDigest {
             chains: self.chains,
@@ -129,8 +129,8 @@ impl ChainReport {
         }
     }
 
-    /// Half the 95 % interval of what the scale that all light of chains has in common adds to an image or takes from it, relative to the
-    /// image; `None` for fewer than two passes.
+    /// Returns half the 95 % interval of the error from the common scale of the chains, relative to the image; `None`
+    /// for fewer than two passes.
     pub fn scale_error(&self, image: f64) -> Option<f64> {
         let Normalisation { passes, sum, square } = self.normalisation;
         let n = passes as f64;
@@ -142,7 +142,7 @@ impl ChainReport {
     }
 }
 
-/// The median and the largest, or the smallest where little is bad.
+/// Returns the median, and the maximum or, if `little_is_bad`, the minimum.
 fn usual_and_last(values: impl Iterator<Item = f64>, little_is_bad: bool) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
@@ -151,7 +151,7 @@ fn usual_and_last(values: impl Iterator<Item = f64>, little_is_bad: bool) -> Opt
 }
 
 impl Tiles {
-    /// 1 for each pixel of `layout` in an owned tile, 0 elsewhere.
+    /// Returns 1 for each pixel of `layout` in an owned tile, 0 elsewhere.
     pub fn owned_pixels(&self, layout: &Layout) -> Vec<f32> {
         let (grid, owned): (Grid, Vec<bool>) = (Grid::new(layout), self.owned().collect());
         let centre = |i: usize| layout.pixel(i).map(|x| x as f32 + 0.5);
@@ -165,7 +165,7 @@ impl Tiles {
         Tiles { columns: grid.columns, light, largest, within, between, independent, correlated }
     }
 
-    /// Adds the chains of one class of a pass, all of one length.
+    /// Adds the chains of one class of a pass, all of the same length.
     pub(super) fn add_class(&mut self, chains: &[&ChainLight]) {
         let Some(first) = chains.first() else { return };
         let (n, half) = (chains.len() as f64, first.half as f64);
@@ -181,7 +181,7 @@ impl Tiles {
             self.light[tile] += mean * 2.0 * n * half;
             self.within[tile] += (total - between).max(0.0);
             self.between[tile] += between;
-            // Both of the sum over all steps.
+            // Both are variances of the sum over all steps.
             self.independent[tile] += total * 2.0 * n * half;
             self.correlated[tile] += between * 2.0 * n * half * half;
             let most = chains.iter().map(|chain| chain.halves[0][tile] + chain.halves[1][tile]).fold(0.0, f64::max);
@@ -203,26 +203,26 @@ impl Tiles {
         self.largest.iter_mut().zip(&other.largest).for_each(|(a, &b)| *a = a.max(b));
     }
 
-    /// Whether each tile owes more than half of what chains brought to a single one: nothing is then known of its error.
+    /// Whether a single chain contributed more than half of each tile's light: the error of such a tile is unknown.
     pub fn owned(&self) -> impl Iterator<Item = bool> + '_ {
         self.light.iter().zip(&self.largest).map(|(&light, &largest)| light > 0.0 && largest > OWNED * light)
     }
 
-    /// How many independent steps, of `steps` in all, would have told each lit tile's light as well.
+    /// Returns the effective number of independent steps, of `steps` in total, for each lit tile.
     pub fn effective_steps(&self, steps: u64) -> impl Iterator<Item = f64> + '_ {
         let lit = |&(_, &correlated): &(&f64, &f64)| correlated > 0.0;
         let pairs = self.independent.iter().zip(&self.correlated).filter(lit);
         pairs.map(move |(independent, correlated)| steps as f64 * independent / correlated)
     }
 
-    /// The potential scale reduction of each lit tile, from halves of chains [Gelman13 §11.4].
+    /// Returns the potential scale reduction of each lit tile, from halves of chains [Gelman13 §11.4].
     pub fn r_hats(&self) -> impl Iterator<Item = f64> + '_ {
         let pairs = self.within.iter().zip(&self.between).filter(|&(&within, _)| within > 0.0);
         pairs.map(|(within, between)| (1.0 + between / within).sqrt())
     }
 }
 
-/// The tiles of an image; what falls around it belongs to those at its border.
+/// Tiles of an image. Positions outside the image belong to the border tiles.
 #[derive(Debug, Clone, Copy)]
 struct Grid {
     image: Region,
@@ -242,14 +242,14 @@ impl Grid {
     }
 }
 
-/// What a chain deposits by tile.
+/// Deposits of a chain by tile.
 pub(super) struct ChainLight {
     grid: Grid,
     /// Steps of half the chain.
     half: usize,
     done: f64,
     halves: [Vec<f64>; 2],
-    /// Of each step's deposit.
+    /// Sum of squares of each step's deposit.
     squares: Vec<f64>,
 }
 
@@ -260,7 +260,7 @@ impl ChainLight {
         ChainLight { grid, half: steps / 2, done: 0.0, halves: [zeros(), zeros()], squares: zeros() }
     }
 
-    /// Adds `weight` steps at which `color` fell at a film position, multiplied by `scale`.
+    /// Adds a deposit of `color` times `scale` at a raster position for `weight` steps.
     pub(super) fn add(&mut self, film: [f32; 2], color: Spectrum, weight: f64, scale: f64) {
         let light = f64::from(color.mean()) * scale;
         let (tile, half) = (self.grid.tile(film), usize::from(self.done >= self.half as f64));
@@ -268,7 +268,7 @@ impl ChainLight {
         self.squares[tile] += weight * light * light;
     }
 
-    /// `weight` steps are over.
+    /// Advances by `weight` steps.
     pub(super) fn pass(&mut self, weight: f64) {
         self.done += weight;
     }

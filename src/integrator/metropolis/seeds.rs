@@ -1,27 +1,27 @@
-//! Where chains begin: samples of bidirectional path tracing, and the choice among them.
+//! Chain seeding: samples of bidirectional path tracing, and resampling among them.
 
-use super::contribution::{Importance, Picture, Region};
-use super::{Chains, Common};
+use super::contribution::{ImageImportance, Region, RegionMap};
+use super::{ChainContext, MarkovMethod};
 use crate::defects::{Defect, planted};
-use crate::integrator::bidirectional::{Found, Sink};
+use crate::integrator::bidirectional::{Sink, TechniqueSample};
 use crate::mcmc::stratified;
 use crate::parallel::Cancel;
-use crate::path::Tally;
-use crate::sampling::{Address, Independent, Sampler, Slot};
+use crate::path::TraceStats;
+use crate::sampling::{Address, IndependentSampler, Sampler, Slot};
 use crate::spectrum::Spectrum;
 use rayon::prelude::*;
 
-/// Samples that one task traces.
+/// Samples per task.
 const CHUNK: usize = 64;
-/// Sets the numbers of seeds apart from those of chains.
+/// Separates the random numbers of seeds from those of chains.
 const SEED_STREAM: u64 = 1 << 61;
 
-/// The numbers of seed sample `sample` of a pass.
+/// Returns the address of seed sample `sample` of a pass.
 pub(super) fn address(pass: Address, sample: u32) -> Address {
     pass.with(SEED_STREAM | u64::from(sample))
 }
 
-/// What a sample contributes by the technique of `s` vertices from the light and `t` from the camera, or in whole with both 0.
+/// Contribution of a sample by the technique of `s` light and `t` camera vertices; the whole sample if both are 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) sample: u32,
@@ -31,37 +31,47 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// What each technique of bidirectional path tracing finds with the numbers at `address`.
-    pub(super) fn of_techniques(common: &Common, address: Address, found: &mut Vec<Candidate>, tally: &mut Tally) {
+    /// Appends the contribution of each technique of bidirectional path tracing for the random numbers at `address`.
+    pub(super) fn of_techniques(
+        common: &ChainContext,
+        address: Address,
+        found: &mut Vec<Candidate>,
+        tally: &mut TraceStats,
+    ) {
         let mut add = |s: usize, t: usize, film: [f32; 2], color: Spectrum| {
             if common.region.contains(film) && !color.is_black() {
-                found.push(Candidate { sample: 0, s: s as u16, t: t as u16, scalar: common.importance.scalar(film, color) });
+                found.push(Candidate {
+                    sample: 0,
+                    s: s as u16,
+                    t: t as u16,
+                    scalar: common.importance.scalar(film, color),
+                });
             }
         };
         bidirectional(common, address, &mut add, tally);
     }
 
-    /// Scattering events of its paths.
+    /// Number of scattering events of its paths.
     pub(super) fn events(&self) -> usize {
         usize::from(self.s + self.t).saturating_sub(2)
     }
 }
 
-/// The samples of a pass.
+/// Seed samples of a pass.
 pub(super) struct Seeds {
     samples: usize,
     candidates: Vec<Candidate>,
-    /// What was traced.
-    pub(super) tally: Tally,
-    /// Candidates that were dropped.
+    /// Ray counters.
+    pub(super) tally: TraceStats,
+    /// Dropped nonfinite candidates.
     pub(super) nonfinite: u64,
 }
 
 impl Seeds {
     /// Traces `samples` samples; `None` if it was cancelled.
-    pub(super) fn trace(chains: &impl Chains, pass: Address, samples: usize, cancel: &Cancel) -> Option<Self> {
+    pub(super) fn trace(chains: &impl MarkovMethod, pass: Address, samples: usize, cancel: &Cancel) -> Option<Self> {
         let chunk = |chunk: usize| {
-            let (mut found, mut tally) = (Vec::new(), Tally::default());
+            let (mut found, mut tally) = (Vec::new(), TraceStats::default());
             for sample in chunk * CHUNK..samples.min((chunk + 1) * CHUNK) {
                 let from = found.len();
                 chains.candidates(address(pass, sample as u32), &mut found, &mut tally);
@@ -70,7 +80,7 @@ impl Seeds {
             (!cancel.requested()).then_some((found, tally))
         };
         let chunks: Vec<_> = (0..samples.div_ceil(CHUNK)).into_par_iter().map(chunk).collect::<Option<_>>()?;
-        let mut seeds = Seeds { samples, candidates: Vec::new(), tally: Tally::default(), nonfinite: 0 };
+        let mut seeds = Seeds { samples, candidates: Vec::new(), tally: TraceStats::default(), nonfinite: 0 };
         for (found, tally) in chunks {
             seeds.nonfinite += found.iter().filter(|c| !c.scalar.is_finite()).count() as u64;
             seeds.candidates.extend(found.into_iter().filter(|c| c.scalar.is_finite()));
@@ -79,19 +89,20 @@ impl Seeds {
         Some(seeds)
     }
 
-    /// Mean contribution of a sample.
+    /// Returns the mean contribution of a sample.
     pub(super) fn mean(&self) -> f64 {
         self.candidates.iter().map(|c| c.scalar).sum::<f64>() / self.samples as f64
     }
 
-    /// The same for each class.
+    /// Returns the mean contribution of each class.
     pub(super) fn means(&self, classes: usize, class_of: impl Fn(&Candidate) -> usize) -> Vec<f64> {
         let mut means = vec![0.0; classes];
         self.candidates.iter().for_each(|c| means[class_of(c)] += c.scalar / self.samples as f64);
         means
     }
 
-    /// `count` of the candidates of a class, and the mean contribution of that class; `None` if there is no light in it.
+    /// Resamples `count` candidates of a class and returns them with the mean contribution of the class; `None` if it
+    /// has no light.
     pub(super) fn choose(
         &self,
         class: usize,
@@ -108,54 +119,59 @@ impl Seeds {
     }
 }
 
-/// What bidirectional path tracing finds for chains with the numbers at `address`, technique by technique.
-fn bidirectional(common: &Common, address: Address, found: &mut impl FnMut(usize, usize, [f32; 2], Spectrum), tally: &mut Tally) {
-    let [mut camera, light] = [0, 1].map(|stream| Independent::new(address.with(stream)));
+/// Evaluates the chains' share of each technique of bidirectional path tracing for the random numbers at `address`.
+fn bidirectional(
+    common: &ChainContext,
+    address: Address,
+    found: &mut impl FnMut(usize, usize, [f32; 2], Spectrum),
+    tally: &mut TraceStats,
+) {
+    let [mut camera, light] = [0, 1].map(|stream| IndependentSampler::new(address.with(stream)));
     let film = common.region.at(camera.u2(0, Slot::Aux));
     let mut sink = ByTechnique { common, film, found };
     common.tracer.sample(common.camera.ray(film), &mut camera, || light, &mut sink, tally);
 }
 
-/// Hands over the part of each technique's light that is left to chains, for the whole film.
+/// A sink that forwards the chains' share of each technique, scaled to the whole film.
 pub(super) struct ByTechnique<'f, F> {
-    pub(super) common: &'f Common<'f>,
-    /// Where the walk from the camera began.
+    pub(super) common: &'f ChainContext<'f>,
+    /// Raster position of the camera subpath.
     pub(super) film: [f32; 2],
     pub(super) found: &'f mut F,
 }
 
 impl<F: FnMut(usize, usize, [f32; 2], Spectrum)> Sink for ByTechnique<'_, F> {
-    fn add(&mut self, found: Found) {
+    fn add(&mut self, found: TechniqueSample) {
         let share = self.common.limit.share_of_chains(self.film, &found, 1.0);
-        // A walk from the camera is one for the film's whole area.
+        // A camera subpath samples the whole film area.
         let scale = found.weight as f32 * self.common.region.area() * share;
         (self.found)(found.s, found.t, self.film, found.value * scale);
     }
 
-    fn splat(&mut self, film: [f32; 2], found: Found) {
+    fn splat(&mut self, film: [f32; 2], found: TechniqueSample) {
         let share = self.common.limit.share_of_chains(film, &found, self.common.options.pixels() as f32);
         (self.found)(found.s, 1, film, found.value * (found.weight as f32 * share));
     }
 }
 
-/// Columns and rows of the pilot's picture.
+/// Columns and rows of the pilot image.
 const PICTURE: usize = 16;
-/// Samples for it.
+/// Samples of the pilot image.
 const PICTURE_SAMPLES: u64 = 64 * (PICTURE * PICTURE) as u64;
-/// Squares of cells are lifted by that of this share of the mean, so that dark ones do not dominate.
+/// Lower bound of the squared cell mean, as a share of the mean over cells, so that dark cells do not dominate.
 const DARK: f64 = 0.1;
-/// No sample counts for more than this many times the mean of all: one in a dim cell would hide what is usual there.
+/// Sample limit as a multiple of the image mean: a single bright sample in a dim cell would hide its typical radiance.
 const MOST_OF_MEAN: f64 = 8.0;
 
-/// What a few samples say of the light that chains have a part in.
+/// Pilot estimate of the light shared with chains.
 pub(super) struct Pilot {
-    /// Radiance that each part of the image usually has, roughly.
-    pub(super) usual: Picture,
-    /// Variance of a sample a pixel relative to the square of the pixel, its mean over the cells.
+    /// Rough typical radiance of each part of the image.
+    pub(super) usual: RegionMap,
+    /// Relative variance of one sample per pixel, averaged over the cells.
     pub(super) noise: f64,
 }
 
-/// Contributions that fall into one cell of the picture.
+/// Contributions in one cell of the pilot image.
 #[derive(Default, Clone, Copy)]
 struct Fallen {
     sum: f64,
@@ -164,9 +180,9 @@ struct Fallen {
 }
 
 impl Pilot {
-    /// Traces the samples.
-    pub(super) fn trace(common: &Common) -> Self {
-        let flat = Importance::uniform(common.region);
+    /// Traces the pilot samples.
+    pub(super) fn trace(common: &ChainContext) -> Self {
+        let flat = ImageImportance::uniform(common.region);
         let address = Address::new(!common.options.seed).with(SEED_STREAM);
         let trace = |i: u64| {
             let mut light = Vec::new();
@@ -175,14 +191,14 @@ impl Pilot {
                     light.push((common.region.cell(film, [PICTURE; 2]), flat.scalar(film, color)));
                 }
             };
-            bidirectional(common, address.with(i), &mut found, &mut Tally::default());
+            bidirectional(common, address.with(i), &mut found, &mut TraceStats::default());
             light
         };
         let all: Vec<Vec<(usize, f64)>> = (0..PICTURE_SAMPLES).into_par_iter().map(trace).collect();
         Pilot::of(all.into_iter().flatten().collect(), common.region)
     }
 
-    /// Of contributions to the whole film by cell.
+    /// Computes the statistics of film contributions by cell.
     fn of(contributions: Vec<(usize, f64)>, region: Region) -> Self {
         let (cells, area) = ((PICTURE * PICTURE) as f64, f64::from(region.area()));
         let mean = contributions.iter().map(|(_, light)| light).sum::<f64>() / PICTURE_SAMPLES as f64;
@@ -193,9 +209,9 @@ impl Pilot {
             *square += light * light / PICTURE_SAMPLES as f64;
             *limited += light.min(MOST_OF_MEAN * mean) / PICTURE_SAMPLES as f64;
         }
-        // A cell has area / cells of the pixels, and a pass as many samples as pixels.
+        // A cell covers area / cells pixels, and a pass has as many samples as pixels.
         let usual = fallen.iter().map(|f| f.limited * cells / area).collect();
-        let usual = Picture { region, cells: usual, columns: PICTURE };
+        let usual = RegionMap { region, cells: usual, columns: PICTURE };
         let floor = (DARK * mean / cells).powi(2);
         let noise = fallen.iter().map(|f| f.square / (cells * (f.sum * f.sum + floor))).sum::<f64>() / cells;
         Pilot { usual, noise }

@@ -1,16 +1,17 @@
-//! Do kernels leave the target alone? Chains begin at samples of bidirectional path tracing, drawn with a weight that makes any statistic of
-//! the first state unbiased; if it is the target that the kernels keep, the mean of the statistic over the steps differs from its first value by
-//! nothing but noise. Pools of samples are independent, so that what is tested is a mean of independent differences [light-transport.md 2.4, T11].
+//! Stationarity tests of the kernels. Chains start at resampled bidirectional samples, with weights that make any
+//! statistic of the initial state unbiased. If the kernels leave the target invariant, the expected difference between
+//! the mean over the steps and the initial value is zero. Pools of samples are independent, so that each test is on a
+//! mean of independent differences [light-transport.md 2.4, T11].
 
 use super::mlt::PathSpace;
 use super::mmlt::Multiplexed;
 use super::pssmlt::PrimarySpace;
 use super::seeds::{self, Candidate};
-use super::{Chains, Common, Lit, MetropolisOptions, Mutations};
+use super::{ChainContext, ImageState, MarkovMethod, MetropolisOptions, Mutations};
 use crate::film::{Crop, Filter, Layout};
-use crate::integrator::Options;
+use crate::integrator::IntegratorConfig;
 use crate::mcmc::{Chain, Mixture, Numbers, stratified};
-use crate::path::Tally;
+use crate::path::TraceStats;
 use crate::sampling::Address;
 use crate::stats::Moments;
 use deep::deep;
@@ -24,28 +25,36 @@ mod deep;
 pub(super) mod worlds;
 
 pub(super) const SIDE: u32 = 64;
-/// Samples of which one becomes a chain: weights of few are skewed, and z then not normal.
+/// Samples per chain. Weights from small pools are skewed, and z is then not normal.
 const POOL: u32 = 60;
 /// Steps of a chain.
 const STEPS: u64 = 64;
 /// Regions of the film along an axis.
 const REGIONS: usize = 3;
-/// Two-sided normal level 6e-5; some 850 statistics, so that a healthy run fails once in 20 seeds, and the seed is fixed.
+/// Two-sided normal level 6e-5 for some 850 statistics: a correct implementation fails for one in 20 seeds, and the
+/// seed is fixed.
 const BOUND: f64 = 4.0;
 
-fn options(metropolis: MetropolisOptions) -> Options {
+fn options(metropolis: MetropolisOptions) -> IntegratorConfig {
     let layout = Layout::new(SIDE, SIDE, None, &[]);
     let crop = Crop { x0: 4, y0: 8, x1: SIDE - 6, y1: SIDE };
-    Options { seed: 1, filter: Filter::Tent, crop, max_depth: Some(7), metropolis, ..Options::new(&layout) }
+    IntegratorConfig {
+        seed: 1,
+        filter: Filter::Tent,
+        crop,
+        max_depth: Some(7),
+        metropolis,
+        ..IntegratorConfig::new(&layout)
+    }
 }
 
-pub(super) fn common<'a>(world: &'a World, metropolis: MetropolisOptions) -> Common<'a> {
+pub(super) fn common<'a>(world: &'a World, metropolis: MetropolisOptions) -> ChainContext<'a> {
     let camera = world.scene.camera(None, SIDE, SIDE).expect("a camera");
-    Common::new(&world.scene, camera, &options(metropolis))
+    ChainContext::new(&world.scene, camera, &options(metropolis))
 }
 
-/// Where and in which colour the state shines, how bright it is, and how often the first kernel changes it.
-fn statistics<S: Lit>(common: &Common, kernels: &Mixture<S>, state: &S, extra: f64) -> Vec<f64> {
+/// Statistics of a state: position and colour of its splats, brightness, and selection probability of the first kernel.
+fn statistics<S: ImageState>(common: &ChainContext, kernels: &Mixture<S>, state: &S, extra: f64) -> Vec<f64> {
     let found = state.contribution();
     let mut all = vec![0.0; REGIONS * REGIONS + 5];
     for &(film, color) in found.splats() {
@@ -60,10 +69,15 @@ fn statistics<S: Lit>(common: &Common, kernels: &Mixture<S>, state: &S, extra: f
     all
 }
 
-/// The weighted difference of all statistics in one pool; `None` if the pool is dark.
-fn difference<C: Chains>(chains: &C, class: usize, pool: u64, extra: &impl Fn(&C::State) -> f64) -> Option<Vec<f64>> {
+/// Returns the weighted difference of all statistics in one pool; `None` if the pool is dark.
+fn difference<C: MarkovMethod>(
+    chains: &C,
+    class: usize,
+    pool: u64,
+    extra: &impl Fn(&C::State) -> f64,
+) -> Option<Vec<f64>> {
     let address = Address::new(77).with(pool);
-    let (mut candidates, mut tally) = (Vec::new(), Tally::default());
+    let (mut candidates, mut tally) = (Vec::new(), TraceStats::default());
     for sample in 0..POOL {
         let from = candidates.len();
         chains.candidates(seeds::address(address, sample), &mut candidates, &mut tally);
@@ -89,20 +103,20 @@ fn difference<C: Chains>(chains: &C, class: usize, pool: u64, extra: &impl Fn(&C
     Some(first.iter().zip(&sums).map(|(first, sum)| weight * difference_of(sum / STEPS as f64, *first)).collect())
 }
 
-/// The difference of a mean over all steps from the first value, but for the rounding of a sum of as many.
+/// Returns the difference between the mean over all steps and the initial value, up to the rounding of the sum.
 fn difference_of(mean: f64, first: f64) -> f64 {
     let difference = mean - first;
     if difference.abs() <= STEPS as f64 * f64::EPSILON * first.abs() { 0.0 } else { difference }
 }
 
-/// The largest |z| of all statistics over so many pools.
-fn largest_z<C: Chains>(chains: &C, class: usize, pools: u64, extra: impl Fn(&C::State) -> f64 + Sync) -> f64 {
+/// Returns the largest |z| of all statistics over `pools` pools.
+fn largest_z<C: MarkovMethod>(chains: &C, class: usize, pools: u64, extra: impl Fn(&C::State) -> f64 + Sync) -> f64 {
     let differences: Vec<Vec<f64>> =
         (0..pools).into_par_iter().filter_map(|pool| difference(chains, class, pool, &extra)).collect();
     let count = differences.first().expect("some light").len();
     let z = |i: usize| {
         let mut moments: Moments = differences.iter().map(|d| d[i]).collect();
-        // Dark pools have no difference.
+        // Dark pools contribute zero differences.
         (differences.len() as u64..pools).for_each(|_| moments.push(0.0));
         let error = moments.estimate().map_or(0.0, |e| e.standard_error);
         if error > 0.0 { (moments.mean() / error).abs() } else { 0.0 }
@@ -110,42 +124,42 @@ fn largest_z<C: Chains>(chains: &C, class: usize, pools: u64, extra: impl Fn(&C:
     (0..count).map(z).fold(0.0, f64::max)
 }
 
-/// A million steps for each test in the deep form.
+/// The deep form runs a million steps for each test.
 fn pools() -> u64 {
     if deep() { 1_000_000 / STEPS } else { 800 }
 }
 
-/// Everything to chains.
+/// Assigns everything to chains.
 pub(super) fn all() -> MetropolisOptions {
     MetropolisOptions { limit: Some(0.0), ..MetropolisOptions::default() }
 }
 
-/// What is above twice the usual.
+/// Assigns the excess above twice the typical radiance to chains.
 fn above() -> MetropolisOptions {
     MetropolisOptions { limit: Some(2.0), ..MetropolisOptions::default() }
 }
 
-/// The mutations with the bidirectional one alone, and each other mixed with it.
+/// The bidirectional mutation alone, and each other mutation mixed with it.
 fn mixes() -> Vec<Mutations> {
     let alone = "bidirectional=1".parse().expect("a mix");
     let with = |name: &str| format!("bidirectional=1,{name}=3").parse().expect("a mix");
     std::iter::once(alone).chain(Mutations::NAMES[1..].iter().map(|name| with(name))).collect()
 }
 
-/// All of them are looked at before any fails.
+/// Evaluates all cases before any fails.
 fn assert_stationary(cases: impl IntoIterator<Item = (String, f64)>) {
     let cases = cases.into_iter().inspect(|(what, z)| println!("{what}: largest |z| {z:.2}"));
     let (what, z) = cases.max_by(|a, b| a.1.total_cmp(&b.1)).expect("a case");
     assert!(z < BOUND, "{what}: |z| = {z:.2}");
 }
 
-/// Mirrors, glass and mixtures, which every mutation has something to do in.
+/// Mirrors, glass and mixtures: every mutation is applicable.
 #[test]
 fn mutations_keep_the_density_of_paths_among_mirrors() {
     expect_mutations(|name| name == "dirac");
 }
 
-/// Where edges are long and short and mirrors bend light, what a perturbation stretches shows.
+/// Long and short edges with mirrors reveal an error in the Jacobian of a perturbation.
 #[test]
 fn the_lens_perturbation_keeps_the_density_of_paths_in_the_open() {
     let world = worlds::all().into_iter().find(|world| world.name == "open").expect("open");
@@ -183,14 +197,14 @@ fn steps_in_primary_sample_space_keep_their_target() {
     }));
 }
 
-/// The largest |z| of a class of multiplexed chains, all longer paths than `lengths` being one.
+/// Returns the largest |z| of a class of multiplexed chains; paths longer than `lengths` share one class.
 fn largest_z_of_class(world: &World, lengths: u32, class: usize) -> (String, f64) {
     let chains = Multiplexed::new(common(world, MetropolisOptions { lengths, ..all() }));
     let what = format!("mmlt, class {class} of {} in {}", chains.classes(), world.name);
     (what, largest_z(&chains, class, pools(), |x| x.point.dimension() as f64))
 }
 
-/// Paths of the last class are of many lengths.
+/// The last class contains paths of several lengths.
 #[test]
 fn steps_among_lengths_keep_their_target() {
     let world = worlds::all().into_iter().next().expect("a world");
@@ -199,5 +213,7 @@ fn steps_among_lengths_keep_their_target() {
 
 #[test]
 fn steps_among_techniques_keep_their_target() {
-    assert_stationary(worlds::all().iter().flat_map(|world| (0..4).map(move |class| largest_z_of_class(world, 4, class))));
+    assert_stationary(
+        worlds::all().iter().flat_map(|world| (0..4).map(move |class| largest_z_of_class(world, 4, class))),
+    );
 }

@@ -1,36 +1,37 @@
-//! What chains leave on the film.
+//! Deposits of chains on the film.
 
 use super::mlt::PathSpace;
 use super::seeds::Seeds;
 use super::stationarity::{SIDE, all, common, worlds};
-use super::{Chains, Common, Metropolis, MetropolisOptions, Task};
+use super::{ChainContext, MarkovMethod, Metropolis, MetropolisOptions, Task};
 use crate::film::{Filter, Layout, PassFilm};
-use crate::integrator::{Integrator, Options, Prelude};
+use crate::integrator::{Integrator, IntegratorConfig, PilotEstimate};
 use crate::parallel::Cancel;
 use crate::sampling::Address;
 use worlds::World;
 
-/// A chain over paths and a seed for it.
+/// A path space method and a seed for it.
 struct Made<'a> {
     metropolis: Metropolis<'a, PathSpace<'a>>,
     task: Task,
 }
 
 const STEPS: usize = 50;
-/// Of the pass.
+/// Address of the pass.
 const ADDRESS: u64 = 3;
 
 impl<'a> Made<'a> {
-    fn of(world: &'a World, common: Common<'a>) -> Self {
+    fn of(world: &'a World, common: ChainContext<'a>) -> Self {
         let camera = common.camera.clone();
-        let metropolis = Metropolis::new(&world.scene, camera, PathSpace { common }, &Prelude::default());
-        let seeds = Seeds::trace(&metropolis.chains, Address::new(ADDRESS), 200, &Cancel::new()).expect("not cancelled");
+        let metropolis = Metropolis::new(&world.scene, camera, PathSpace { common }, &PilotEstimate::default());
+        let seeds =
+            Seeds::trace(&metropolis.chains, Address::new(ADDRESS), 200, &Cancel::new()).expect("not cancelled");
         let (chosen, _) = seeds.choose(0, |_| 0, 1, 0.5).expect("some light");
         let task = Task { class: 0, steps: STEPS, seed: chosen[0], scale: 1.0 };
         Made { metropolis, task }
     }
 
-    /// What chain number `id` deposits.
+    /// Renders the deposits of chain number `id`.
     fn picture(&self, id: u64) -> Vec<f32> {
         let layout = Layout::new(SIDE, SIDE, Some(self.metropolis.options.crop), &[]);
         let (mut film, kernels) = (PassFilm::new(&layout), [self.metropolis.chains.kernels(0)]);
@@ -44,10 +45,10 @@ fn largest_difference(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
-/// Splats are rounded by addresses of their own: to one of 2²⁴ each.
+/// Splats are rounded stochastically, each to one part in 2²⁴.
 const ROUNDING: f32 = 1.0 / 16_777_216.0;
 
-/// Chains that begin alike part ways: each has its own numbers.
+/// Chains with the same seed diverge, since each has its own random numbers.
 #[test]
 fn chains_of_one_seed_part_ways() {
     let world = worlds::all().into_iter().next().expect("a world");
@@ -57,15 +58,16 @@ fn chains_of_one_seed_part_ways() {
     assert!(off > 1e3 * ROUNDING, "two chains of one seed are the same but for {off}");
 }
 
-/// Whatever the target divides by, each step deposits its share of the target.
+/// For any importance, each step deposits its share of the target.
 #[test]
 fn a_step_deposits_its_share() {
     let world = worlds::all().into_iter().next().expect("a world");
     let layout = Layout::new(SIDE, SIDE, None, &[]);
     let metropolis = MetropolisOptions { two_stage: true, ..all() };
-    let options = Options { filter: Filter::Box, max_depth: Some(7), metropolis, ..Options::new(&layout) };
+    let options =
+        IntegratorConfig { filter: Filter::Box, max_depth: Some(7), metropolis, ..IntegratorConfig::new(&layout) };
     let camera = world.scene.camera(None, SIDE, SIDE).expect("a camera");
-    let common = Common::new(&world.scene, camera, &options);
+    let common = ChainContext::new(&world.scene, camera, &options);
     let importance = common.importance.clone();
     let picture = Made::of(&world, common).picture(1);
     let scalar = |(i, pixel): (usize, &[f32])| {
@@ -73,12 +75,12 @@ fn a_step_deposits_its_share() {
         importance.scalar(layout.pixel(i).map(|x| x as f32 + 0.5), light)
     };
     let found: f64 = picture.chunks_exact(layout.channels()).enumerate().map(scalar).sum();
-    // A step deposits 1, at most at two states, each rounded in f32 and for the film.
+    // A step deposits a weight of 1 at no more than two states, each rounded in f32 and for the film.
     let bound = STEPS as f64 * 16.0 * f64::from(ROUNDING);
     assert!((found - STEPS as f64).abs() < bound, "{STEPS} steps deposited {found}");
 }
 
-/// Replicates are independent: so must passes be.
+/// Passes must be independent, since replicates are.
 #[test]
 fn passes_part_ways() {
     let world = worlds::all().into_iter().next().expect("a world");

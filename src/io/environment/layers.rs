@@ -1,4 +1,4 @@
-//! Which channels of an EXR file are the picture: those of a layer or part that was named, or the most likely.
+//! Selects the colour channels of an EXR file: those of the named layer or part, or the most likely ones.
 
 use super::super::exr::ExrImage;
 use super::super::primaries::Primaries;
@@ -6,17 +6,17 @@ use super::Picture;
 use crate::film::Crop;
 use glam::DMat3;
 
-/// The largest finite 16-bit number.
+/// The largest finite 16-bit float.
 const LARGEST_HALF: f32 = 65504.0;
 
-/// Channels that make a picture, by their places.
+/// Channels that form a picture, by index.
 struct Layer {
-    /// What stands before the names of its channels, without the dot.
+    /// Prefix of its channel names, without the dot.
     name: String,
     channels: [usize; 3],
 }
 
-/// The texels of the layer `wanted`, or of the most likely one.
+/// Returns the texels of the layer `wanted`, or of the most likely one.
 pub(super) fn picture(image: ExrImage, wanted: Option<&str>) -> Result<Picture, String> {
     let (width, height) = (image.width, image.height);
     if image.crop != (Crop { x0: 0, y0: 0, x1: width, y1: height }) {
@@ -37,9 +37,10 @@ pub(super) fn picture(image: ExrImage, wanted: Option<&str>) -> Result<Picture, 
     Ok(Picture { width, height, texels, to_rec_709, largest, said: said(&layers, chosen, wanted) })
 }
 
-/// Says which layer was taken where there is more than the plain picture.
+/// Notes the selected layer, if there is more than the plain picture.
 fn said(layers: &[Layer], chosen: &Layer, wanted: Option<&str>) -> Option<String> {
-    let name = |layer: &Layer| if layer.name.is_empty() { "the plain channels".into() } else { format!("'{}'", layer.name) };
+    let name =
+        |layer: &Layer| if layer.name.is_empty() { "the plain channels".into() } else { format!("'{}'", layer.name) };
     if layers.len() == 1 && chosen.name.is_empty() {
         return None;
     }
@@ -48,7 +49,7 @@ fn said(layers: &[Layer], chosen: &Layer, wanted: Option<&str>) -> Option<String
     Some(format!("of its layers ({}) {} is taken{hint}", all.join(", "), name(chosen)))
 }
 
-/// All layers in the file's order that have red, green and blue, or a luminance.
+/// Returns all layers with red, green and blue, or with luminance, in the file's order.
 fn layers(image: &ExrImage) -> Vec<Layer> {
     let place = |name: &str| image.layers.iter().position(|layer| layer.name == name);
     let mut found: Vec<Layer> = Vec::new();
@@ -59,7 +60,7 @@ fn layers(image: &ExrImage) -> Vec<Layer> {
         }
         let of = |last: &str| place(&if prefix.is_empty() { last.to_owned() } else { format!("{prefix}.{last}") });
         let colors = || Some([of("R")?, of("G")?, of("B")?]);
-        // A position has Y too, and Z.
+        // Positions have channels X, Y and Z; Y alone is luminance.
         let grey = || Some([of("Y").filter(|_| of("Z").is_none())?; 3]);
         if let Some(channels) = colors().or_else(grey) {
             found.push(Layer { name: prefix.to_owned(), channels });
@@ -68,8 +69,8 @@ fn layers(image: &ExrImage) -> Vec<Layer> {
     found
 }
 
-/// The plain channels; else what Blender calls Combined, beauty passes of other programs, or the first layer. Colours before
-/// luminances.
+/// Selects the plain channels; else Blender's Combined, the beauty pass of other programs, or the first layer. Colour
+/// is preferred to luminance.
 fn likely(layers: &[Layer]) -> Option<&Layer> {
     let is_grey = |layer: &Layer| layer.channels[0] == layer.channels[1];
     let last = |layer: &Layer| layer.name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
@@ -82,7 +83,7 @@ fn likely(layers: &[Layer]) -> Option<&Layer> {
     layers.iter().min_by_key(|layer| (is_grey(layer), rank(layer)))
 }
 
-/// The layer with that name, or its end; the first part may be called by its name.
+/// Finds the layer with that name, or whose name ends or begins with it. The first part also matches by its own name.
 fn named<'a>(layers: &'a [Layer], image: &ExrImage, wanted: &str) -> Result<&'a Layer, String> {
     let full = |layer: &Layer| layer.name == wanted;
     let first = |layer: &Layer| layer.name.is_empty() && (image.part.as_deref() == Some(wanted) || wanted == "RGB");

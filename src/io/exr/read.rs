@@ -1,4 +1,4 @@
-//! Reading OpenEXR files of any origin.
+//! Reads OpenEXR files of any origin.
 
 use super::super::primaries::Primaries;
 use super::{Attribute, Layer, hash_pixels};
@@ -13,34 +13,34 @@ use std::fs::File;
 use std::io::{BufReader, Seek};
 use std::path::Path;
 
-/// Decoded pixels may take this many times the file's size, or at least [`LEAST_BUDGET`]: no real picture is compressed
-/// further, and a small hostile file cannot ask for all memory.
+/// Decoded pixels may take this many times the file's size, or at least [`LEAST_BUDGET`]. No real picture is compressed
+/// further, and a small hostile file cannot exhaust the memory.
 const MOST_EXPANSION: u64 = 4096;
 const LEAST_BUDGET: u64 = 1 << 28;
 
 /// A decoded image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExrImage {
-    /// Width of the full image (the display window; grown to hold the data window of foreign files).
+    /// Width of the full image: the display window, enlarged to contain the data window of foreign files.
     pub width: u32,
     /// Height of the full image.
     pub height: u32,
-    /// The part that is there (the data window).
+    /// The data window.
     pub crop: Crop,
-    /// All channels as f32, by name within the file's order. Channels of later parts are named `part.channel`.
+    /// All channels as f32, in the file's order. Channels of later parts are named `part.channel`.
     pub layers: Vec<Layer>,
-    /// Which of `layers` are stored in 16 bits.
+    /// Whether each of `layers` is stored in 16 bits.
     pub half: Vec<bool>,
     /// The name of the first part, if it has one.
     pub part: Option<String>,
-    /// What colours the channels stand for, if the file says so.
+    /// Primaries and white of the channels, if the file states them.
     pub primaries: Option<Primaries>,
-    /// Text and number attributes that are not part of the format.
+    /// Text and number attributes beyond those of the format.
     pub attributes: BTreeMap<String, Attribute>,
 }
 
 impl ExrImage {
-    /// The values of a channel, row by row in the data window.
+    /// Returns the values of a channel, row by row in the data window.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.layers.iter().find(|layer| layer.name == name).map(|layer| &layer.values[..])
     }
@@ -54,8 +54,8 @@ impl ExrImage {
 /// Reads all channels of an image.
 ///
 /// # Errors
-/// [`crate::error::Kind::Scene`] with the path if the file is missing, damaged, of a kind this reader does not take, or
-/// claims more pixels than it can hold.
+/// [`crate::error::Kind::Scene`] with the path if the file is missing, damaged, of an unsupported kind, or claims more
+/// pixels than it can hold.
 pub fn read(path: &Path) -> Result<ExrImage> {
     let file = File::open(path).map_err(|cause| Error::read(path, cause))?;
     let refuse = |what: String| Error::scene(format!("cannot read {}: {what}", path.display()));
@@ -69,7 +69,7 @@ pub fn read(path: &Path) -> Result<ExrImage> {
     Ok(convert(image, window))
 }
 
-/// Where the data is and how large the whole is, moved so that the display window begins at (0, 0).
+/// Data window and size of the full image, translated so that the display window begins at (0, 0).
 struct Window {
     width: u32,
     height: u32,
@@ -82,7 +82,9 @@ fn check(headers: &[Header], file_size: u64) -> std::result::Result<Window, Stri
         if header.deep {
             return Err("deep images are not supported".into());
         }
-        if header.layer_size != first.layer_size || header.own_attributes.layer_position != first.own_attributes.layer_position {
+        if header.layer_size != first.layer_size
+            || header.own_attributes.layer_position != first.own_attributes.layer_position
+        {
             return Err("its parts have different data windows".into());
         }
         if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
@@ -121,7 +123,11 @@ fn convert(image: openexr::FlatImage, window: Window) -> ExrImage {
     let part = image.layer_data.first().and_then(|part| part.attributes.layer_name.as_ref().map(decoded));
     let primaries = image.attributes.chromaticities.map(|c| {
         Primaries(
-            [c.red, c.green, c.blue, c.white].map(|xy| [xy.0, xy.1].map(f64::from)).as_flattened().try_into().unwrap_or_default(),
+            [c.red, c.green, c.blue, c.white]
+                .map(|xy| [xy.0, xy.1].map(f64::from))
+                .as_flattened()
+                .try_into()
+                .unwrap_or_default(),
         )
     });
     collect(&mut attributes, image.attributes.other);
@@ -135,7 +141,16 @@ fn convert(image: openexr::FlatImage, window: Window) -> ExrImage {
             layers.push(Layer { name, values: floats(channel.sample_data) });
         }
     }
-    ExrImage { width: window.width, height: window.height, crop: window.crop, layers, half, part, primaries, attributes }
+    ExrImage {
+        width: window.width,
+        height: window.height,
+        crop: window.crop,
+        layers,
+        half,
+        part,
+        primaries,
+        attributes,
+    }
 }
 
 fn floats(samples: FlatSamples) -> Vec<f32> {
@@ -159,7 +174,7 @@ fn collect(into: &mut BTreeMap<String, Attribute>, from: impl IntoIterator<Item 
     }
 }
 
-/// UTF-8, or Latin-1 where it is not.
+/// Decodes UTF-8, or Latin-1 if it is not valid UTF-8.
 fn decoded(text: &Text) -> String {
     let bytes = text.bytes();
     std::str::from_utf8(bytes).map_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect(), str::to_owned)
@@ -197,12 +212,13 @@ mod tests {
         assert_eq!(image.channel("id").unwrap()[11].to_bits(), 11_f32.to_bits());
     }
 
-    /// Damaged files are errors or other pixels, never a panic.
+    /// Damaged files give errors or different pixels, but never a panic.
     #[test]
     fn damage_does_not_panic() {
         let folder = tempfile::tempdir().unwrap();
         let (path, damaged) = (folder.path().join("a.exr"), folder.path().join("b.exr"));
-        let layers = ["R", "G", "B"].map(|n| Layer { name: n.into(), values: (0..300).map(|i| (i % 17) as f32).collect() });
+        let layers =
+            ["R", "G", "B"].map(|n| Layer { name: n.into(), values: (0..300).map(|i| (i % 17) as f32).collect() });
         super::super::write(&path, 20, 15, None, &layers, &[("note".into(), Attribute::Text("x".into()))]).unwrap();
         let bytes = fs::read(&path).unwrap();
         for length in (0..bytes.len()).step_by(bytes.len() / 50) {

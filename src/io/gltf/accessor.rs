@@ -1,17 +1,17 @@
-//! Typed elements from buffers, checked: component types are looked up and not assumed, ranges are compared with the bytes
-//! that are there before anything is allocated, alignment does not matter [glTF20 §3.6.2].
+//! Checked access to typed accessor elements [glTF20 §3.6.2]. Component types are taken from the accessor. Ranges are
+//! checked against the available bytes before any allocation. Any alignment is accepted.
 
 use super::document::Document;
 use crate::error::{Error, Result};
 use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse::Sparse};
 use ::gltf::json::validation::Checked;
 
-/// Which elements of an accessor are read.
+/// Elements of an accessor to read.
 #[derive(Clone, Copy)]
 pub(super) enum Wanted<'a> {
-    /// Every one.
+    /// All elements.
     All,
-    /// Those with these indices, which ascend.
+    /// The elements with these ascending indices.
     These(&'a [u32]),
 }
 
@@ -20,7 +20,7 @@ impl Wanted<'_> {
         if let Wanted::These(indices) = self { indices.len() } else { count }
     }
 
-    /// Where element `index` stands among those that are read.
+    /// Returns the position of element `index` among those that are read.
     fn place(self, index: u32) -> Option<usize> {
         match self {
             Wanted::All => Some(index as usize),
@@ -30,11 +30,12 @@ impl Wanted<'_> {
 }
 
 impl Document {
-    /// The wanted elements of accessor `index`, each of `N` components, as floats: normalised integers between 0 or −1 and
-    /// 1, others as they are.
+    /// Reads the wanted elements of accessor `index`, each of `N` components, as floats. Normalised integers map to 0
+    /// or −1 to 1, others keep their value.
     ///
     /// # Errors
-    /// A scene error that names the accessor if it is of another shape, its bytes are not there, or the budget is spent.
+    /// A scene error that names the accessor if it has another shape, its bytes are missing, or the budget is
+    /// exhausted.
     ///
     /// # Panics
     /// If a wanted index is not below [`Document::elements_of`].
@@ -44,15 +45,17 @@ impl Document {
             let component = float_decoder(kind, accessor.normalized)
                 .ok_or_else(|| Error::scene(format!("component type {kind:?} is not for vertices")))?;
             let size = kind.size();
-            self.read(accessor, size * N, [0.0; N], wanted, |e| std::array::from_fn(|c| component(&e[c * size..][..size])))
+            self.read(accessor, size * N, [0.0; N], wanted, |e| {
+                std::array::from_fn(|c| component(&e[c * size..][..size]))
+            })
         };
         self.accessor(index).and_then(read).map_err(|e| e.context(format!("accessor {index}")))
     }
 
-    /// How many elements accessor `index` has, if they have `N` components and their bytes are there.
+    /// Returns the number of elements of accessor `index`, if they have `N` components and their bytes exist.
     ///
     /// # Errors
-    /// A scene error that names the accessor otherwise.
+    /// Otherwise a scene error that names the accessor.
     pub(super) fn elements_of<const N: usize>(&self, index: usize) -> Result<usize> {
         let count = |accessor: &Accessor| {
             let size = vector::<N>(accessor)?.size() * N;
@@ -61,10 +64,10 @@ impl Document {
         self.accessor(index).and_then(count).map_err(|e| e.context(format!("accessor {index}")))
     }
 
-    /// The elements of accessor `index` as vertex indices.
+    /// Reads the elements of accessor `index` as vertex indices.
     ///
     /// # Errors
-    /// A scene error that names the accessor if it does not have unsigned scalars, or its bytes are not there.
+    /// A scene error that names the accessor if its elements are not unsigned scalars, or its bytes are missing.
     pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>> {
         let read = |accessor: &Accessor| {
             let (kind, shape) = kind_and_shape(accessor)?;
@@ -76,15 +79,15 @@ impl Document {
         self.accessor(index).and_then(read).map_err(|e| e.context(format!("accessor {index}")))
     }
 
-    /// Accessor `index`.
+    /// Returns accessor `index`.
     ///
     /// # Errors
-    /// A scene error if there is no such accessor.
+    /// A scene error if it does not exist.
     pub(super) fn accessor(&self, index: usize) -> Result<&Accessor> {
         self.root.accessors.get(index).ok_or_else(|| Error::scene("it does not exist"))
     }
 
-    /// The bytes of an accessor's elements of `size` bytes each; `None` if all are zero.
+    /// Returns the bytes of an accessor's elements of `size` bytes each; `None` if all are zero.
     fn elements(&self, accessor: &Accessor, size: usize) -> Result<Option<Elements<'_>>> {
         let Some(view) = accessor.buffer_view else { return Ok(None) };
         let offset = accessor.byte_offset.unwrap_or_default().0;
@@ -114,7 +117,7 @@ impl Document {
         Ok(read)
     }
 
-    /// Overwrites the wanted ones of the elements that a sparse accessor of `count` elements gives anew.
+    /// Overwrites the wanted elements that a sparse accessor of `count` elements substitutes.
     fn displace<T>(
         &self,
         sparse: &Sparse,
@@ -143,7 +146,8 @@ impl Document {
         Ok(())
     }
 
-    /// Zeros take no bytes in the file: as many as it has bytes in all are believed, so that memory stays in proportion.
+    /// All-zero elements take no bytes in the file. Their number is limited to the file's bytes, so that memory stays
+    /// in proportion.
     fn count_without_bytes(&self, count: u64) -> Result<usize> {
         usize::try_from(count)
             .ok()
@@ -152,7 +156,7 @@ impl Document {
     }
 }
 
-/// Slices of `size` bytes, `stride` apart, of which the last ends within `bytes`.
+/// Slices of `size` bytes at intervals of `stride`; the last one ends within `bytes`.
 struct Elements<'a> {
     bytes: &'a [u8],
     offset: usize,
@@ -166,13 +170,14 @@ impl<'a> Elements<'a> {
         if stride < size {
             return Err(Error::scene(format!("a stride of {stride} bytes is less than an element ({size} bytes)")));
         }
-        let length = count.checked_sub(1).map_or(Some(0), |gaps| gaps.checked_mul(stride as u64)?.checked_add(size as u64));
+        let length =
+            count.checked_sub(1).map_or(Some(0), |gaps| gaps.checked_mul(stride as u64)?.checked_add(size as u64));
         let end = length.and_then(|length| length.checked_add(offset)).unwrap_or(u64::MAX);
         if end > bytes.len() as u64 {
             let have = bytes.len();
             return Err(Error::scene(format!("{count} elements end at byte {end} of a buffer view of {have} bytes")));
         }
-        // Both fit, as they are not above a slice's length.
+        // Both fit into usize, since they are at most a slice's length.
         Ok(Elements { bytes, offset: offset as usize, stride, size, count: count as usize })
     }
 
@@ -181,7 +186,7 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// The component type of an accessor whose elements have `N` components.
+/// Returns the component type of an accessor whose elements have `N` components.
 fn vector<const N: usize>(accessor: &Accessor) -> Result<ComponentType> {
     match kind_and_shape(accessor)? {
         (kind, shape) if shape.multiplicity() == N && !is_matrix(shape) => Ok(kind),
@@ -200,7 +205,7 @@ fn is_matrix(shape: Type) -> bool {
     matches!(shape, Type::Mat2 | Type::Mat3 | Type::Mat4)
 }
 
-/// The exact bytes that a component of that type takes; shorter slices cannot come from [`Elements`].
+/// Copies the bytes of one component. [`Elements`] yields no shorter slices.
 fn exactly<const N: usize>(bytes: &[u8]) -> [u8; N] {
     std::array::from_fn(|i| bytes[i])
 }
@@ -214,7 +219,7 @@ fn index_decoder(kind: ComponentType) -> Option<fn(&[u8]) -> u32> {
     }
 }
 
-/// The conversions of [glTF20 §3.11]: signed ones have two representations of −1.
+/// Conversions of [glTF20 §3.11]. Signed types have two representations of −1.
 fn float_decoder(kind: ComponentType, normalized: bool) -> Option<fn(&[u8]) -> f32> {
     match (kind, normalized) {
         (ComponentType::F32, _) => Some(|b| f32::from_le_bytes(exactly(b))),

@@ -1,4 +1,4 @@
-//! The bytes of buffers: from data URIs, the binary chunk, or files, each of which is read once.
+//! Buffer contents from data URIs, the binary chunk or files. Each file is read once.
 
 use super::resource;
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The bytes of a buffer: the first `length` of what may be shared with others.
+/// Contents of a buffer: the first `length` bytes of data that several buffers may share.
 pub(super) struct Buffer {
     bytes: Arc<Vec<u8>>,
     length: usize,
@@ -19,7 +19,7 @@ impl Buffer {
     }
 }
 
-/// The buffers of a file with this binary chunk; `None` where neither a URI nor the chunk gives any bytes.
+/// Reads the buffers of a file with this binary chunk; `None` for a buffer without a URI or a chunk.
 ///
 /// # Errors
 /// A scene error that names the buffer if its bytes cannot be read or are fewer than it claims.
@@ -41,7 +41,7 @@ pub(super) fn read_all(root: &Root, base: &Path, binary: Option<&[u8]>) -> Resul
     buffers.map(|(index, buffer)| read(index, buffer).map_err(|e| e.context(format!("buffer {index}")))).collect()
 }
 
-/// The bytes of all, those that are shared counted once.
+/// Returns the bytes of all buffers, with shared ones counted once.
 pub(super) fn size(buffers: &[Option<Buffer>]) -> usize {
     let mut distinct: Vec<&Arc<Vec<u8>>> = buffers.iter().flatten().map(|b| &b.bytes).collect();
     distinct.sort_by_key(|bytes| Arc::as_ptr(bytes));
@@ -52,7 +52,7 @@ pub(super) fn size(buffers: &[Option<Buffer>]) -> usize {
 /// Files beside the scene.
 struct Files<'a> {
     base: &'a Path,
-    /// The longest part of a file that any buffer wants.
+    /// Largest number of bytes that any buffer needs from a file.
     most: u64,
     known: HashMap<PathBuf, Arc<Vec<u8>>>,
 }

@@ -2,16 +2,21 @@
 
 use super::document::{Document, name_or};
 use super::notes::Notes;
-use crate::scene::description::{Camera, Projection};
+use crate::scene::description::{CameraDescription, Projection};
 use ::gltf::json::camera::Type;
 use ::gltf::json::validation::Checked;
 use glam::DAffine3;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-/// Camera `index` of the file, standing at `transform`. The clipping planes are not read: a ray tracer has none.
-/// `None`, and a note, if its projection is missing or its numbers say nothing.
-pub(super) fn load(document: &Document, index: usize, transform: DAffine3, notes: &mut Notes) -> Option<Camera> {
+/// Loads camera `index` of the file at `transform`. Clipping planes are ignored. `None`, and a note, if the projection
+/// is missing or its parameters are not usable.
+pub(super) fn load(
+    document: &Document,
+    index: usize,
+    transform: DAffine3,
+    notes: &mut Notes,
+) -> Option<CameraDescription> {
     let source = &document.root.cameras[index];
     let name = name_or(&source.name, "camera", index);
     let raw = &document.raw["cameras"][index];
@@ -23,7 +28,7 @@ pub(super) fn load(document: &Document, index: usize, transform: DAffine3, notes
     if projection.is_none() {
         notes.add(format!("camera '{name}' has no valid projection and is left out"));
     }
-    Some(Camera { name, projection: projection?, transform })
+    Some(CameraDescription { name, projection: projection?, transform })
 }
 
 fn perspective(raw: &Value, name: &str, notes: &mut Notes) -> Option<Projection> {

@@ -12,7 +12,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// The extensions that are read. KHR_mesh_quantization is what checked component types give by themselves.
+/// Supported extensions. KHR_mesh_quantization needs no code beyond the checked component types.
 pub(super) const READ_EXTENSIONS: [&str; 10] = [
     instancing::NAME,
     "KHR_lights_punctual",
@@ -26,24 +26,24 @@ pub(super) const READ_EXTENSIONS: [&str; 10] = [
     "KHR_texture_transform",
 ];
 
-/// A glTF file. Every index from one part of `root` to another is in range, and no checked value is invalid.
+/// A glTF file. All indices between parts of `root` are in range, and no checked value is invalid.
 pub(super) struct Document {
     pub(super) root: Root,
-    /// The same JSON, with numbers in f64 where `root` has f32.
+    /// The same JSON, with f64 numbers where `root` has f32.
     pub(super) raw: Value,
-    /// The bytes of each buffer; `None` where neither a URI nor the binary chunk gives any.
+    /// Contents of each buffer; `None` for one without a URI or a binary chunk.
     buffers: Vec<Option<Buffer>>,
-    /// Bytes of the file and of what its buffers refer to, shared bytes once.
+    /// Bytes of the file and of its buffers, with shared ones counted once.
     pub(super) size: usize,
-    /// What it may still unfold to.
+    /// Remaining budget for expanded data.
     pub(super) budget: Budget,
-    /// Bytes that decoded images may take.
+    /// Memory limit of decoded images, in bytes.
     pub(super) memory: u64,
-    /// What is odd about the container, a sentence each.
+    /// Irregularities of the container, one sentence each.
     pub(super) oddities: Vec<String>,
-    /// The directory that relative URIs start from.
+    /// Base directory of relative URIs.
     pub(super) base: PathBuf,
-    /// The file's animations as it has them, unchecked, apart from `raw`; null if there are none.
+    /// The file's animations as unchecked JSON, separated from `raw`; null if there are none.
     pub(super) animations: Value,
 }
 
@@ -51,17 +51,19 @@ impl Document {
     /// Parses the contents of a `.gltf` or `.glb` file and reads its buffers.
     ///
     /// # Errors
-    /// A scene error if anything is malformed, unsupported or missing.
+    /// A scene error if any part is malformed, unsupported or missing.
     pub(super) fn parse(file: &[u8], base: &Path, memory: u64) -> Result<Self> {
         let (text, binary) = if file.starts_with(glb::MAGIC) { glb::split(file)? } else { (file, None) };
         let (text, mut oddities) = plain(text)?;
-        let mut raw: Value = serde_json::from_slice(text).map_err(|e| Error::scene("the JSON is not valid").because(e))?;
+        let mut raw: Value =
+            serde_json::from_slice(text).map_err(|e| Error::scene("the JSON is not valid").because(e))?;
         check_version(&raw["asset"])?;
         check_required(&raw["extensionsRequired"])?;
         allow_empty_scenes(&mut raw);
         write_integers_as_such(&mut raw);
         let animations = set_animations_aside(&mut raw);
-        let mut root = Root::deserialize(&raw).map_err(|e| Error::scene("the glTF is not valid").because(located(e, text)))?;
+        let mut root =
+            Root::deserialize(&raw).map_err(|e| Error::scene("the glTF is not valid").because(located(e, text)))?;
         forget_skins(&mut root);
         oddities.extend(validate(&root)?);
         let buffers = buffer::read_all(&root, base, binary)?;
@@ -70,12 +72,16 @@ impl Document {
         Ok(Document { root, raw, buffers, size, budget, memory, oddities, base, animations })
     }
 
-    /// The bytes of a buffer view.
+    /// Returns the bytes of a buffer view.
     ///
     /// # Errors
-    /// A scene error if it reaches beyond its buffer, or the buffer has no data.
+    /// A scene error if it exceeds its buffer, or the buffer has no data.
     pub(super) fn view(&self, index: usize) -> Result<&[u8]> {
-        let view = self.root.buffer_views.get(index).ok_or_else(|| Error::scene(format!("there is no buffer view {index}")))?;
+        let view = self
+            .root
+            .buffer_views
+            .get(index)
+            .ok_or_else(|| Error::scene(format!("there is no buffer view {index}")))?;
         let buffer = view.buffer.value();
         let Some(bytes) = self.buffers.get(buffer).and_then(Option::as_ref).map(Buffer::bytes) else {
             return Err(Error::scene(format!("buffer view {index}: buffer {buffer} has no data")));
@@ -91,25 +97,27 @@ impl Document {
     }
 }
 
-/// The name, or one made up from what the thing is and its index. Names end up in many sentences: long ones are cut, and
-/// what is no character becomes a space.
+/// Returns the name, or one generated from the kind and the index. Names appear in messages: long ones are truncated,
+/// and control characters become spaces.
 pub(super) fn name_or(name: &Option<String>, what: &str, index: usize) -> String {
     match name {
-        Some(name) if !name.is_empty() => name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect(),
+        Some(name) if !name.is_empty() => {
+            name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { ' ' } else { c }).collect()
+        }
         _ => format!("{what} {index}"),
     }
 }
 
-/// Characters of a name.
+/// Maximum length of a name in characters.
 const LONGEST_NAME: usize = 256;
 
-/// `N` numbers in f64 from a JSON array.
+/// Reads `N` f64 numbers from a JSON array.
 pub(super) fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
     let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(Value::as_f64).collect();
     numbers?.try_into().ok()
 }
 
-/// The JSON without what the specification forbids around it and writers leave there all the same, and what that was.
+/// Strips what the specification forbids around the JSON but writers still emit. Returns notes about it.
 fn plain(mut text: &[u8]) -> Result<(&[u8], Vec<String>)> {
     let mut oddities = Vec::new();
     if matches!(text, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) {
@@ -133,7 +141,9 @@ fn check_version(asset: &Value) -> Result<()> {
     if version.starts_with("2.") && minimum == "2.0" {
         return Ok(());
     }
-    Err(Error::scene(format!("glTF version is {version} (at least {minimum} required to read it) where 2.0 is supported")))
+    Err(Error::scene(format!(
+        "glTF version is {version} (at least {minimum} required to read it) where 2.0 is supported"
+    )))
 }
 
 fn check_required(extensions: &Value) -> Result<()> {
@@ -145,7 +155,7 @@ fn check_required(extensions: &Value) -> Result<()> {
     Err(Error::scene(format!("the file requires what is not supported: {}", unknown.join(", "))))
 }
 
-/// A scene need not have nodes, but the crate wants the list.
+/// The specification allows scenes without `nodes`, but the crate requires the list.
 fn allow_empty_scenes(raw: &mut Value) {
     for scene in raw.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
         if let Some(scene) = scene.as_object_mut() {
@@ -154,18 +164,19 @@ fn allow_empty_scenes(raw: &mut Value) {
     }
 }
 
-/// Takes animations out, so that defects in what is not shown do not keep the file from being shown.
+/// Removes the animations, so that errors in them do not prevent the scene from loading.
 fn set_animations_aside(raw: &mut Value) -> Value {
     raw.as_object_mut().and_then(|root| root.remove("animations")).unwrap_or_default()
 }
 
-/// Drops skins for the same reason.
+/// Removes the skins for the same reason.
 fn forget_skins(root: &mut Root) {
     root.skins.clear();
     root.nodes.iter_mut().for_each(|node| node.skin = None);
 }
 
-/// To JSON 1 and 1.0 are one number, but the crate wants indices without the point. Recursion is bounded by the parser.
+/// In JSON 1 and 1.0 are the same number, but the crate requires indices without a decimal point. The parser bounds the
+/// recursion depth.
 fn write_integers_as_such(value: &mut Value) {
     match value {
         Value::Array(elements) => elements.iter_mut().for_each(write_integers_as_such),
@@ -180,18 +191,18 @@ fn write_integers_as_such(value: &mut Value) {
     }
 }
 
-/// The end of the range in which f64 has every integer.
+/// Upper end of the range in which f64 represents every integer.
 const LARGEST_INTEGER: f64 = (1u64 << f64::MANTISSA_DIGITS) as f64;
 
-/// The same defect with its line and column, if the text as it stands has it too.
+/// Returns the same error with line and column, if parsing the original text gives it too.
 fn located(defect: serde_json::Error, text: &[u8]) -> serde_json::Error {
     let same = |again: &serde_json::Error| again.to_string().starts_with(&defect.to_string());
     Root::from_slice(text).err().filter(same).unwrap_or(defect)
 }
 
-/// Refuses what has no one meaning; what is rendered by a default is returned, in sentences.
+/// Rejects ambiguous values. Returns notes about invalid values that are replaced by defaults.
 fn validate(root: &Root) -> Result<Vec<String>> {
-    // The crate's validation indexes with these before it has checked them.
+    // The crate's validation uses these indices before it checks them.
     let positions = Checked::Valid(Semantic::Positions);
     let used = root.meshes.iter().flat_map(|m| &m.primitives).filter_map(|p| p.attributes.get(&positions));
     if let Some(missing) = used.map(|a| a.value()).find(|&a| a >= root.accessors.len()) {
@@ -214,12 +225,12 @@ fn validate(root: &Root) -> Result<Vec<String>> {
     Err(Error::scene(format!("{} {}{others}", path.as_str(), sentence_end(defect))))
 }
 
-/// What we can do without, or check better ourselves.
+/// Defects that are harmless here, or are checked more precisely elsewhere.
 fn tolerated(path: &str, defect: Defect) -> bool {
     let positions = path.contains(".attributes[\"POSITION\"]");
     match defect {
         Defect::Unsupported => path.starts_with("extensionsRequired"),
-        // An accessor without data is all zeros; a texture may have its image in an extension that is not read.
+        // An accessor without data is all zeros. A texture may have its image in an unsupported extension.
         Defect::Missing => {
             positions
                 || path.ends_with("].bufferView")
@@ -233,15 +244,17 @@ fn tolerated(path: &str, defect: Defect) -> bool {
     }
 }
 
-/// Whether an invalid value has a default or is in what can be left out: see docs/forgiven.md.
+/// Whether an invalid value has a default, or belongs to a part that can be left out: see docs/forgiven.md.
 fn is_forgiven(path: &str) -> bool {
-    let left_out = path.starts_with("cameras[") || path.contains("khrLightsPunctual") || path.contains("lights_punctual");
+    let left_out =
+        path.starts_with("cameras[") || path.contains("khrLightsPunctual") || path.contains("lights_punctual");
     left_out || path.contains(".mode") || has_default(path)
 }
 
-/// Whether an invalid value has a default; an image's type is decided by its own first bytes.
+/// Whether an invalid value has a default. The type of an image follows from its first bytes.
 fn has_default(path: &str) -> bool {
-    const WITH_DEFAULTS: [&str; 7] = [".alphaMode", ".wrapS", ".wrapT", ".magFilter", ".minFilter", ".target", ".mimeType"];
+    const WITH_DEFAULTS: [&str; 7] =
+        [".alphaMode", ".wrapS", ".wrapT", ".magFilter", ".minFilter", ".target", ".mimeType"];
     WITH_DEFAULTS.iter().any(|end| path.ends_with(end))
 }
 

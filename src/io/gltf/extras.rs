@@ -1,22 +1,22 @@
-//! What étendue reads from a material's `extras.etendue`: `"fresnel": "schlick"` (glTF's, the default) or `"constant"`, and
-//! `"priority"`, an integer (0 without it): of bodies that overlap the one of the highest has the place.
+//! Extras read from a material's `extras.etendue`: `"fresnel": "schlick"` (glTF's, the default) or `"constant"`, and
+//! `"priority"`, an integer (default 0). Where bodies overlap, the one of the highest priority takes the volume.
 
 use crate::error::{Error, Result};
 use crate::scene::description::MetalFresnel;
 use ::gltf::json::Extras;
 use serde_json::Value;
 
-/// What a material's extras ask for.
+/// Options in a material's extras.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Asked {
     pub(super) metal_fresnel: MetalFresnel,
     pub(super) priority: i32,
 }
 
-/// What a material's extras ask for.
+/// Reads the options in a material's extras.
 ///
 /// # Errors
-/// A scene error if `etendue` has another key or value: a misspelt one must not silently mean nothing.
+/// A scene error if `etendue` has an unknown key or value, so that misspellings are not silently ignored.
 pub(super) fn of_material(extras: &Extras) -> Result<Asked> {
     let parsed: Option<Value> = extras.as_ref().and_then(|raw| serde_json::from_str(raw.get()).ok());
     let Some(ours) = parsed.as_ref().and_then(|v| v.get("etendue")) else { return Ok(Asked::default()) };
@@ -30,7 +30,8 @@ pub(super) fn of_material(extras: &Extras) -> Result<Asked> {
         Some(_) => return Err(Error::scene("extras.etendue.fresnel is neither \"schlick\" nor \"constant\"")),
     };
     let whole = |v: &Value| v.as_i64().and_then(|i| i32::try_from(i).ok());
-    let priority =
-        keys.get("priority").map(|v| whole(v).ok_or_else(|| Error::scene("extras.etendue.priority is no integer of 32 bits")));
+    let priority = keys
+        .get("priority")
+        .map(|v| whole(v).ok_or_else(|| Error::scene("extras.etendue.priority is no integer of 32 bits")));
     Ok(Asked { metal_fresnel, priority: priority.transpose()?.unwrap_or(0) })
 }

@@ -1,5 +1,5 @@
-//! The binary container: a header, a JSON chunk, perhaps a binary chunk [glTF20 §4.4]. The `gltf` crate has a reader too,
-//! but a header length under 12 makes it panic.
+//! The binary container: a header, a JSON chunk and an optional binary chunk [glTF20 §4.4]. The `gltf` crate has a
+//! reader too, but it panics on a header length under 12.
 
 use crate::error::{Error, Result};
 
@@ -8,13 +8,13 @@ const CHUNK_HEADER: usize = 8;
 const JSON: &[u8] = b"JSON";
 const BIN: &[u8] = b"BIN\0";
 
-/// The four bytes a binary file begins with.
+/// First four bytes of a binary file.
 pub(super) const MAGIC: &[u8] = b"glTF";
 
-/// The JSON chunk and the binary chunk, if there is one, of a file that begins with [`MAGIC`].
+/// Splits a file that begins with [`MAGIC`] into the JSON chunk and the binary chunk, if there is one.
 ///
 /// # Errors
-/// A scene error if the header or the chunks do not fit the bytes.
+/// A scene error if the header or the chunks do not fit the file's bytes.
 pub(super) fn split(file: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     let (Some(version), Some(length)) = (word(file, 4), word(file, 8)) else {
         return Err(Error::scene("the binary glTF header is cut off"));
@@ -29,7 +29,7 @@ pub(super) fn split(file: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     if kind != JSON {
         return Err(Error::scene("the first chunk of the binary glTF is not JSON"));
     }
-    // Chunks of a kind that the specification does not know are to be ignored.
+    // The specification requires unknown chunk types to be ignored.
     let binary = if rest.iter().all(|&byte| byte == 0) && rest.len() < CHUNK_HEADER {
         None
     } else {
@@ -43,7 +43,7 @@ fn word(bytes: &[u8], at: usize) -> Option<usize> {
     usize::try_from(u32::from_le_bytes(word.try_into().ok()?)).ok()
 }
 
-/// Kind and contents of the first chunk, and what follows it.
+/// Returns type and contents of the first chunk, and the bytes after it.
 fn chunk(bytes: &[u8]) -> Result<(&[u8], &[u8], &[u8])> {
     let cut = || Error::scene("a chunk of the binary glTF is cut off");
     let length = word(bytes, 0).ok_or_else(cut)?;

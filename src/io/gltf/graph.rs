@@ -1,4 +1,5 @@
-//! The node hierarchy, flattened to nodes with world transforms in f64. Iterative: a chain of nodes may be of any length.
+//! The node hierarchy, flattened to nodes with world transforms in f64. The traversal is iterative, so that depth is
+//! unlimited.
 
 use super::animation::{Moved, Pose};
 use super::document::{Document, name_or, numbers};
@@ -7,29 +8,29 @@ use crate::error::{Error, Result};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use serde_json::Value;
 
-/// A node that is in the scene.
+/// A node of the scene.
 pub(super) struct Placement {
     /// Its index in the file.
     pub(super) node: usize,
-    /// Local to world.
+    /// Local-to-world transform.
     pub(super) transform: DAffine3,
-    /// Where its camera or light stands: unit axes at right angles, whatever scales the node or its ancestors.
+    /// Frame of its camera or light: orthonormal axes, independent of the scales of the node and its ancestors.
     pub(super) stand: DAffine3,
-    /// Whether it is scaled to zero along every axis, which hides its mesh and its light.
+    /// Whether the scale is zero along every axis, which hides its mesh and light.
     pub(super) hidden: bool,
 }
 
-/// A node's way from its root: its transform, and that without the signs and the zeros of scales.
+/// Transform of a node from its root, and the same without the signs and zeros of scales.
 #[derive(Clone, Copy)]
 struct Way {
     transform: DAffine3,
     axes: DMat3,
 }
 
-/// The nodes of the scene in that pose, parents before children, in file order.
+/// Returns the nodes of the scene in that pose, parents before children, in file order.
 ///
 /// # Errors
-/// A scene error that names the node if one has two parents or is its own ancestor, or a transform is not valid.
+/// A scene error that names the node if it has two parents or is its own ancestor, or if a transform is not valid.
 pub(super) fn placements(document: &Document, pose: &Pose) -> Result<Vec<Placement>> {
     let name = |node: usize| name_or(&document.root.nodes[node].name, "node", node);
     let mut seen = vec![false; document.root.nodes.len()];
@@ -38,7 +39,10 @@ pub(super) fn placements(document: &Document, pose: &Pose) -> Result<Vec<Placeme
     let mut placements = Vec::new();
     while let Some((node, parent)) = stack.pop() {
         if std::mem::replace(&mut seen[node], true) {
-            return Err(Error::scene(format!("node '{}' is its own ancestor, or a root below another root", name(node))));
+            return Err(Error::scene(format!(
+                "node '{}' is its own ancestor, or a root below another root",
+                name(node)
+            )));
         }
         let local = local_transform(&document.raw["nodes"][node], pose.of(node));
         let local = local.map_err(|e| e.context(format!("node '{}'", name(node))))?;
@@ -55,7 +59,7 @@ pub(super) fn placements(document: &Document, pose: &Pose) -> Result<Vec<Placeme
     Ok(placements)
 }
 
-/// The root nodes of the default scene, else of the first one, else those that are nobody's children.
+/// Returns the root nodes of the default scene, else of the first scene, else all nodes without a parent.
 fn roots(document: &Document) -> Result<Vec<usize>> {
     let parents = parents(document)?;
     let root = &document.root;
@@ -84,7 +88,7 @@ fn parents(document: &Document) -> Result<Vec<Option<usize>>> {
     Ok(parents)
 }
 
-/// A node's transform; what moves of it has no matrix.
+/// Returns a node's local transform. Animated nodes have no matrix.
 fn local_transform(node: &Value, moved: Option<&Moved>) -> Result<Way> {
     if let Some(matrix) = numbers::<16>(&node["matrix"]) {
         let transform = affine(&DMat4::from_cols_array(&matrix))?;
@@ -105,7 +109,7 @@ fn local_transform(node: &Value, moved: Option<&Moved>) -> Result<Way> {
     })
 }
 
-/// A matrix that tells nothing of its scales apart: mirrored ones are taken to mirror x, and what has no axes left does not turn.
+/// Axes of a matrix whose scales are unknown. A reflection is taken as one of x, and a singular matrix as no rotation.
 fn regular(matrix: &DMat3) -> DMat3 {
     match matrix.determinant() {
         d if d > 0.0 => *matrix,
@@ -114,7 +118,8 @@ fn regular(matrix: &DMat3) -> DMat3 {
     }
 }
 
-/// Unit axes at right angles: z is kept, since cameras and lights look along it, then y as far as it can be [glTF20 §3.10.2].
+/// Orthonormal axes: z is kept, since cameras and lights look along it, then y is made orthogonal to it [glTF20
+/// §3.10.2].
 fn upright(axes: &DMat3, scaled: &DMat3) -> DMat3 {
     if planted(Defect::CameraKeepsScale) {
         return *scaled;
@@ -124,20 +129,22 @@ fn upright(axes: &DMat3, scaled: &DMat3) -> DMat3 {
     DMat3::from_cols(y.cross(z), y, z)
 }
 
-/// Files round quaternions to f32, which would scale the node by as much.
+/// Normalises a quaternion. Files round quaternions to f32, and the error would scale the node.
 pub(super) fn unit_quaternion(xyzw: [f64; 4]) -> Option<DQuat> {
     DVec4::from(xyzw).try_normalize().map(DQuat::from_vec4)
 }
 
 fn affine(matrix: &DMat4) -> Result<DAffine3> {
-    // Exporters compute in f32: that much may be left over in the last row.
+    // Exporters compute in f32, so that the last row may have this error.
     if !(matrix.row(3) - DVec4::W).abs().cmple(DVec4::splat(f64::from(f32::EPSILON))).all() {
         return Err(Error::scene("the matrix is not affine: its last row is not 0 0 0 1"));
     }
     Ok(DAffine3::from_mat4(*matrix))
 }
 
-/// Whether no triangle keeps an area.
+/// Whether the matrix collapses every triangle to zero area.
 pub(super) fn is_line(m: &DMat3) -> bool {
-    [m.x_axis.cross(m.y_axis), m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis)].iter().all(|area| *area == DVec3::ZERO)
+    [m.x_axis.cross(m.y_axis), m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis)]
+        .iter()
+        .all(|area| *area == DVec3::ZERO)
 }

@@ -1,6 +1,7 @@
 //! PNG and JPEG images, decoded in parallel, each once.
 //!
-//! What counts is what headers say that decoding takes: that is compared with the memory to be had before any image is decoded.
+//! The memory needed for decoding follows from the image headers. It is compared with the available memory before any
+//! image is decoded.
 
 use super::document::{Document, name_or};
 use super::resource;
@@ -13,15 +14,15 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::sync::Arc;
 
-/// The longest side that is decoded, in texels.
+/// Maximum side of an image, in texels.
 const LARGEST_SIDE: u32 = 1 << 15;
-/// The most memory that decoding one image may take, in bytes: 16k × 16k texels of 16 bits.
+/// Memory limit of decoding one image, in bytes: 16k × 16k texels of 16 bits.
 const LARGEST_IMAGE: u64 = 1 << 31;
-/// Decodes the images with these indices, in this order. Entries that mean the same bytes share one image.
+/// Decodes the images with these indices, in this order. Entries that refer to the same bytes share one image.
 ///
 /// # Errors
-/// An error that names the image if one cannot be read or is not PNG or JPEG; one of class memory that names the largest if all
-/// would take more than the memory to be had together.
+/// An error that names the image if it cannot be read or is neither PNG nor JPEG. An error of class memory that names
+/// the largest image if all together exceed the available memory.
 pub(super) fn decode(document: &Document, indices: &[usize]) -> Result<Vec<Arc<Image>>> {
     let mut distinct: Vec<Encoded> = Vec::new();
     let mut known = HashMap::new();
@@ -40,7 +41,7 @@ pub(super) fn decode(document: &Document, indices: &[usize]) -> Result<Vec<Arc<I
     Ok(places.into_iter().map(|place| Arc::clone(&decoded[place])).collect())
 }
 
-/// An image as the file stores it.
+/// An encoded image, as stored in the file.
 struct Encoded<'a> {
     name: String,
     bytes: Cow<'a, [u8]>,
@@ -81,7 +82,8 @@ impl<'a> Encoded<'a> {
         reader.into_decoder().map_err(undecodable)
     }
 
-    /// The size, and the bytes that decoding takes, from the header alone: what the decoder fills, and what [`Image`] holds.
+    /// Returns the size, and the bytes needed for decoding, from the header alone: the decoder's output and the
+    /// [`Image`].
     fn claims(&self) -> Result<Claims> {
         let decoder = self.decoder()?;
         let (width, height) = decoder.dimensions();
@@ -105,18 +107,21 @@ impl<'a> Encoded<'a> {
     }
 }
 
-/// What a header says.
+/// Claims of an image header.
 struct Claims {
     width: u32,
     height: u32,
     bytes: u64,
 }
 
-/// Refuses images that would take more than `memory` bytes decoded.
+/// Rejects images that exceed `memory` bytes when decoded.
 fn afford(images: &[Encoded], memory: u64) -> Result<()> {
-    let claims = images.iter().map(|image| image.claims().map_err(|e| image.named(e))).collect::<Result<Vec<Claims>>>()?;
-    let need =
-        claims.iter().zip(images).fold(0u64, |sum, (c, i)| sum.saturating_add(c.bytes).saturating_add(i.bytes.len() as u64));
+    let claims =
+        images.iter().map(|image| image.claims().map_err(|e| image.named(e))).collect::<Result<Vec<Claims>>>()?;
+    let need = claims
+        .iter()
+        .zip(images)
+        .fold(0u64, |sum, (c, i)| sum.saturating_add(c.bytes).saturating_add(i.bytes.len() as u64));
     let largest = claims.iter().zip(images).max_by_key(|(claims, _)| claims.bytes);
     let Some((claims, image)) = largest.filter(|_| need > memory) else { return Ok(()) };
     let (Claims { width, height, .. }, name) = (claims, &image.name);

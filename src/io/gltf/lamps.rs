@@ -1,19 +1,23 @@
-//! What emitting triangles take: each is a light wherever it stands, as lights are not shared by instances.
+//! Memory of emissive triangles. Each placed triangle is a light of its own, since instances do not share lights.
 
 use crate::error::{Error, Kind, Result};
 use crate::scene::description::{Description, Material, Mesh};
 
-/// What a light takes, with its share in the choice between lights.
+/// Bytes of a light, including its entry in light selection.
 const BYTES_A_LIGHT: u64 = 256;
 
-/// Refuses lamps that would take more than `memory` bytes.
+/// Rejects emissive meshes whose lights exceed `memory` bytes.
 ///
 /// # Errors
-/// An error of class memory that names the mesh that makes most of them, and the remedy.
+/// An error of class memory that names the mesh with most of them, and the remedy.
 pub(super) fn afford(out: &Description, materials: &[Material], memory: u64) -> Result<()> {
     let emits: Vec<bool> = materials.iter().map(|m| m.unlit || !m.emission.is_black()).collect();
     let emitting = |mesh: &Mesh| {
-        mesh.primitives.iter().filter(|p| emits[p.material]).map(|p| p.triangles.len() as u64).fold(0, u64::saturating_add)
+        mesh.primitives
+            .iter()
+            .filter(|p| emits[p.material])
+            .map(|p| p.triangles.len() as u64)
+            .fold(0, u64::saturating_add)
     };
     let mut places = vec![0u64; out.meshes.len()];
     out.instances.iter().for_each(|instance| places[instance.mesh] += 1);

@@ -1,4 +1,4 @@
-//! KHR_lights_punctual. Candela become W/sr and lux W/m², number for number.
+//! KHR_lights_punctual. Candela become W/sr and lux W/m², with the same numerical values.
 
 use super::document::{Document, name_or};
 use super::notes::Notes;
@@ -10,7 +10,7 @@ use ::gltf::json::{Index, validation::Checked};
 use glam::DAffine3;
 use std::f32::consts::FRAC_PI_2;
 
-/// The light that a node at `transform` refers to; `None`, and a note, if it says nothing that can shine.
+/// Loads the light of a node at `transform`; `None`, and a note, if its parameters are not usable.
 ///
 /// # Errors
 /// A scene error that names the light if its intensity is not finite.
@@ -52,7 +52,8 @@ fn kind(source: &Light, name: &str, notes: &mut Notes) -> Option<PunctualKind> {
     }
 }
 
-/// The cone of a spot. Exporters write equal angles for a sharp edge, which glTF does not allow and its formula defines.
+/// Returns the cone of a spot. Exporters write equal angles for a sharp edge. glTF forbids this, but its formula covers
+/// it.
 fn cone(source: &Light, name: &str, notes: &mut Notes) -> Option<PunctualKind> {
     /// KHR_lights_punctual's defaults.
     const WHOLE: (f32, f32) = (0.0, std::f32::consts::FRAC_PI_4);

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Decoded images by their index in the file.
 type Images = BTreeMap<usize, Arc<Image>>;
 
-/// The materials with these indices, in this order (`None` is the default material), and the images that they use.
+/// Loads the materials with these indices, in this order (`None` is the default material), and the images they use.
 ///
 /// # Errors
 /// A scene error that names the material or image at fault.
@@ -34,7 +34,8 @@ pub(super) fn load(
     let slots: Vec<Vec<Slot>> = indices.iter().map(&mut slots_of).collect();
     let images = images(document, slots.iter().flatten())?;
     let material = |(index, slots): (&Option<usize>, &Vec<Slot>)| match *index {
-        Some(i) => Source { document, json: &document.root.materials[i], name: name(i), slots, images: &images }.material(notes),
+        Some(i) => Source { document, json: &document.root.materials[i], name: name(i), slots, images: &images }
+            .material(notes),
         None => Ok(Material::default()),
     };
     let materials = indices.iter().zip(&slots).map(material).collect::<Result<_>>()?;
@@ -49,7 +50,7 @@ fn images<'a>(document: &Document, slots: impl Iterator<Item = &'a Slot>) -> Res
     Ok(used.into_iter().zip(decoded).collect())
 }
 
-/// A material of the file with what is needed to read it.
+/// A material of the file with the data needed to read it.
 struct Source<'a> {
     document: &'a Document,
     json: &'a json::Material,
@@ -84,11 +85,11 @@ impl Source<'_> {
         self.extended(base, notes)
     }
 
-    /// `base` with what the material's extensions say.
+    /// Applies the material's extensions to `base`.
     fn extended(&self, mut base: Material, notes: &mut Notes) -> Result<Material> {
         let Some(extensions) = &self.json.extensions else { return Ok(base) };
         if extensions.unlit.is_some() {
-            // It shows its base colour, and nothing else of it counts.
+            // An unlit material shows its base colour. Its other properties are ignored.
             let (emission, emission_texture, normal_texture) = (Spectrum::ZERO, None, None);
             return Ok(Material { unlit: true, emission, emission_texture, normal_texture, ..base });
         }
@@ -132,14 +133,16 @@ impl Source<'_> {
 
     fn alpha_mode(&self) -> AlphaMode {
         match self.json.alpha_mode {
-            Checked::Valid(JsonAlphaMode::Mask) => AlphaMode::Mask { cutoff: self.json.alpha_cutoff.unwrap_or_default().0 },
+            Checked::Valid(JsonAlphaMode::Mask) => {
+                AlphaMode::Mask { cutoff: self.json.alpha_cutoff.unwrap_or_default().0 }
+            }
             Checked::Valid(JsonAlphaMode::Blend) => AlphaMode::Blend,
             Checked::Valid(JsonAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
         }
     }
 
     fn ior(&self, ior: f32) -> Result<f32> {
-        // 0 is KHR_materials_ior's way to ask for total reflection.
+        // KHR_materials_ior uses 0 to request total reflection.
         if ior == 0.0 || (ior >= 1.0 && ior.is_finite()) { Ok(ior) } else { Err(self.invalid("refractive index")) }
     }
 
@@ -153,7 +156,7 @@ impl Source<'_> {
         Ok(solid.then_some(Volume { attenuation_distance: distance, attenuation_color }))
     }
 
-    /// Files often miss the range by a rounding error, which must not turn into a gain of energy.
+    /// Files often exceed the range by a rounding error, which must not cause an energy gain.
     fn unit(&self, x: f32, what: &str, notes: &mut Notes) -> f32 {
         if !(0.0..=1.0).contains(&x) {
             notes.add(format!("material '{}' has a {what} outside 0 to 1, which is clamped", self.name));

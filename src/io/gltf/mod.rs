@@ -1,14 +1,14 @@
-//! glTF 2.0 into a [`Description`], from `.gltf` and `.glb` files, with data URIs and files beside them [glTF20].
+//! Loads glTF 2.0 into a [`Description`], from `.gltf` and `.glb` files, with data URIs and files beside them [glTF20].
 //!
-//! The `gltf` crate parses and validates the JSON. What it would narrow to `f32` (node transforms, cameras) is read from
-//! the JSON again in `f64`, and binary data goes through our own checked reader: a file may say anything, and at worst
-//! gets one error. What the file has and étendue does not is said in [`Description::ignored`].
+//! The `gltf` crate parses and validates the JSON. Values that it would narrow to `f32` (node transforms, cameras) are
+//! read again from the JSON in `f64`. Binary data goes through our own checked reader. Files are untrusted: a malformed
+//! one yields an error. Unsupported features are listed in [`Description::ignored`].
 //!
-//! Lights keep their numbers: glTF's candela (point, spot) become W/sr and its lux (directional) W/m², one to one and
-//! per lane, as users of other path tracers expect.
+//! Lights keep their numerical values. glTF's candela (point, spot) become W/sr and its lux (directional) W/m², one to
+//! one and per lane, as users of other path tracers expect.
 //!
-//! Animations of nodes are played to a time and stop there. Limits: meshes as modelled, without skinning or morphing; two
-//! texture coordinate sets; no mipmaps.
+//! Node animations are evaluated at one time. Limits: no skinning and no morph targets; two texture coordinate sets; no
+//! mipmaps.
 
 mod accessor;
 mod animation;
@@ -40,53 +40,54 @@ use notes::Notes;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Reads the scene in `path`: the default scene, else the first one, else all root nodes. Only what it uses is loaded.
-/// It is as it stands, whatever animations the file has.
+/// Reads the scene in `path`: the default scene, else the first one, else all root nodes. Only the parts it uses are
+/// loaded. Animations are ignored: the scene is at rest.
 ///
 /// # Errors
-/// A scene error, in one sentence that begins with the path, if the file or one that it refers to cannot be read, is not
-/// valid, or requires an extension that is not supported.
+/// A scene error, in one sentence that begins with the path, if the file or one that it refers to cannot be read, is
+/// not valid, or requires an unsupported extension.
 pub fn load(path: &Path) -> Result<Description> {
     load_at(path, None)
 }
 
-/// Reads the scene in `path` as [`load`] does, as it is at that time in seconds of its animations if one is given.
+/// Reads the scene in `path` as [`load`] does, at a time in seconds of its animations if given.
 ///
 /// # Errors
-/// As [`load`], and with a time if an animation is not valid.
+/// As [`load`]; with a time also if an animation is not valid.
 pub fn load_at(path: &Path, seconds: Option<f64>) -> Result<Description> {
     load_with(path, &Reading { seconds, ..Reading::default() })
 }
 
-/// How a file is read.
+/// Options for reading a file.
 #[derive(Debug, Clone, Copy)]
 pub struct Reading<'a> {
-    /// The time of its animations in seconds; as it stands without one.
+    /// Time of the animations in seconds; `None` reads the scene at rest.
     pub seconds: Option<f64>,
-    /// The only animation that is played, by name or number from 0; all together without one.
+    /// The only animation that is played, by name or number from 0; `None` plays all together.
     pub animation: Option<&'a str>,
-    /// Bytes that decoded images may take, and as many that lamps may.
+    /// Memory limit of decoded images in bytes, and separately of the lights of emissive meshes.
     pub memory: u64,
 }
 
 impl Default for Reading<'_> {
-    /// As it stands, with 4 GiB.
+    /// The scene at rest, with 4 GiB.
     fn default() -> Self {
         Reading { seconds: None, animation: None, memory: 1 << 32 }
     }
 }
 
-/// Reads the scene in `path` as [`load`] does, in that way.
+/// Reads the scene in `path` as [`load`] does, with options.
 ///
 /// # Errors
-/// As [`load_at`]; a usage error that names all animations if there is no such one; an error of class memory that says what is
-/// large if images or lamps would take too much.
+/// As [`load_at`]. A usage error that lists all animations if there is no such one. An error of class memory that names
+/// the largest part if images or lights exceed the memory.
 pub fn load_with(path: &Path, reading: &Reading) -> Result<Description> {
     let bytes = resource::read_file(path, u64::MAX)?;
     parse_with(&bytes, path.parent().unwrap_or(Path::new("")), reading).map_err(|e| e.context(path.display()))
 }
 
-/// Reads the scene in the contents of a `.gltf` or `.glb` file, whose relative URIs start from `base`, as [`load`] does.
+/// Reads the scene from the contents of a `.gltf` or `.glb` file as [`load`] does. Relative URIs are resolved against
+/// `base`.
 ///
 /// # Errors
 /// As [`load`], without the path.
@@ -94,7 +95,7 @@ pub fn parse(file: &[u8], base: &Path) -> Result<Description> {
     parse_at(file, base, None)
 }
 
-/// Reads the scene in the contents of a file as [`parse`] does, at a time as [`load_at`] does.
+/// Reads the scene from the contents of a file as [`parse`] does, at a time as [`load_at`] does.
 ///
 /// # Errors
 /// As [`load_at`], without the path.
@@ -102,7 +103,7 @@ pub fn parse_at(file: &[u8], base: &Path, seconds: Option<f64>) -> Result<Descri
     parse_with(file, base, &Reading { seconds, ..Reading::default() })
 }
 
-/// Reads the scene in the contents of a file as [`parse`] does, in the way of [`load_with`].
+/// Reads the scene from the contents of a file as [`parse`] does, with options as [`load_with`] does.
 ///
 /// # Errors
 /// As [`load_with`], without the path.
@@ -111,7 +112,8 @@ pub fn parse_with(file: &[u8], base: &Path, reading: &Reading) -> Result<Descrip
 }
 
 fn describe(document: &Document, reading: &Reading) -> Result<Description> {
-    let mut loader = Loader { document, notes: Notes::default(), meshes: HashMap::new(), materials: Materials::default() };
+    let mut loader =
+        Loader { document, notes: Notes::default(), meshes: HashMap::new(), materials: Materials::default() };
     loader.notes.about_file(document);
     let animations = animation::names(document);
     let pose = pose(document, reading, &mut loader.notes)?;
@@ -124,7 +126,7 @@ fn describe(document: &Document, reading: &Reading) -> Result<Description> {
     Ok(Description { materials, images, ignored: loader.notes.into_sentences(), ..out })
 }
 
-/// Where nodes are at that time; where they stand in the file without one.
+/// Returns the animated node values at the given time; none without a time.
 fn pose(document: &Document, reading: &Reading, notes: &mut Notes) -> Result<Pose> {
     match reading.seconds {
         Some(seconds) => animation::pose(document, seconds, reading.animation, notes),
@@ -135,9 +137,9 @@ fn pose(document: &Document, reading: &Reading, notes: &mut Notes) -> Result<Pos
     }
 }
 
-/// What a part of a mesh at a place takes in a scene: an object and an instance in the ray-tracing structure.
+/// Bytes of one placed mesh primitive: an object and an instance in the acceleration structure.
 const BYTES_A_PART: usize = 128;
-/// Materials in the order in which they are first used; `None` is glTF's default material.
+/// Materials in the order of their first use; `None` is glTF's default material.
 #[derive(Default)]
 struct Materials {
     order: Vec<Option<usize>>,
@@ -156,7 +158,7 @@ impl Materials {
 struct Loader<'a> {
     document: &'a Document,
     notes: Notes,
-    /// Where each mesh of the file stands in the description; `None` if nothing of it can be shown.
+    /// Index in the description of each mesh of the file; `None` if no part of it can be shown.
     meshes: HashMap<usize, Option<usize>>,
     materials: Materials,
 }
@@ -184,14 +186,14 @@ impl Loader<'_> {
         }
         if let Some(punctual) = punctual {
             let light = light::load(self.document, punctual.light, placement.stand, &mut self.notes)?;
-            // Many nodes may stand for one light of the file.
+            // Many nodes may refer to one light of the file.
             let name = node.name.as_ref().map(|_| name_or(&node.name, "node", placement.node));
             out.lights.extend(light.map(|light| PunctualLight { name: name.unwrap_or(light.name), ..light }));
         }
         Ok(())
     }
 
-    /// Whether a material of a mesh is made to emit, however weakly.
+    /// Whether any material of a mesh emits, however weakly.
     fn emits(&self, mesh: usize) -> bool {
         let materials = self.document.root.meshes[mesh].primitives.iter().filter_map(|p| p.material);
         materials.map(|m| &self.document.root.materials[m.value()]).any(|m| {
@@ -200,7 +202,7 @@ impl Loader<'_> {
         })
     }
 
-    /// Adds the instances of `mesh` that the node at `placement` stands for.
+    /// Adds the instances of `mesh` at the node of `placement`.
     fn copies(&mut self, placement: &Placement, name: &str, mesh: usize, out: &mut Description) -> Result<()> {
         let cost = size_of::<Instance>() + name.len() + BYTES_A_PART * out.meshes[mesh].primitives.len();
         for place in instancing::places(self.document, placement.node)? {

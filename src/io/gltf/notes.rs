@@ -1,4 +1,4 @@
-//! What a file has and étendue does not: one sentence each, in order, without repeats.
+//! Notes on features that the file uses and étendue does not support: one sentence each, in order, without repeats.
 
 use super::document::{Document, READ_EXTENSIONS};
 use std::collections::HashSet;
@@ -10,7 +10,7 @@ pub(super) struct Notes {
 }
 
 impl Notes {
-    /// Adds a sentence unless it was already said.
+    /// Adds a sentence unless it is already there.
     pub(super) fn add(&mut self, sentence: impl Into<String>) {
         let sentence = sentence.into();
         if self.known.insert(sentence.clone()) {
@@ -18,7 +18,7 @@ impl Notes {
         }
     }
 
-    /// Notes what is ignored whichever part of the file is used.
+    /// Notes features that are ignored regardless of the parts used.
     pub(super) fn about_file(&mut self, document: &Document) {
         document.oddities.iter().for_each(|oddity| self.add(oddity));
         for extension in document.root.extensions_used.iter().filter(|e| !READ_EXTENSIONS.contains(&e.as_str())) {
@@ -26,7 +26,7 @@ impl Notes {
         }
     }
 
-    /// Notes that the file has animations, where none is to be played.
+    /// Notes that the file has animations, if none is to be played.
     pub(super) fn about_rest(&mut self, document: &Document) {
         if document.animations.as_array().is_some_and(|animations| !animations.is_empty()) {
             self.add("animations are not played, as no frame is asked for: the scene is shown as it stands");

@@ -12,14 +12,14 @@ use json::accessor::{Accessor, ComponentType, Type};
 use json::mesh::Semantic;
 use json::validation::Checked;
 
-/// Bytes that one index takes until its triangle is made: itself, and up to three in a strip.
+/// Bytes of one index during triangulation: itself, and up to three in a strip.
 const BYTES_AN_INDEX: usize = 4 * size_of::<u32>();
 
-/// Loads one primitive of `mesh`, with material 0 and only those vertices that its triangles use: exporters let many
-/// primitives share one long accessor. `None` if it shows nothing, and a note says why.
+/// Loads one primitive of `mesh`, with material 0 and only the vertices that its triangles use, since exporters let
+/// many primitives share one long accessor. `None`, and a note, if it shows nothing.
 ///
 /// # Errors
-/// A scene error if an accessor is not valid, an index is out of range or a value is not finite.
+/// A scene error if an accessor is not valid, an index is out of range, or a value is not finite.
 pub(super) fn load(
     document: &Document,
     source: &json::mesh::Primitive,
@@ -49,12 +49,12 @@ pub(super) fn load(
     Attributes { document, source, vertices, used }.assemble(triangles, mesh, notes).map(Some)
 }
 
-/// The accessor of an attribute.
+/// Returns the accessor of an attribute.
 fn find(source: &json::mesh::Primitive, semantic: Semantic) -> Option<usize> {
     source.attributes.get(&Checked::Valid(semantic)).map(|a| a.value())
 }
 
-/// The vertices in the order in which they make triangles, each below `vertices`.
+/// Returns the vertex indices in the order in which they form triangles, each below `vertices`.
 fn indices(document: &Document, source: &json::mesh::Primitive, vertices: usize) -> Result<Vec<u32>> {
     let count = u32::try_from(vertices).map_err(|_| Error::scene("there are more than 2^32 vertices"))?;
     let indices = match source.indices {
@@ -71,9 +71,10 @@ fn indices(document: &Document, source: &json::mesh::Primitive, vertices: usize)
     }
 }
 
-/// The vertices that `triangles` use, ascending; the triangles then name them by their place in that list.
+/// Returns the vertices that `triangles` use, in ascending order. The triangles are renumbered to positions in that
+/// list.
 fn renumber(triangles: &mut [[u32; 3]], vertices: usize) -> Vec<u32> {
-    // Marks cost a byte a vertex, whoever uses it; sorting costs what is used.
+    // Marking costs a byte per vertex, used or not. Sorting costs in proportion to the used vertices.
     const SPARSE: usize = 32;
     let few = triangles.len().saturating_mul(SPARSE) < vertices;
     let used = if few { sorted(triangles) } else { marked(triangles, vertices) };
@@ -101,9 +102,9 @@ fn marked(triangles: &[[u32; 3]], vertices: usize) -> Vec<u32> {
 struct Attributes<'a> {
     document: &'a Document,
     source: &'a json::mesh::Primitive,
-    /// How many vertices every attribute must have.
+    /// Required number of vertices of every attribute.
     vertices: usize,
-    /// Those that are read, ascending.
+    /// Vertices that are read, in ascending order.
     used: Vec<u32>,
 }
 
@@ -112,7 +113,7 @@ impl Attributes<'_> {
         let positions = self.finite(Semantic::Positions)?.unwrap_or_default();
         let positions: Vec<Vec3> = positions.into_iter().map(Vec3::from).collect();
         let normals = self.floats(Semantic::Normals)?.map(|n| vertex::unit_normals(&n, &positions, &triangles));
-        // Without normals the specification wants flat ones, and given tangents ignored.
+        // Without normals the specification requires flat ones, and tangents to be ignored.
         let tangents = match &normals {
             Some(normals) => self.floats(Semantic::Tangents)?.map(|t| vertex::unit_tangents(&t, normals)),
             None => None,
@@ -122,7 +123,7 @@ impl Attributes<'_> {
         Ok(Primitive { positions, triangles, normals, tangents, uvs, colors, material: 0 })
     }
 
-    /// An attribute at the vertices that are used, of which the file must have one a vertex.
+    /// Reads an attribute at the used vertices. The file must have one element per vertex.
     fn floats<const N: usize>(&self, semantic: Semantic) -> Result<Option<Vec<[f32; N]>>> {
         let Some(index) = find(self.source, semantic.clone()) else { return Ok(None) };
         let accessor = self.document.accessor(index)?;
@@ -158,7 +159,7 @@ impl Attributes<'_> {
     }
 }
 
-/// Whether an attribute may have components of that type [glTF20 §3.7.2.1 and KHR_mesh_quantization].
+/// Checks the component type of an attribute [glTF20 §3.7.2.1 and KHR_mesh_quantization].
 fn check_type(semantic: &Semantic, accessor: &Accessor) -> Result<()> {
     use ComponentType::{F32, I8, I16, U8, U16, U32};
     let Checked::Valid(kind) = accessor.component_type else { return Ok(()) };
@@ -179,7 +180,9 @@ fn check_type(semantic: &Semantic, accessor: &Accessor) -> Result<()> {
 fn note_unread(source: &json::mesh::Primitive, notes: &mut Notes) {
     for semantic in source.attributes.keys() {
         match semantic {
-            Checked::Valid(Semantic::TexCoords(set @ 2..)) => notes.add(format!("texture coordinate set {set} is not read")),
+            Checked::Valid(Semantic::TexCoords(set @ 2..)) => {
+                notes.add(format!("texture coordinate set {set} is not read"))
+            }
             Checked::Valid(Semantic::Colors(set @ 1..)) => notes.add(format!("vertex colour set {set} is not read")),
             Checked::Valid(Semantic::Joints(_)) => notes.add("skins are not posed: the meshes are shown as modelled"),
             _ => {}

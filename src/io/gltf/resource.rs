@@ -1,11 +1,11 @@
-//! Bytes from URIs: data URIs, or files beside the scene. Nothing is ever fetched from a network.
+//! Reads data URIs and files beside the scene. There is no network access.
 
 use crate::error::{Error, Kind, Result};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// The first `limit` bytes, or all if there are fewer, of a regular file: reading a device or a pipe might never end.
+/// Reads at most `limit` bytes of a regular file. Devices and pipes are rejected, since reading them might never end.
 ///
 /// # Errors
 /// An error with the path if the file cannot be read or does not fit into memory.
@@ -23,19 +23,21 @@ pub(super) fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What `uri` means: the data in it, or at most `limit` bytes of a file relative to the directory `base`.
+/// Resolves `uri`: its embedded data, or at most `limit` bytes of a file relative to the directory `base`.
 ///
 /// # Errors
-/// A scene error if the URI is malformed, names a scheme other than `data:`, is absolute, or its file cannot be read.
+/// A scene error if the URI is malformed, has a scheme other than `data:`, is absolute, or its file cannot be read.
 pub(super) fn read_uri(base: &Path, uri: &str, limit: u64) -> Result<Vec<u8>> {
     match scheme(uri) {
         Some(data) if data.eq_ignore_ascii_case("data") => read_data(uri),
-        Some(other) => Err(Error::scene(format!("the URI scheme '{other}:' is not supported; refer to files by relative paths"))),
+        Some(other) => {
+            Err(Error::scene(format!("the URI scheme '{other}:' is not supported; refer to files by relative paths")))
+        }
         None => read_file(&base.join(relative_path(uri)?), limit),
     }
 }
 
-/// The file that a relative URI means, the same path for all that mean the same one; `None` for data and what is not there.
+/// Returns the canonical path of a relative URI; `None` for data URIs and missing files.
 pub(super) fn file_of(base: &Path, uri: &str) -> Option<PathBuf> {
     if scheme(uri).is_some() {
         return None;
@@ -48,12 +50,12 @@ fn read_data(uri: &str) -> Result<Vec<u8>> {
     if let Some((_, contents)) = plain {
         return percent_decoded(contents).ok_or_else(|| Error::scene("a data URI is not valid"));
     }
-    // The crate's own reader, which has the base64 decoder.
+    // The crate's own reader contains the base64 decoder.
     let data = ::gltf::buffer::Data::from_source(::gltf::buffer::Source::Uri(uri), None);
     data.map(|data| data.0).map_err(|e| Error::scene("a data URI is not valid base64").because(e))
 }
 
-/// The scheme of an absolute URI (RFC 3986 §3.1).
+/// Returns the scheme of an absolute URI (RFC 3986 §3.1).
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;
     let well_formed = scheme.starts_with(|c: char| c.is_ascii_alphabetic())

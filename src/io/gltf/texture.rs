@@ -1,9 +1,9 @@
-//! Where a material refers to textures, and how they are looked up.
+//! Texture references of a material, with their samplers and transforms.
 
 use super::document::Document;
 use super::notes::Notes;
 use crate::defects::{Defect, planted};
-use crate::texture::{Encoding, Filter, Image, Texture, Wrap};
+use crate::texture::{Encoding, Image, Texture, TextureFilter, Wrap};
 use ::gltf::json::extensions::texture::TextureTransform;
 use ::gltf::json::material::{Material, NormalTexture};
 use ::gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
@@ -12,7 +12,7 @@ use glam::{Affine2, Vec2};
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// What a texture is to its material.
+/// Role of a texture in its material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     BaseColor,
@@ -45,7 +45,7 @@ impl Role {
     }
 }
 
-/// A use of a texture that étendue can show.
+/// A texture reference that étendue supports.
 pub(super) struct Slot {
     pub(super) role: Role,
     /// Index of the image in the file.
@@ -56,21 +56,22 @@ pub(super) struct Slot {
 }
 
 impl Slot {
-    /// The texture, given its decoded image.
+    /// Builds the texture from its decoded image.
     pub(super) fn texture(&self, document: &Document, image: Arc<Image>) -> Texture {
         let sampler = self.sampler.and_then(|s| document.root.samplers.get(s));
         Texture {
             image,
             encoding: self.role.encoding(),
             wrap: sampler.map_or([Wrap::Repeat; 2], |s| [wrap(s.wrap_s), wrap(s.wrap_t)]),
-            filter: sampler.map_or(Filter::Linear, filter),
+            filter: sampler.map_or(TextureFilter::Linear, filter),
             uv_set: self.uv_set,
             transform: self.transform,
         }
     }
 }
 
-/// Every texture of `material` that can be shown; a note says what is left out. Thickness and occlusion have no use here.
+/// Returns the supported textures of `material`. Notes tell which are left out. Thickness and occlusion textures have
+/// no effect here.
 pub(super) fn slots(document: &Document, material: &Material, name: &str, notes: &mut Notes) -> Vec<Slot> {
     let pbr = &material.pbr_metallic_roughness;
     let extensions = material.extensions.as_ref();
@@ -89,7 +90,7 @@ pub(super) fn slots(document: &Document, material: &Material, name: &str, notes:
     present.filter_map(|(role, reference)| reference.slot(document, role, name, notes)).collect()
 }
 
-/// What the two kinds of texture references in glTF have in common.
+/// Common fields of the two kinds of texture references in glTF.
 struct Reference {
     texture: usize,
     uv_set: u32,
@@ -131,10 +132,10 @@ impl Reference {
     }
 }
 
-/// As many as [`crate::scene::description::Primitive::uvs`] holds.
+/// Number of coordinate sets in [`crate::scene::description::Primitive::uvs`].
 const UV_SETS: usize = 2;
 
-/// Scale, then rotation, then offset. Angles are counter-clockwise as one sees the image, whose v axis points down.
+/// Scale, then rotation, then offset. Angles are counter-clockwise in the displayed image, whose v axis points down.
 fn uv_transform(t: &TextureTransform) -> Affine2 {
     if planted(Defect::UvRotatesFirst) {
         let scaled = Affine2::from_scale_angle_translation(Vec2::from(t.scale.0), 0.0, Vec2::from(t.offset.0));
@@ -151,16 +152,18 @@ fn wrap(mode: Checked<WrappingMode>) -> Wrap {
     }
 }
 
-/// Magnification decides, else minification without its mipmaps.
-fn filter(sampler: &Sampler) -> Filter {
+/// The magnification filter decides, else the minification filter without its mipmaps.
+fn filter(sampler: &Sampler) -> TextureFilter {
     match (sampler.mag_filter, sampler.min_filter) {
-        (Some(Checked::Valid(MagFilter::Nearest)), _) => Filter::Nearest,
-        (Some(_), _) | (None, None) => Filter::Linear,
+        (Some(Checked::Valid(MagFilter::Nearest)), _) => TextureFilter::Nearest,
+        (Some(_), _) | (None, None) => TextureFilter::Linear,
         (None, Some(Checked::Valid(min))) => match min {
-            MinFilter::Nearest | MinFilter::NearestMipmapNearest | MinFilter::NearestMipmapLinear => Filter::Nearest,
-            MinFilter::Linear | MinFilter::LinearMipmapNearest | MinFilter::LinearMipmapLinear => Filter::Linear,
+            MinFilter::Nearest | MinFilter::NearestMipmapNearest | MinFilter::NearestMipmapLinear => {
+                TextureFilter::Nearest
+            }
+            MinFilter::Linear | MinFilter::LinearMipmapNearest | MinFilter::LinearMipmapLinear => TextureFilter::Linear,
         },
-        (None, Some(Checked::Invalid)) => Filter::Linear,
+        (None, Some(Checked::Invalid)) => TextureFilter::Linear,
     }
 }
 
@@ -168,13 +171,16 @@ fn filter(sampler: &Sampler) -> Filter {
 mod tests {
     use super::*;
 
-    /// The transform in `json` takes each point to the other, but for one rounding of the angle and of each product of numbers up
-    /// to 1.
+    /// Checks that the transform in `json` maps each point to its partner, up to one rounding of the angle and of each
+    /// product of numbers up to 1.
     fn maps(json: &str, points: &[([f32; 2], [f32; 2])]) {
         let transform = uv_transform(&serde_json::from_str(json).expect("valid"));
         for &(uv, want) in points {
             let got = transform.transform_point2(Vec2::from(uv));
-            assert!((got - Vec2::from(want)).abs().max_element() <= 4.0 * f32::EPSILON, "{uv:?}: {got} is not {want:?}");
+            assert!(
+                (got - Vec2::from(want)).abs().max_element() <= 4.0 * f32::EPSILON,
+                "{uv:?}: {got} is not {want:?}"
+            );
         }
     }
 
@@ -187,7 +193,8 @@ mod tests {
         );
     }
 
-    /// "translation * rotation * scale": an even scale, which the specification's example has, does not tell the order.
+    /// "translation * rotation * scale": the specification's example has a uniform scale, which does not determine the
+    /// order.
     #[test]
     fn an_uneven_scale_comes_before_rotation_and_offset() {
         maps(

@@ -2,8 +2,8 @@
 
 use ::gltf::json::mesh::Mode;
 
-/// The triangles that `indices` mean in `mode`, counter-clockwise, or `None` if the mode has points or lines.
-/// Strips and fans lose triangles without area (an index twice); vertices that complete no triangle are dropped.
+/// Triangulates `indices` according to `mode`, counter-clockwise; `None` for points and lines. Degenerate triangles of
+/// strips and fans (a repeated index) are dropped, and so are vertices that complete no triangle.
 pub(super) fn triangles(mode: Mode, indices: &[u32]) -> Option<Vec<[u32; 3]>> {
     match mode {
         Mode::Triangles => Some(indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect()),

@@ -1,9 +1,9 @@
-//! Vertex attributes made fit for use: unit normals, unit tangents, colours between 0 and 1.
+//! Repairs vertex attributes: unit normals, unit tangents, colours between 0 and 1.
 
 use glam::{Vec3, Vec4};
 
-/// Unit normals. One without a direction (zero or not finite) becomes that of the triangles around its vertex, weighted
-/// by area, or any unit vector if they have none either.
+/// Normalises the normals. One without a direction (zero or not finite) becomes the area-weighted normal of the
+/// adjacent triangles, or an arbitrary unit vector if they have none either.
 pub(super) fn unit_normals(normals: &[[f32; 3]], positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let given: Vec<Option<Vec3>> = normals.iter().map(|&n| Vec3::from(n).try_normalize()).collect();
     let mut around = vec![Vec3::ZERO; if given.contains(&None) { given.len() } else { 0 }];
@@ -18,7 +18,8 @@ pub(super) fn unit_normals(normals: &[[f32; 3]], positions: &[Vec3], triangles: 
     given.into_iter().enumerate().map(or_around).collect()
 }
 
-/// Unit tangents with handedness ±1. One without a direction becomes any vector perpendicular to its normal.
+/// Normalises the tangents, with handedness ±1. One without a direction becomes an arbitrary vector perpendicular to
+/// its normal.
 pub(super) fn unit_tangents(tangents: &[[f32; 4]], normals: &[Vec3]) -> Vec<Vec4> {
     let repair = |(&[x, y, z, w], normal): (&[f32; 4], &Vec3)| {
         let tangent = Vec3::new(x, y, z).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());

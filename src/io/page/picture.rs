@@ -1,59 +1,71 @@
-//! Pictures inside a page, to look at side by side.
+//! Pictures embedded in a page, for side-by-side viewing.
 
 use crate::error::Result;
-use crate::io::png::{self, Curve};
+use crate::io::png::{self, ToneCurve};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
-/// Larger pictures are reduced by a whole factor until no side is longer, in pixels.
+/// Maximum side of embedded pictures, in pixels. Larger ones are reduced by an integer factor.
 pub const MOST_SIDE: u32 = 512;
 
-/// A picture with its name.
+/// A named picture.
 #[derive(Clone)]
-pub struct Picture {
+pub struct FigurePicture {
     name: String,
     width: u32,
     height: u32,
     uri: String,
 }
 
-impl Picture {
-    /// A picture of linear Rec. 709 values, row by row, `exposure` in stops.
+impl FigurePicture {
+    /// Creates a picture from linear Rec. 709 values, row by row; `exposure` is in stops.
     ///
     /// # Errors
     /// An internal error unless there are width × height pixels.
-    pub fn of_values(name: &str, width: u32, height: u32, rgb: &[f32], exposure: f32, curve: Curve) -> Result<Picture> {
+    pub fn of_values(
+        name: &str,
+        width: u32,
+        height: u32,
+        rgb: &[f32],
+        exposure: f32,
+        curve: ToneCurve,
+    ) -> Result<FigurePicture> {
         let (width, height, rgb) = reduced(width, height, rgb, MOST_SIDE);
-        Ok(Picture::of_png(name, width, height, &png::bytes(width, height, &rgb, exposure, curve)?))
+        Ok(FigurePicture::of_png(name, width, height, &png::bytes(width, height, &rgb, exposure, curve)?))
     }
 
-    /// A picture of eight-bit display values, row by row.
+    /// Creates a picture from 8-bit display values, row by row.
     ///
     /// # Errors
     /// An internal error unless there are width × height pixels.
-    pub fn of_bytes(name: &str, width: u32, height: u32, rgb: &[u8]) -> Result<Picture> {
-        Ok(Picture::of_png(name, width, height, &png::display_bytes(width, height, rgb)?))
+    pub fn of_bytes(name: &str, width: u32, height: u32, rgb: &[u8]) -> Result<FigurePicture> {
+        Ok(FigurePicture::of_png(name, width, height, &png::display_bytes(width, height, rgb)?))
     }
 
-    /// A map of `shares` (0 to 1), one a pixel, in the colours of [`ramp`].
+    /// Creates a map of `shares` (0 to 1), one per pixel, in the colours of [`ramp`].
     ///
     /// # Errors
     /// An internal error unless there are width × height values.
-    pub fn of_shares(name: &str, width: u32, height: u32, shares: &[f32]) -> Result<Picture> {
+    pub fn of_shares(name: &str, width: u32, height: u32, shares: &[f32]) -> Result<FigurePicture> {
         let gray: Vec<f32> = shares.iter().flat_map(|&s| [s; 3]).collect();
         let (width, height, gray) = reduced(width, height, &gray, MOST_SIDE);
         let colors: Vec<u8> = gray.iter().step_by(3).flat_map(|&s| heat(s)).collect();
-        Picture::of_bytes(name, width, height, &colors)
+        FigurePicture::of_bytes(name, width, height, &colors)
     }
 
-    fn of_png(name: &str, width: u32, height: u32, png: &[u8]) -> Picture {
-        Picture { name: name.into(), width, height, uri: format!("data:image/png;base64,{}", STANDARD.encode(png)) }
+    fn of_png(name: &str, width: u32, height: u32, png: &[u8]) -> FigurePicture {
+        FigurePicture {
+            name: name.into(),
+            width,
+            height,
+            uri: format!("data:image/png;base64,{}", STANDARD.encode(png)),
+        }
     }
 }
 
-/// The picture with blocks of pixels averaged, no side longer than `most`. Columns and rows past the last whole block are left
-/// out.
+/// Reduces the picture by averaging blocks of pixels, until no side exceeds `most`. Columns and rows beyond the last
+/// whole block are dropped.
 ///
 /// # Panics
 /// If `most` is 0.
@@ -73,9 +85,9 @@ pub fn reduced(width: u32, height: u32, rgb: &[f32], most: u32) -> (u32, u32, Ve
     (w, h, means.map(|(x, y, c)| mean(x, y, c)).collect())
 }
 
-/// Steps of the colour map: few, so that maps stay small.
+/// Number of steps of the colour map. It is small, so that maps compress well.
 const STEPS: f32 = 24.0;
-/// Its colours, from none to most: growing brightness, so that it reads in grey too.
+/// Colours of the map from low to high, with increasing brightness, so that it is legible in grey too.
 const HEAT: [[f32; 3]; 5] =
     [[8.0, 8.0, 32.0], [76.0, 20.0, 110.0], [190.0, 50.0, 80.0], [248.0, 140.0, 30.0], [252.0, 250.0, 190.0]];
 
@@ -87,7 +99,7 @@ fn heat(share: f32) -> [u8; 3] {
     std::array::from_fn(|c| (HEAT[low][c] * (1.0 - t) + HEAT[low + 1][c] * t + 0.5) as u8)
 }
 
-/// The colour map with what its ends and its middle mean.
+/// Formats the colour map with labels for its ends and its middle.
 pub fn ramp(name: &str, [low, middle, high]: [&str; 3]) -> Markup {
     let stops: Vec<String> = HEAT.iter().map(|c| format!("rgb({} {} {})", c[0], c[1], c[2])).collect();
     html! {
@@ -103,8 +115,8 @@ fn id(group: &str, at: usize) -> String {
     format!("{group}-{at}")
 }
 
-/// All pictures of a group, small; [`compare`] shows these large.
-pub fn gallery(group: &str, pictures: &[Picture]) -> Markup {
+/// Formats all pictures of a group as thumbnails. [`compare`] shows them large.
+pub fn gallery(group: &str, pictures: &[FigurePicture]) -> Markup {
     html! {
         div.gallery {
             @for (at, picture) in pictures.iter().enumerate() {
@@ -117,9 +129,9 @@ pub fn gallery(group: &str, pictures: &[Picture]) -> Markup {
     }
 }
 
-/// Two pictures of the [`gallery`] of this group, one over the other, with a slider between them. The first two are shown at
-/// first; where no script runs it stays hidden.
-pub fn compare(group: &str, pictures: &[Picture]) -> Markup {
+/// Formats a comparison of two pictures of the group's [`gallery`], one over the other, with a slider. It starts with
+/// the first two, and is hidden without scripts.
+pub fn compare(group: &str, pictures: &[FigurePicture]) -> Markup {
     let Some(first) = pictures.first() else { return html! {} };
     let choice = |label: &str, chosen: usize| {
         html! {

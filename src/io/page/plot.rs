@@ -1,5 +1,5 @@
-//! Curves in logarithmic axes as SVG. Colours in the drawing are place holders that the page's style replaces, so that one
-//! drawing serves light and dark pages.
+//! Curves on logarithmic axes as SVG. The colours in the drawing are placeholders that the page's style sheet replaces,
+//! so that one drawing serves light and dark pages.
 
 use maud::{Markup, PreEscaped, html};
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
@@ -7,31 +7,31 @@ use plotters::prelude::*;
 use std::fmt::Write;
 use std::ops::Range;
 
-/// Size of the drawing in its own units; the page scales it.
+/// Size of the drawing in user units; the page scales it.
 const SIZE: (u32, u32) = (960, 720);
-/// Height of labels: legible where the drawing is shrunk to a phone.
+/// Height of labels: legible when the drawing is scaled to a phone.
 const TEXT: u32 = 32;
-/// How many colours and dash patterns there are; more series repeat them.
+/// Number of colours; with `DASHES` it bounds the distinct series, beyond which styles repeat.
 const HUES: usize = 8;
 const DASHES: [&str; 4] = ["none", "16 9", "4 7", "20 7 4 7"];
 
-/// A curve with its band.
+/// A curve with its error band.
 pub struct Series {
     /// Its name.
     pub label: String,
-    /// Number of its colour.
+    /// Index of its colour.
     pub hue: usize,
-    /// Number of its dash pattern.
+    /// Index of its dash pattern.
     pub dash: usize,
-    /// Points x, y from left to right; those that are not positive and finite are left out.
+    /// Points (x, y) from left to right. Those that are not positive and finite are left out.
     pub curve: Vec<[f64; 2]>,
-    /// Low and high at each point; may be empty.
+    /// Lower and upper end of the band at each point; may be empty.
     pub band: Vec<[f64; 2]>,
 }
 
-/// A plot of y over x, both logarithmic.
+/// A log-log plot of y over x.
 pub struct Plot<'a> {
-    /// What it shows, for those who do not see it.
+    /// Alternative text.
     pub title: &'a str,
     /// Name of the horizontal axis.
     pub x: &'a str,
@@ -39,22 +39,23 @@ pub struct Plot<'a> {
     pub y: &'a str,
     /// The curves.
     pub series: &'a [Series],
-    /// A line of this slope to compare with.
+    /// Slope of a guide line, if any.
     pub guide: Option<f64>,
 }
 
 type Failure = DrawingAreaErrorKind<std::io::Error>;
 
 impl Plot<'_> {
-    /// The drawing.
+    /// Draws the plot.
     pub fn draw(&self) -> Markup {
         let mut svg = String::new();
-        // Drawing into a string fails only for ranges that `span` does not make.
+        // Drawing into a string fails only for invalid ranges, which `span` does not produce.
         if self.draw_into(&mut svg).is_err() {
             return html! { p.soft { "There is nothing to plot." } };
         }
         let open =
-            html! { svg.plot role="img" aria-label=(self.title) viewBox=(format!("0 0 {} {}", SIZE.0, SIZE.1)) {} }.into_string();
+            html! { svg.plot role="img" aria-label=(self.title) viewBox=(format!("0 0 {} {}", SIZE.0, SIZE.1)) {} }
+                .into_string();
         let open = open.trim_end_matches("</svg>");
         let body = svg.find('>').map_or("", |end| &svg[end + 1..]);
         PreEscaped(format!("{open}{body}"))
@@ -62,7 +63,8 @@ impl Plot<'_> {
 
     fn draw_into(&self, svg: &mut String) -> Result<(), Failure> {
         let points = || self.series.iter().flat_map(|s| s.curve.iter().filter_map(log_point));
-        let bands = || self.series.iter().flat_map(|s| s.band.iter().flatten()).filter(|v| is_loggable(v)).map(|v| v.log10());
+        let bands =
+            || self.series.iter().flat_map(|s| s.band.iter().flatten()).filter(|v| is_loggable(v)).map(|v| v.log10());
         let (x, y) = (span(points().map(|p| p[0])), span(points().map(|p| p[1]).chain(bands())));
         let area = SVGBackend::with_string(svg, SIZE).into_drawing_area();
         let mut chart = ChartBuilder::on(&area)
@@ -99,7 +101,7 @@ impl Plot<'_> {
     }
 }
 
-/// An axis of logarithms with our labels.
+/// A logarithmic axis with our labels.
 struct LogAxis(Range<f64>);
 
 impl Ranged for LogAxis {
@@ -129,7 +131,7 @@ fn color(series: &Series) -> RGBColor {
     RGBColor(10, (series.hue % HUES) as u8, (series.dash % DASHES.len()) as u8)
 }
 
-/// The style that gives the place holders their colours.
+/// Returns the style sheet that maps the placeholders to colours.
 pub(super) fn css() -> String {
     let mut css = String::new();
     let mut rule = |RGBColor(r, g, b): RGBColor, value: &str, dash: &str| {
@@ -138,9 +140,12 @@ pub(super) fn css() -> String {
             "[fill=\"#{r:02X}{g:02X}{b:02X}\"]{{fill:{value}}}[stroke=\"#{r:02X}{g:02X}{b:02X}\"]{{stroke:{value};stroke-dasharray:{dash}}}"
         );
     };
-    for (color, value, dash) in
-        [(AXIS, "var(--soft)", "none"), (INK, "var(--ink)", "none"), (GRID, "var(--line)", "none"), (GUIDE, "var(--soft)", "3 9")]
-    {
+    for (color, value, dash) in [
+        (AXIS, "var(--soft)", "none"),
+        (INK, "var(--ink)", "none"),
+        (GRID, "var(--line)", "none"),
+        (GUIDE, "var(--soft)", "3 9"),
+    ] {
         rule(color, value, dash);
     }
     for hue in 0..HUES {
@@ -151,7 +156,7 @@ pub(super) fn css() -> String {
     css
 }
 
-/// The names of the series, each with a piece of its line.
+/// Formats the legend: the names of the series, each with a sample of its line.
 pub fn key(series: &[Series]) -> Markup {
     html! {
         ul.key {
@@ -176,15 +181,16 @@ fn log_point(p: &[f64; 2]) -> Option<[f64; 2]> {
     p.iter().all(is_loggable).then(|| p.map(f64::log10))
 }
 
-/// The outline of a series' band, if it has one.
+/// Returns the outline of a series' band, if it has one.
 fn band(series: &Series) -> Option<Vec<(f64, f64)>> {
-    let edge = |side: usize| series.curve.iter().zip(&series.band).filter_map(move |(p, b)| log_point(&[p[0], b[side]]));
+    let edge =
+        |side: usize| series.curve.iter().zip(&series.band).filter_map(move |(p, b)| log_point(&[p[0], b[side]]));
     let (low, high): (Vec<_>, Vec<_>) = (edge(0).collect(), edge(1).collect());
     let outline: Vec<_> = low.into_iter().chain(high.into_iter().rev()).map(|p| (p[0], p[1])).collect();
     (outline.len() > 2).then_some(outline)
 }
 
-/// The part of a falling line that lies within the heights `y`.
+/// Clips a falling line to the vertical range `y`.
 fn clipped([a, b]: [(f64, f64); 2], y: &Range<f64>, slope: f64) -> [(f64, f64); 2] {
     let onto = |(px, py): (f64, f64)| {
         let height = py.clamp(y.start, y.end);
@@ -193,7 +199,7 @@ fn clipped([a, b]: [(f64, f64); 2], y: &Range<f64>, slope: f64) -> [(f64, f64); 
     [onto(a), onto(b)]
 }
 
-/// A range of logarithms around `values`, at least half a decade.
+/// Returns a range of logarithms that contains `values`, at least half a decade.
 fn span(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     if low > high {
@@ -203,7 +209,8 @@ fn span(values: impl Iterator<Item = f64>) -> Range<f64> {
     low - pad..high + pad
 }
 
-/// Where labels stand: 1, 2 and 5 times powers of ten on short axes, powers of ten on long ones, and never more than some.
+/// Returns the label positions: 1, 2 and 5 times powers of ten on short axes, powers of ten on long ones. Their number
+/// is bounded.
 fn ticks(range: &Range<f64>) -> Vec<f64> {
     let decades = range.end - range.start;
     let step = (decades / 6.0).ceil().max(1.0) as i32;
@@ -213,7 +220,7 @@ fn ticks(range: &Range<f64>) -> Vec<f64> {
     all.filter(|t| range.contains(t)).collect()
 }
 
-/// The number whose logarithm is `log`, briefly.
+/// Formats the number with the logarithm `log`.
 #[allow(clippy::trivially_copy_pass_by_ref)] // as plotters wants it
 fn label(log: &f64) -> String {
     let (power, value) = (log.floor() as i32, 10_f64.powf(*log));
@@ -226,7 +233,8 @@ mod tests {
 
     #[test]
     fn labels_are_short_and_right() {
-        for (value, text) in [(1.0, "1"), (0.05, "0.05"), (200.0, "200"), (0.002, "2e-3"), (5e4, "5e4"), (0.01, "0.01")] {
+        for (value, text) in [(1.0, "1"), (0.05, "0.05"), (200.0, "200"), (0.002, "2e-3"), (5e4, "5e4"), (0.01, "0.01")]
+        {
             assert_eq!(label(&f64::log10(value)), text);
         }
     }

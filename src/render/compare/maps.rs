@@ -1,35 +1,36 @@
-//! Maps of how two images differ: EXR with the numbers, PNG in colours that are even to the eye. What is not finite is green.
+//! Difference maps of two images: EXR with the values, or PNG in perceptually even colours. Non-finite pixels are
+//! green.
 
-use super::Pair;
+use super::ImagePair;
 use crate::error::{Error, Result};
 use crate::io::exr::{self, Layer};
 use crate::io::png;
 use crate::render::images::split;
 use std::path::Path;
 
-/// The z-score at the ends of the colour scale.
+/// z-score at the ends of the colour scale.
 const Z_LIMIT: f32 = 5.0;
-/// The share of pixels whose difference is within the colour scale.
+/// Fraction of the pixels whose difference lies within the colour scale.
 const WITHIN: f64 = 0.99;
 const NOT_FINITE: [u8; 3] = [0, 255, 0];
 
 /// A quantity at each pixel.
 #[derive(Debug, Clone)]
 pub struct Map {
-    /// Channels for EXR.
+    /// EXR channel names.
     channels: &'static [&'static str],
     values: Vec<f32>,
-    /// One value a pixel for PNG, and what its colours mean.
+    /// One value per pixel for PNG, and the meaning of the colours.
     shown: Vec<f32>,
     scale: Scale,
 }
 
-/// What colours mean.
+/// Colour scale of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scale {
     /// Blue at −limit, white at 0, red at +limit: ColorBrewer's RdBu.
     Signed {
-        /// What the last colours stand for.
+        /// Value at the ends of the scale.
         limit: f32,
     },
     /// Black at 0, pale yellow at 1: magma.
@@ -45,40 +46,42 @@ impl std::fmt::Display for Scale {
     }
 }
 
-impl Pair {
-    /// Image less reference; in colours the mean over channels, up to the 99th percentile of what is not 0.
+impl ImagePair {
+    /// Returns image − reference. The colours show the mean over channels, scaled to the 99th percentile of the nonzero
+    /// magnitudes.
     pub fn difference(&self) -> Map {
         let values: Vec<f32> = self.image.colors.iter().zip(&self.reference.colors).map(|(a, b)| a - b).collect();
         let shown: Vec<f32> = values.chunks_exact(3).map(|c| (c[0] + c[1] + c[2]) / 3.0).collect();
         Map { channels: &["R", "G", "B"], values, scale: Scale::Signed { limit: percentile(&shown) }, shown }
     }
 
-    /// Image less reference over the standard error of that, 0 where they are equal; in colours the channel that is furthest off,
-    /// up to 5.
+    /// Returns (image − reference) over its standard error, 0 where the two are equal. The colours show the channel
+    /// with the largest magnitude, up to 5.
     ///
     /// # Errors
-    /// Usage, if an image carries no standard errors.
+    /// A usage error if an image carries no standard errors.
     pub fn z_scores(&self) -> Result<Map> {
         let [Some(ea), Some(eb)] = [&self.image, &self.reference].map(|side| side.errors.as_ref()) else {
             return Err(Error::usage("z-scores need standard errors (layers stderr.R, G, B) in both images"));
         };
         let colors = self.image.colors.iter().zip(&self.reference.colors);
-        let values: Vec<f32> = colors.zip(ea.iter().zip(eb)).map(|((a, b), (ea, eb))| z(*a, *b, ea.hypot(*eb))).collect();
+        let values: Vec<f32> =
+            colors.zip(ea.iter().zip(eb)).map(|((a, b), (ea, eb))| z(*a, *b, ea.hypot(*eb))).collect();
         let furthest = |c: &[f32]| c.iter().copied().reduce(|a, b| if b.abs() > a.abs() || b.is_nan() { b } else { a });
         let shown = values.chunks_exact(3).filter_map(furthest).collect();
         Ok(Map { channels: &["R", "G", "B"], values, shown, scale: Scale::Signed { limit: Z_LIMIT } })
     }
 
-    /// The map of HDR ꟻLIP.
+    /// Returns the HDR ꟻLIP map.
     pub fn flip(&self) -> Map {
         let map = &self.hdr_flip().flip.map;
         Map { channels: &["Y"], shown: map.clone(), values: map.clone(), scale: Scale::Share }
     }
 
-    /// Writes a map, as EXR or PNG by the ending of `path`; what its colours mean, for a PNG.
+    /// Writes a map as EXR or PNG, selected by the ending of `path`. Returns the colour scale for a PNG.
     ///
     /// # Errors
-    /// Another ending; a file that cannot be written.
+    /// The path has another ending, or the file cannot be written.
     pub fn write(&self, map: &Map, path: &Path) -> Result<Option<Scale>> {
         let [width, height] = self.extent().map(|side| side as u32);
         if is(path, "exr") {
@@ -92,10 +95,10 @@ impl Pair {
     }
 }
 
-/// Whether a map can be written at `path`.
+/// Checks that `path` has an ending that a map can be written with.
 ///
 /// # Errors
-/// Usage, if it ends neither in .png nor in .exr.
+/// A usage error if it ends neither in .png nor in .exr.
 pub fn check_ending(path: &Path) -> Result<()> {
     if is(path, "exr") || is(path, "png") {
         return Ok(());
@@ -118,13 +121,13 @@ impl Scale {
     }
 }
 
-/// The difference in standard errors; 0 if there is none, infinite beyond an error of 0.
+/// The difference in standard errors: 0 if there is no difference, infinite if there is one and the error is 0.
 fn z(a: f32, b: f32, error: f32) -> f32 {
     let difference = a - b;
     if difference.abs() > 0.0 { difference / error } else { difference }
 }
 
-/// The [`WITHIN`] quantile of the absolute values that are not 0; 1 if all are.
+/// Returns the [`WITHIN`] quantile of the nonzero absolute values; 1 if all are 0.
 fn percentile(values: &[f32]) -> f32 {
     let mut sizes: Vec<f32> = values.iter().map(|v| v.abs()).filter(|v| v.is_finite() && *v > 0.0).collect();
     sizes.sort_unstable_by(f32::total_cmp);
@@ -139,7 +142,10 @@ mod tests {
     fn colours_say_sign_and_size() {
         let scale = Scale::Signed { limit: 2.0 };
         let [low, zero, high] = [-9.0, 0.0, 2.0].map(|v| scale.color(v));
-        assert!(low[2] > 2 * low[0] && high[0] > 2 * high[2] && zero.iter().all(|&c| c > 230), "{low:?} {zero:?} {high:?}");
+        assert!(
+            low[2] > 2 * low[0] && high[0] > 2 * high[2] && zero.iter().all(|&c| c > 230),
+            "{low:?} {zero:?} {high:?}"
+        );
         assert_eq!(scale.color(f32::NAN), NOT_FINITE);
         assert_eq!(scale.color(f32::INFINITY), high);
         assert!(Scale::Share.color(0.0).iter().all(|&c| c < 10) && Scale::Share.color(1.0)[0] > 240);

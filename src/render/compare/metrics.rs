@@ -1,17 +1,18 @@
-//! The figures of a comparison.
+//! Error metrics of a comparison.
 
-use super::Pair;
-use crate::io::png::Curve;
+use super::ImagePair;
+use crate::io::png::ToneCurve;
 use crate::stats::image::{self, flip};
 use serde::Serialize;
 
-/// ε of relMSE is the square of this share of the reference's mean, as in the error that an image states of itself.
+/// ε of relMSE is the square of this fraction of the reference's mean, as in the error estimate that images carry.
 const FLOOR: f64 = 0.1;
 
-/// How far an image is from its reference. What is infinite is `null` in JSON.
+/// Error metrics of an image against its reference. Infinite values are `null` in JSON.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Metrics {
-    /// Values (three a pixel) that are infinite or NaN in either image; all figures but FLIP leave them out.
+    /// Number of values (three per pixel) that are infinite or NaN in either image. All metrics but FLIP leave them
+    /// out.
     pub non_finite: usize,
     /// Mean squared error.
     pub mse: f64,
@@ -19,26 +20,26 @@ pub struct Metrics {
     pub mae: f64,
     /// Mean of (I − R)² / (R² + ε).
     pub relmse: f64,
-    /// That ε.
+    /// The ε of relMSE.
     pub relmse_epsilon: f64,
     /// Mean of |I − R| / (|I| + |R|).
     pub smape: f64,
-    /// Peak signal-to-noise ratio in decibels of display values: sRGB, clipped, peak 1.
+    /// Peak signal-to-noise ratio in decibels, of display values (sRGB, clipped, peak 1).
     pub psnr: f64,
-    /// Mean ꟻLIP as displayed.
+    /// Mean LDR ꟻLIP of display values.
     pub flip_ldr: f64,
-    /// Mean ꟻLIP over exposures.
+    /// Mean HDR ꟻLIP over exposures.
     pub flip_hdr: f64,
-    /// The lowest and highest exposure of it in stops.
+    /// Lowest and highest exposure of HDR ꟻLIP, in stops.
     pub flip_exposures: [f32; 2],
-    /// How many exposures.
+    /// Number of exposures.
     pub flip_steps: u32,
-    /// The distance that ꟻLIP is seen from, in pixels per degree.
+    /// Viewing distance of ꟻLIP, in pixels per degree.
     pub flip_pixels_per_degree: f32,
 }
 
 impl Metrics {
-    pub(super) fn of(pair: &Pair, epsilon: Option<f64>) -> Metrics {
+    pub(super) fn of(pair: &ImagePair, epsilon: Option<f64>) -> Metrics {
         let (colors, reference) = (&pair.image.colors[..], &pair.reference.colors[..]);
         let epsilon = epsilon.unwrap_or_else(|| (FLOOR * finite_mean(reference)).powi(2));
         let displayed = |values: &[f32]| values.iter().map(|&v| display(v)).collect::<Vec<f32>>();
@@ -61,9 +62,9 @@ impl Metrics {
     }
 }
 
-/// A display value; what is not finite stays so and is left out.
+/// Returns the display value. Non-finite values stay non-finite and are left out.
 fn display(value: f32) -> f32 {
-    if value.is_finite() { Curve::Srgb.apply(value) } else { value }
+    if value.is_finite() { ToneCurve::Srgb.apply(value) } else { value }
 }
 
 fn finite_mean(values: &[f32]) -> f64 {

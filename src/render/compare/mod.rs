@@ -1,7 +1,7 @@
-//! Two images of one picture compared: figures and maps of how far they are apart, where both come from, and whether they
-//! could have the same mean. The second image is the reference. Logic behind `etendue compare`.
+//! Compares two images of one picture: error metrics, difference maps, the provenance of both, and a test for equal
+//! means. The second image is the reference. This is the logic behind `etendue compare`.
 //!
-//! Only R, G and B are compared, as they are: alpha and other layers are not looked at.
+//! Only R, G and B are compared, as stored. Alpha and other layers are ignored.
 
 pub mod maps;
 mod metrics;
@@ -10,7 +10,7 @@ mod verdict;
 
 pub use metrics::Metrics;
 pub use side::Origin;
-pub use verdict::{MeanDifference, Outcome, Rejection, Verdict};
+pub use verdict::{CompareOutcome, MeanDifference, Rejection, Verdict};
 
 use crate::error::{Error, Kind, Result};
 use crate::film::Crop;
@@ -22,54 +22,58 @@ use std::sync::OnceLock;
 
 /// Two images of the same size and crop, in memory.
 #[derive(Debug)]
-pub struct Pair {
+pub struct ImagePair {
     image: Side,
     reference: Side,
-    /// Made when first asked for.
+    /// Computed on first use.
     flip: OnceLock<HdrFlip>,
 }
 
-/// What was found.
+/// Result of a comparison.
 #[derive(Debug, Clone, Serialize)]
 pub struct Comparison {
-    /// Where the image comes from.
+    /// Provenance of the image.
     pub image: Origin,
-    /// Where the reference comes from.
+    /// Provenance of the reference.
     pub reference: Origin,
-    /// Width and height of what was compared.
+    /// Width and height of the compared region, in pixels.
     pub size: [u32; 2],
-    /// Figures.
+    /// Error metrics.
     pub metrics: Metrics,
-    /// Whether the means could be the same.
+    /// Verdict on the equality of the means.
     pub verdict: Verdict,
 }
 
-impl Pair {
-    /// Reads both.
+impl ImagePair {
+    /// Reads both images.
     ///
     /// # Errors
-    /// A file that cannot be read; [`Kind::Usage`] for one without R, G and B, or if sizes or crops differ.
-    pub fn read(image: &Path, reference: &Path) -> Result<Pair> {
+    /// A file cannot be read; [`Kind::Usage`] if it lacks R, G or B, or if sizes or crops differ.
+    pub fn read(image: &Path, reference: &Path) -> Result<ImagePair> {
         let (image, reference) = (Side::read(image)?, Side::read(reference)?);
         let name = |side: &Side| side.origin.path.clone();
         if image.size != reference.size || image.crop != reference.crop {
             let (a, b) = (describe(&image), describe(&reference));
-            return Err(Error::usage(format!("{} is {a}, {} is {b}: only like can be compared", name(&image), name(&reference))));
+            return Err(Error::usage(format!(
+                "{} is {a}, {} is {b}: only like can be compared",
+                name(&image),
+                name(&reference)
+            )));
         }
-        Ok(Pair::of(image, reference))
+        Ok(ImagePair::of(image, reference))
     }
 
-    fn of(image: Side, reference: Side) -> Pair {
-        Pair { image, reference, flip: OnceLock::new() }
+    fn of(image: Side, reference: Side) -> ImagePair {
+        ImagePair { image, reference, flip: OnceLock::new() }
     }
 
-    /// HDR ꟻLIP at the usual distance.
+    /// Returns HDR ꟻLIP at the standard viewing distance.
     fn hdr_flip(&self) -> &HdrFlip {
         let make = || flip::hdr(&self.image.colors, &self.reference.colors, self.extent(), flip::PIXELS_PER_DEGREE);
         self.flip.get_or_init(make)
     }
 
-    /// Compares at a family-wise `level`; relMSE has the `epsilon` given, or (0.1 × the reference's mean)².
+    /// Compares at a family-wise `level`. relMSE uses the `epsilon` given, or (0.1 × the reference's mean)².
     pub fn compare(&self, level: f64, epsilon: Option<f64>) -> Comparison {
         let [width, height] = self.extent();
         Comparison {
@@ -81,7 +85,7 @@ impl Pair {
         }
     }
 
-    /// Width and height of the pixels that are there.
+    /// Width and height of the rendered region, in pixels.
     fn extent(&self) -> [usize; 2] {
         let Crop { x0, y0, x1, y1 } = self.image.crop;
         [(x1 - x0) as usize, (y1 - y0) as usize]
@@ -89,12 +93,12 @@ impl Pair {
 }
 
 impl Comparison {
-    /// An error with an exit code of its own if the images differ.
+    /// Fails with an exit code of its own if the images differ.
     ///
     /// # Errors
-    /// [`Kind::Differ`] then.
+    /// [`Kind::Differ`] if they do.
     pub fn require_agreement(&self) -> Result<()> {
-        if self.verdict.outcome != Outcome::Differ {
+        if self.verdict.outcome != CompareOutcome::Differ {
             return Ok(());
         }
         let (image, reference) = (&self.image.path, &self.reference.path);

@@ -1,4 +1,4 @@
-//! One of two images: its colours, their standard errors, and what its header says.
+//! One of the two images of a comparison: its colours, their standard errors, and its header.
 
 use crate::error::{Error, Result};
 use crate::film::{Crop, Independent};
@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 use std::path::Path;
 
-/// Where an image comes from, as far as its header says.
+/// Provenance of an image, as far as its header tells it.
 #[derive(Debug, Clone, Serialize)]
 pub struct Origin {
     /// Its file.
@@ -26,11 +26,11 @@ pub struct Origin {
     pub scene: Option<String>,
     /// Hash of the settings.
     pub settings: Option<String>,
-    /// Its own estimate of relMSE with a 95 % interval: value, low, high.
+    /// Its own estimate of relMSE with a 95 % interval: value, lower end, upper end.
     pub relmse: Option<[f32; 3]>,
     /// Hash of its pixels and layers as read.
     pub pixel_hash: String,
-    /// Whether that is the hash in the header: `false` if pixels or layers were changed after rendering.
+    /// Whether this hash matches the one in the header: `false` if pixels or layers were changed after rendering.
     pub hash_matches: Option<bool>,
 }
 
@@ -40,11 +40,11 @@ pub(super) struct Side {
     pub(super) origin: Origin,
     pub(super) size: [u32; 2],
     pub(super) crop: Crop,
-    /// Colours, `RGBRGB…` within the crop.
+    /// Colours within the crop, `RGBRGB…`.
     pub(super) colors: Vec<f32>,
     /// Their standard errors.
     pub(super) errors: Option<Vec<f32>>,
-    /// What is said of its tiles: see [`RECORD`].
+    /// The record of its tiles: see [`RECORD`].
     pub(super) record: Option<String>,
 }
 
@@ -65,7 +65,7 @@ impl Side {
 }
 
 impl Origin {
-    /// What of the image is independent; `None` for a method that is not known.
+    /// Units of the image that are independent; `None` for an unknown method.
     pub(super) fn independent(&self) -> Option<Independent> {
         let method = Method::from_str(self.method.as_deref()?, false).ok()?;
         Some(method.independent())
@@ -93,7 +93,7 @@ impl Origin {
     }
 }
 
-/// The attributes that a report left in an image.
+/// Attributes that the report left in an image.
 struct Header<'a>(&'a ExrImage);
 
 impl Header<'_> {
@@ -112,7 +112,7 @@ impl Header<'_> {
         }
     }
 
-    /// A whole number; what an attribute cannot hold is there as text.
+    /// Returns an integer attribute. Integers that an attribute cannot hold are stored as text.
     fn whole(&self, name: &str) -> Option<u64> {
         match self.0.attributes.get(name)? {
             Attribute::Int(i) => u64::try_from(*i).ok(),

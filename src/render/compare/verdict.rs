@@ -1,62 +1,64 @@
-//! Could two images have the same mean? [`same_mean`](crate::render::same_mean) tests every channel of the whole image and of its
-//! tiles, so that all together reject a true hypothesis with the stated probability.
+//! Tests whether two images have the same mean. [`same_mean`](crate::render::same_mean) tests every channel of the
+//! whole image and of its tiles. The family-wise error rate is the stated level.
 //!
-//! **What it stands on.** An image carries a record of its tiles that is made of what its method's pixels share. Where it has none, or
-//! its pixels were changed after rendering, the standard errors of pixels serve if the method's pixels are independent; other images
-//! are not tested.
+//! **Error estimates.** A rendered image carries a record of its tiles. The record holds errors for the units that the
+//! method renders independently. Without a record, or if the pixels were changed after rendering, the per-pixel
+//! standard errors are used, provided that the method's pixels are independent. Other images are not tested.
 //!
-//! **What it does not see.** Images of the same seed share random numbers and are not independent: they are not tested. No
-//! difference found is no proof of equality: the interval of the mean's difference says how large a global one could be. Four
-//! replicates of a method whose pixels are not independent tell means apart that are some nine standard errors off at the usual level;
-//! sixteen, the default of methods with chains, do at five.
+//! **Limits.** Images with the same seed share random numbers. They are not independent and are not tested. A test that
+//! finds no difference does not prove equality: the confidence interval of the mean difference bounds a global one. For
+//! methods with dependent pixels the power depends on the number of replicates. At the usual level, four replicates
+//! detect differences of about nine standard errors. Sixteen, the default of methods with chains, detect five.
 
-use super::Pair;
+use super::ImagePair;
 use super::side::Side;
 use crate::film::{Crop, Independent};
-use crate::render::same_mean::{CHANNELS, Finding, LEAST_REPLICATES, Picture, PixelErrors, Pyramid, Tested, decode, test_pair};
+use crate::render::same_mean::{
+    CHANNELS, Finding, LEAST_REPLICATES, PixelErrors, Pyramid, Tested, TestedPicture, decode, test_pair,
+};
 use crate::stats::{Estimate, welch_test};
 use serde::Serialize;
 
 const NAMES: [&str; CHANNELS] = ["R", "G", "B"];
-/// Rejections that are told.
+/// Maximum number of rejections listed.
 const MOST_TOLD: usize = 10;
 
-/// What a comparison came to.
+/// Outcome of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Outcome {
+pub enum CompareOutcome {
     /// R, G and B are the same bit for bit.
     Identical,
     /// The images could have the same mean.
     NoDifference,
-    /// They have not.
+    /// The means differ.
     Differ,
-    /// There is nothing to test with.
+    /// The images cannot be tested.
     Untested,
 }
 
-/// Whether two images could have the same mean.
+/// Verdict on the equality of two images' means.
 #[derive(Debug, Clone, Serialize)]
 pub struct Verdict {
-    /// The answer.
-    pub outcome: Outcome,
-    /// Why there was nothing to test with.
+    /// The outcome.
+    pub outcome: CompareOutcome,
+    /// Why the images could not be tested.
     pub reason: Option<String>,
-    /// The probability that images of the same mean are said to differ.
+    /// Family-wise level: the probability that images of the same mean are reported as different.
     pub level: f64,
-    /// How many tests were made.
+    /// Number of tests.
     pub tests: usize,
     /// Side of the smallest tiles in pixels.
     pub tile: usize,
-    /// Pixels left out because a value or an error is not finite.
+    /// Number of pixels left out since a value or an error is not finite.
     pub pixels_left_out: usize,
-    /// The smallest of the p-values, corrected for their number.
+    /// The smallest p-value, corrected for the number of tests.
     pub smallest_p: Option<f64>,
-    /// The tests that reject, the most significant first, at most ten of them.
+    /// The rejecting tests, the most significant first, at most ten of them.
     pub rejections: Vec<Rejection>,
-    /// How many rejected.
+    /// Number of rejecting tests.
     pub rejected: usize,
-    /// Differences of the whole images' channels.
+    /// Mean differences of the whole image, by channel.
     pub means: Vec<MeanDifference>,
 }
 
@@ -67,42 +69,42 @@ pub struct Rejection {
     pub channel: &'static str,
     /// The tile's first pixel in the full image; `None` for the image mean.
     pub tile: Option<[u32; 2]>,
-    /// Its width and height.
+    /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Mean of the image less mean of the reference.
+    /// Mean of the image − mean of the reference.
     pub difference: f64,
-    /// Standard error of that.
+    /// Standard error of the difference.
     pub standard_error: f64,
     /// The corrected p-value.
     pub p: f64,
 }
 
-/// How far apart the means of a channel are.
+/// Difference of a channel's means.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct MeanDifference {
     /// The channel.
     pub channel: &'static str,
-    /// Mean of the image less mean of the reference.
+    /// Mean of the image − mean of the reference.
     pub difference: f64,
-    /// The 95 % interval of that.
+    /// 95 % confidence interval of the difference.
     pub interval: [f64; 2],
     /// Mean of the reference.
     pub reference: f64,
 }
 
 impl Verdict {
-    pub(super) fn of(pair: &Pair, level: f64) -> Verdict {
+    pub(super) fn of(pair: &ImagePair, level: f64) -> Verdict {
         let same = |(a, b): (&f32, &f32)| a.to_bits() == b.to_bits();
         if pair.image.colors.iter().zip(&pair.reference.colors).all(same) {
-            return Verdict::without_tests(Outcome::Identical, None, level);
+            return Verdict::without_tests(CompareOutcome::Identical, None, level);
         }
         match Evidence::of(pair) {
             Ok(evidence) => evidence.judge(level),
-            Err(reason) => Verdict::without_tests(Outcome::Untested, Some(reason), level),
+            Err(reason) => Verdict::without_tests(CompareOutcome::Untested, Some(reason), level),
         }
     }
 
-    fn without_tests(outcome: Outcome, reason: Option<String>, level: f64) -> Verdict {
+    fn without_tests(outcome: CompareOutcome, reason: Option<String>, level: f64) -> Verdict {
         Verdict {
             outcome,
             reason,
@@ -117,33 +119,33 @@ impl Verdict {
         }
     }
 
-    /// The verdict in words.
+    /// Returns the verdict as a sentence.
     pub fn sentence(&self) -> String {
         let Verdict { level, tests, tile, rejected, .. } = self;
         let smallest = self.smallest_p.unwrap_or(1.0);
         match self.outcome {
-            Outcome::Identical => "the pixels are identical".into(),
-            Outcome::Untested => format!("not tested: {}", self.reason.as_deref().unwrap_or_default()),
-            Outcome::NoDifference => format!(
+            CompareOutcome::Identical => "the pixels are identical".into(),
+            CompareOutcome::Untested => format!("not tested: {}", self.reason.as_deref().unwrap_or_default()),
+            CompareOutcome::NoDifference => format!(
                 "no difference of the means found at level {level} in {tests} tests (image and tiles from {tile}x{tile} up by channel), smallest corrected p {smallest:.2e}"
             ),
-            Outcome::Differ => format!(
+            CompareOutcome::Differ => format!(
                 "the means differ at level {level} in {rejected} of {tests} tests (image and tiles from {tile}x{tile} up by channel), smallest corrected p {smallest:.2e}"
             ),
         }
     }
 }
 
-/// What the tests are made of.
+/// Data of the tests.
 struct Evidence<'a> {
-    pair: &'a Pair,
+    pair: &'a ImagePair,
     pyramids: [Pyramid; 2],
     left_out: usize,
 }
 
 impl<'a> Evidence<'a> {
-    /// All that is needed, or why it is not there.
-    fn of(pair: &'a Pair) -> Result<Self, String> {
+    /// Collects the data, or tells why there is none.
+    fn of(pair: &'a ImagePair) -> Result<Self, String> {
         let sides = [&pair.image, &pair.reference];
         if let [Some(a), Some(b)] = sides.map(|side| side.origin.seed) {
             if a == b {
@@ -152,14 +154,15 @@ impl<'a> Evidence<'a> {
                 ));
             }
         }
-        let left_out = (0..pair.image.crop.pixels()).filter(|&pixel| !sides.iter().all(|side| is_finite(side, pixel))).count();
+        let left_out =
+            (0..pair.image.crop.pixels()).filter(|&pixel| !sides.iter().all(|side| is_finite(side, pixel))).count();
         if left_out == pair.image.crop.pixels() {
             return Err("no pixel is finite in both".into());
         }
         let taken = |pixel: usize| sides.iter().all(|side| is_finite(side, pixel));
         let [a, b] = sides.map(|side| match recorded(side).filter(|_| left_out == 0) {
             Some(pyramid) => Ok(pyramid),
-            // It has the replicates that it takes.
+            // `pixel_errors` has checked that there are enough replicates.
             None => pixel_errors(side)?.pyramid(taken).ok_or_else(|| lacks(side, "replicates enough")),
         });
         Ok(Evidence { pair, pyramids: [a?, b?], left_out })
@@ -167,10 +170,11 @@ impl<'a> Evidence<'a> {
 
     fn judge(&self, level: f64) -> Verdict {
         let sides = [&self.pair.image, &self.pair.reference];
-        let picture = |i: usize| Picture { pyramid: &self.pyramids[i], method: &sides[i].origin.method, doubt: None };
+        let picture =
+            |i: usize| TestedPicture { pyramid: &self.pyramids[i], method: &sides[i].origin.method, doubt: None };
         let tested: Tested = test_pair([&picture(0), &picture(1)]);
         let found = tested.findings(level);
-        let outcome = if found.is_empty() { Outcome::NoDifference } else { Outcome::Differ };
+        let outcome = if found.is_empty() { CompareOutcome::NoDifference } else { CompareOutcome::Differ };
         Verdict {
             tests: tested.count(),
             tile: tested.smallest_side() as usize,
@@ -191,19 +195,22 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// The tiles that an image carries, if its pixels are those that it was rendered with.
+/// Decodes the tile record of an image, if its pixels are as rendered.
 fn recorded(side: &Side) -> Option<Pyramid> {
     let is_as_rendered = side.origin.hash_matches == Some(true);
     decode(side.record.as_deref().filter(|_| is_as_rendered)?, side.crop)
 }
 
-/// The errors of the pixels of an image, if they say how far tiles may be off.
+/// Returns the errors of an image's pixels, if tile errors follow from them.
 fn pixel_errors(side: &Side) -> Result<PixelErrors<'_>, String> {
     let errors = side.errors.as_deref().ok_or_else(|| lacks(side, "standard errors (layers stderr.R, G, B)"))?;
     let known = side.origin.replicates.ok_or_else(|| lacks(side, "number of replicates in its header"))?;
     let replicates =
         usize::try_from(known).ok().filter(|r| (LEAST_REPLICATES..=MOST_REPLICATES).contains(r)).ok_or_else(|| {
-            format!("{} has {known} replicates, and a test takes three or more: render it with --replicates 4", side.origin.path)
+            format!(
+                "{} has {known} replicates, and a test takes three or more: render it with --replicates 4",
+                side.origin.path
+            )
         })?;
     let method = side.origin.method.as_deref().unwrap_or_default();
     match side.origin.independent() {
@@ -223,7 +230,7 @@ fn pixel_errors(side: &Side) -> Result<PixelErrors<'_>, String> {
     }
 }
 
-/// More than any render has: a header may say anything.
+/// More than any render has. The header is untrusted.
 const MOST_REPLICATES: usize = 256;
 
 /// Whether a pixel's colour and its errors are finite.

@@ -1,27 +1,29 @@
-//! Runs of words, cut into blocks that are compressed each on its own: all threads work at once, and a reader holds a few at a time.
+//! Arrays of 64-bit words, stored in blocks that are compressed independently. All threads compress and decompress in
+//! parallel, and a reader holds only a few blocks at a time.
 //!
-//! A block is the length of its frame as a u32 and a zstd frame; in it lie first the lowest bytes of all its words, then the next ones,
-//! and so on to the highest. Sums of many pixels differ in their low bytes and hardly in the high ones.
+//! A block is the length of its frame as a u32, then a zstd frame. Inside, the bytes of the words are transposed: first
+//! the lowest byte of every word, then the next one, up to the highest. Neighbouring sums differ in their low bytes and
+//! hardly in their high bytes, so that the transposed bytes compress better.
 
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use std::io::{self, Read, Write};
 use zstd::bulk::{Compressor, Decompressor};
 
-/// Words of a block, but for the last of a run.
+/// Words per block; the last block of a run may be shorter.
 pub(super) const WORDS: usize = 1 << 16;
 const BYTES: usize = size_of::<u64>();
-/// A compressor level that keeps up with the disk: checkpoints are written while rendering.
+/// Compression level that keeps up with the disk, since checkpoints are written while rendering.
 const LEVEL: i32 = 1;
-/// zstd cannot expand more than 128 KiB from 4 bytes.
+/// zstd expands 4 bytes to at most 128 KiB.
 const MOST_EXPANSION: u64 = 1 << 15;
 
-/// How many words `bytes` of blocks can hold at most.
+/// Maximum number of words in `bytes` of blocks.
 pub(super) fn most_words(bytes: u64) -> u64 {
     bytes.saturating_mul(MOST_EXPANSION) / BYTES as u64
 }
 
-/// Blocks that are in work at a time: two a thread.
+/// Number of blocks in flight: two per thread.
 fn batch() -> usize {
     2 * rayon::current_num_threads()
 }
@@ -43,8 +45,8 @@ pub(super) fn write(out: &mut impl Write, words: &[u64]) -> io::Result<()> {
     Ok(())
 }
 
-/// Reads a run of as many words as `into` has; `add` is given the index of a block's first word, its part of `into` and its words.
-/// Memory is touched only as words arrive.
+/// Reads a run of as many words as `into` has. `add` receives the index of a block's first word, the block's part of
+/// `into`, and its words. Memory is touched only as words arrive.
 pub(super) fn read<T: Send, R: Send>(
     input: &mut impl Read,
     into: &mut [T],
@@ -80,7 +82,7 @@ fn read_frame(input: &mut impl Read) -> Result<Vec<u8>> {
     Ok(frame)
 }
 
-/// The lowest bytes of all words, then the next ones, and so on.
+/// Transposes the bytes: the lowest byte of every word, then the next one, and so on.
 fn split(words: &[u64]) -> Vec<u8> {
     let mut bytes = vec![0; words.len() * BYTES];
     for (place, bytes) in bytes.chunks_exact_mut(words.len()).enumerate() {
@@ -89,7 +91,7 @@ fn split(words: &[u64]) -> Vec<u8> {
     bytes
 }
 
-/// The words that [`split`] was given.
+/// Inverse of [`split`].
 fn join(bytes: &[u8]) -> Vec<u64> {
     let mut words = vec![0; bytes.len() / BYTES];
     for (place, bytes) in bytes.chunks_exact(words.len()).enumerate() {

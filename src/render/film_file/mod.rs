@@ -1,9 +1,10 @@
-//! `.film`: the exact sums of a film, for checkpoints, shards and merging.
+//! The `.film` format: the exact sums of a film, for checkpoints, shards and merging.
 //!
-//! All numbers are little-endian: 8 bytes of magic, u32 version, u32 length of the header, the header in JSON, runs of words, and the
-//! BLAKE3 hash of all that. A run is cut into blocks (see blocks.rs). The runs are the i64 sums of each replicate; the table of what lies
-//! above them for each replicate that has one, as (u64 index, i128 multiple of 2⁶⁴) by ascending index; and the largest sample of each
-//! pixel as a u64 (see `film::Peaks`).
+//! All numbers are little-endian. The file holds 8 bytes of magic, a u32 version, the u32 length of the header, the
+//! header in JSON, the runs of words, and the BLAKE3 hash of all preceding bytes. A run is stored in blocks (see
+//! blocks.rs). The runs are, in this order: the i64 sums of each replicate; the overflow table of each replicate that
+//! has one, as (u64 index, i128 multiple of 2⁶⁴) by ascending index; and the largest sample of each pixel as a u64 (see
+//! `film::Peaks`).
 
 mod blocks;
 #[cfg(test)]
@@ -11,7 +12,7 @@ mod tests;
 
 use super::machine;
 use crate::error::{Error, Kind, Result};
-use crate::film::{Film, Head, Layout, Sums, add_all, keep_largest};
+use crate::film::{Film, FilmHeader, Layout, Sums, add_all, keep_largest};
 use crate::io::atomic::write_atomically;
 use crate::io::hashed::Hashed;
 use serde::{Deserialize, Serialize};
@@ -26,26 +27,26 @@ const PREFIX: u64 = 16;
 const HASH: u64 = blake3::OUT_LEN as u64;
 const MOST_HEADER: u32 = 1 << 24;
 const MOST_REPLICATES: u32 = 4096;
-/// 64 GiB of sums: beyond an 8K image of all planes at 16 replicates.
+/// Limit of sums: 64 GiB, more than an 8K image with all planes and 16 replicates.
 const MOST_VALUES: u64 = 1 << 33;
-/// Bytes that are hashed at a time: enough for all threads.
+/// Bytes hashed at a time: enough for all threads.
 const HASHED: usize = 1 << 22;
-/// Words of an entry of the table of what lies above.
+/// Words per entry of the overflow table.
 const ENTRY: usize = 3;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Header {
     provenance: Value,
-    film: Head,
-    /// How many sums of each replicate go beyond an i64.
+    film: FilmHeader,
+    /// Number of sums of each replicate that overflow an i64.
     beyond: Vec<u64>,
 }
 
-/// Writes a film with whatever the caller needs to know about where it came from.
+/// Writes a film with the caller's provenance document.
 ///
 /// # Errors
-/// [`Kind::Output`] with the path if the file cannot be written; an old file is then untouched.
+/// [`Kind::Output`] with the path if the file cannot be written. An old file is then left untouched.
 pub fn write(path: &Path, provenance: &Value, film: &Film) -> Result<()> {
     let beyond = film.sums().iter().map(|sums| sums.high().len() as u64).collect();
     let header = Header { provenance: provenance.clone(), film: film.head().clone(), beyond };
@@ -67,7 +68,7 @@ pub fn write(path: &Path, provenance: &Value, film: &Film) -> Result<()> {
     })
 }
 
-/// What lies above the i64 sums, as words.
+/// The overflow table of the i64 sums, as words.
 fn table(sums: &Sums) -> Vec<u64> {
     sums.high().iter().flat_map(|(&index, &high)| [index, high as u64, (high >> 64) as u64]).collect()
 }
@@ -75,31 +76,32 @@ fn table(sums: &Sums) -> Vec<u64> {
 /// Reads a film and its provenance.
 ///
 /// # Errors
-/// [`Kind::Scene`] with the path if the file is missing, not a film, of another version, or damaged; [`Kind::Memory`] if the
-/// film does not fit.
+/// [`Kind::Scene`] with the path if the file is missing, not a film, of another version, or damaged; [`Kind::Memory`]
+/// if the film does not fit.
 pub fn read(path: &Path) -> Result<(Value, Film)> {
     let file = FilmFile::open(path)?;
     Ok((file.provenance.clone(), file.film()?))
 }
 
-/// A film file whose header has been read, and whose sums wait.
+/// A film file whose header has been read and whose sums have not.
 #[derive(Debug)]
 pub struct FilmFile {
     path: PathBuf,
-    /// Where the runs begin.
+    /// Positioned at the first run.
     file: File,
-    /// Bytes of the runs.
+    /// Size of the runs in bytes.
     body: u64,
     provenance: Value,
-    head: Head,
+    head: FilmHeader,
     beyond: Vec<u64>,
 }
 
 impl FilmFile {
-    /// Reads the header. Whether the file is whole shows when its sums are read.
+    /// Reads the header. The integrity of the file is checked when its sums are read.
     ///
     /// # Errors
-    /// [`Kind::Scene`] with the path if the file is missing, not a film, of another version, or its header makes no sense.
+    /// [`Kind::Scene`] with the path if the file is missing, not a film, of another version, or has an inconsistent
+    /// header.
     pub fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(|cause| Error::read(path, cause))?;
         Self::read_header(path, file).map_err(|e| named(path, &e))
@@ -108,7 +110,8 @@ impl FilmFile {
     fn read_header(path: &Path, mut file: File) -> Result<Self> {
         let size = file.metadata().map_err(damaged)?.len();
         let length = read_prefix(&mut file)?;
-        let body = size.checked_sub(PREFIX + HASH + u64::from(length)).ok_or_else(|| Error::scene("it is cut short"))?;
+        let body =
+            size.checked_sub(PREFIX + HASH + u64::from(length)).ok_or_else(|| Error::scene("it is cut short"))?;
         let mut header = vec![0; length as usize];
         file.read_exact(&mut header).map_err(damaged)?;
         let Header { provenance, film: head, beyond } = serde_json::from_slice(&header).map_err(damaged)?;
@@ -116,24 +119,25 @@ impl FilmFile {
         Ok(FilmFile { path: path.to_owned(), file, body, provenance, head, beyond })
     }
 
-    /// What its writer said about where it came from.
+    /// Returns the provenance as the writer stored it.
     pub fn provenance(&self) -> &Value {
         &self.provenance
     }
 
-    /// What film it is and which passes it holds.
-    pub fn head(&self) -> &Head {
+    /// Returns the film's header, with the passes it holds.
+    pub fn head(&self) -> &FilmHeader {
         &self.head
     }
 
-    /// The film.
+    /// Reads the film.
     ///
     /// # Errors
     /// [`Kind::Scene`] if the file is damaged, [`Kind::Memory`] if the film does not fit; with the path.
     pub fn film(self) -> Result<Film> {
         let path = self.path.clone();
         let read = || {
-            let bytes = Film::bytes_per_pixel(&self.head.layout, self.head.replicates) as u64 * self.head.layout.pixels() as u64;
+            let bytes = Film::bytes_per_pixel(&self.head.layout, self.head.replicates) as u64
+                * self.head.layout.pixels() as u64;
             machine::affordable("it", bytes, "use a machine with more memory")?;
             let mut film = Film::empty(self.head.clone());
             self.pour(&mut film)?;
@@ -145,14 +149,14 @@ impl FilmFile {
     /// Adds the film to `film`, a few blocks at a time.
     ///
     /// # Errors
-    /// See [`Head::admits`]. [`Kind::Scene`] with the path if the file is damaged: `film` is then of no use any more.
+    /// See [`FilmHeader::admits`]. [`Kind::Scene`] with the path if the file is damaged; `film` is then unusable.
     pub fn add_to(self, film: &mut Film) -> Result<()> {
         film.head_mut().absorb(&self.head)?;
         let path = self.path.clone();
         self.pour(film).map_err(|e| named(&path, &e))
     }
 
-    /// Adds what it holds to the sums of `film`.
+    /// Adds the stored sums to those of `film`.
     fn pour(mut self, film: &mut Film) -> Result<()> {
         self.check_hash()?;
         let mut input = BufReader::new(self.file.take(self.body));
@@ -174,7 +178,7 @@ impl FilmFile {
         }
     }
 
-    /// Checks the hash of the whole file and goes back to where the runs begin.
+    /// Checks the hash of the whole file and seeks back to the first run.
     fn check_hash(&mut self) -> Result<()> {
         let begin = self.file.stream_position().map_err(damaged)?;
         self.file.rewind().map_err(damaged)?;
@@ -202,7 +206,7 @@ fn damaged(cause: impl std::error::Error + Send + Sync + 'static) -> Error {
     Error::scene("it is damaged").because(cause)
 }
 
-/// Checks magic and version; the length of the header.
+/// Checks magic and version. Returns the length of the header.
 fn read_prefix(file: &mut File) -> Result<u32> {
     let mut prefix = [0; PREFIX as usize];
     let is_film = file.read_exact(&mut prefix).is_ok() && prefix[..8] == MAGIC;
@@ -219,8 +223,8 @@ fn read_prefix(file: &mut File) -> Result<u32> {
     Ok(number(12))
 }
 
-/// Whether sizes make sense, for a body of so many bytes.
-fn check(head: &Head, beyond: &[u64], body: u64) -> Result<()> {
+/// Checks the sizes in the header against a body of `body` bytes.
+fn check(head: &FilmHeader, beyond: &[u64], body: u64) -> Result<()> {
     let layout = &head.layout;
     let crop = layout.crop;
     let has_area = crop.x0 < crop.x1 && crop.x1 <= layout.width && crop.y0 < crop.y1 && crop.y1 <= layout.height;
@@ -245,16 +249,19 @@ fn check(head: &Head, beyond: &[u64], body: u64) -> Result<()> {
     Ok(())
 }
 
-/// What lies above the i64 sums of a replicate, in units of 2⁶⁴, by index.
+/// Reads the overflow table of a replicate: multiples of 2⁶⁴ by index.
 fn read_table(input: &mut impl Read, entries: usize, values: usize) -> Result<Vec<(u64, i128)>> {
     let mut words = Vec::new();
-    words.try_reserve_exact(entries * ENTRY).map_err(|_| Error::new(Kind::Memory, "its sums do not fit into memory"))?;
+    words
+        .try_reserve_exact(entries * ENTRY)
+        .map_err(|_| Error::new(Kind::Memory, "its sums do not fit into memory"))?;
     words.resize(entries * ENTRY, 0);
     blocks::read(input, &mut words, |_, table, words| {
         table.copy_from_slice(words);
         Ok(())
     })?;
-    let entries = words.chunks_exact(ENTRY).map(|entry| (entry[0], i128::from(entry[2] as i64) << 64 | i128::from(entry[1])));
+    let entries =
+        words.chunks_exact(ENTRY).map(|entry| (entry[0], i128::from(entry[2] as i64) << 64 | i128::from(entry[1])));
     let entries: Vec<_> = entries.collect();
     let is_ascending = entries.windows(2).all(|pair| pair[0].0 < pair[1].0);
     if !is_ascending || entries.iter().any(|&(index, high)| index >= values as u64 || high == 0) {

@@ -10,7 +10,7 @@ fn layout() -> Layout {
     Layout::new(9, 8, Some(Crop { x0: 1, y0: 1, x1: 8, y1: 7 }), &[Plane::Depth, Plane::Invalid])
 }
 
-/// The passes `passes` of values that need the overflow table too.
+/// A film with the given passes, whose values also exercise the overflow table.
 fn film_of(layout: &Layout, passes: &[u64]) -> Film {
     let mut film = Film::new(layout.clone(), 3, u64::MAX - 5, Units::from_exponents(-30, -200).unwrap());
     let mut pass = PassFilm::new(layout);
@@ -21,7 +21,7 @@ fn film_of(layout: &Layout, passes: &[u64]) -> Film {
             out[4] = random.normal() as f32 * 1e-12;
             out[3] = 1e20;
             out[2] = if p % 5 == 0 { -1e25 } else { 0.0 };
-            // Two of these are beyond an i64, one is not.
+            // Two of these sums overflow an i64, one does not.
             out[1] = if p % 7 == 0 { 6e9 } else { out[1] };
         });
         film.commit(k, &pass);
@@ -33,7 +33,7 @@ fn film() -> Film {
     film_of(&layout(), &[0, 1, 2, 5, 1 << 60])
 }
 
-/// A file with this header and these runs, each a block, and a valid checksum.
+/// Forges a file with this header and these runs, each one block, and a valid checksum.
 fn forge(path: &Path, header: &str, runs: &[Vec<u8>]) {
     let prefix = [&MAGIC[..], &VERSION.to_le_bytes(), &(header.len() as u32).to_le_bytes(), header.as_bytes()].concat();
     let frames = runs.iter().map(|run| zstd::encode_all(&run[..], 1).unwrap());
@@ -44,7 +44,7 @@ fn forge(path: &Path, header: &str, runs: &[Vec<u8>]) {
     fs::write(path, bytes).unwrap();
 }
 
-/// Header and runs, unpacked.
+/// Header and decompressed runs.
 fn parts_of(path: &Path) -> (String, Vec<Vec<u8>>) {
     let bytes = fs::read(path).unwrap();
     let number = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
@@ -69,7 +69,8 @@ fn round_trips_exactly() {
     assert_eq!(read(&path).unwrap(), (provenance, film));
 }
 
-/// Runs of many blocks, the last of them short, and batches of blocks whatever the number of threads; carries of an addition, too.
+/// Runs of many blocks with a short last one, and several batches for any number of threads. The addition also produces
+/// carries.
 #[test]
 fn films_of_many_blocks_add_up_to_their_merger() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +120,7 @@ fn every_flipped_byte_and_every_cut_is_an_error() {
     assert!(refused(&[&bytes[..], b"x"].concat()).contains("checksum"));
 }
 
-/// Lies in the header under a valid checksum.
+/// Invalid headers under a valid checksum.
 #[test]
 fn absurd_headers_are_errors() {
     let folder = tempfile::tempdir().unwrap();
@@ -156,7 +157,7 @@ fn absurd_headers_are_errors() {
     }
 }
 
-/// Lies in the runs under a valid checksum.
+/// Invalid runs under a valid checksum.
 #[test]
 fn absurd_runs_are_errors() {
     let folder = tempfile::tempdir().unwrap();
@@ -164,7 +165,7 @@ fn absurd_runs_are_errors() {
     write(&path, &Value::Null, &film()).unwrap();
     let (header, runs) = parts_of(&path);
     assert_eq!(runs.len(), 7, "three replicates, their tables, the largest samples");
-    // Of each word the lowest bytes come first; an entry of a table has three words: index, low and high half.
+    // The lowest bytes of all words come first. A table entry has three words: index, low half and high half.
     let words = runs[3].len() / 8;
     let byte = |word: usize, place: usize| place * words + word;
     let changed = |run: usize, changes: &[(usize, u8)]| {

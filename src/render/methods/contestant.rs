@@ -1,4 +1,4 @@
-//! A method with a backend on a scene: its renders, timed.
+//! Timed renders of one method with one backend on one scene.
 
 use super::curve::Mark;
 use super::reference::Reference;
@@ -8,29 +8,32 @@ use crate::film::{Film, Plane};
 use crate::integrator;
 use crate::parallel::Cancel;
 use crate::render::machine::Stopwatch;
-use crate::render::{Look, Observer, Plan, Progress, Provenance, Selection, Session, Settings, Stage, Stop};
+use crate::render::{
+    LoadedScene, Observer, PassPlan, PassSelection, Progress, Provenance, RenderSettings, Session, StopCriteria,
+    ToneMapping,
+};
 use crate::sampling::mix64;
 use crate::stats::image::relmse;
 
 /// A method with a backend on a scene.
-pub(super) struct Contestant<'a> {
-    pub(super) stage: &'a Stage,
-    pub(super) settings: Settings,
-    /// What the method cannot see here.
+pub(super) struct BenchCase<'a> {
+    pub(super) stage: &'a LoadedScene,
+    pub(super) settings: RenderSettings,
+    /// Blind spots of the method in this scene.
     pub(super) blind_spots: Vec<String>,
-    /// The image of the warm-up: one sample in each replicate.
+    /// The image after the warm-up: one sample in each replicate.
     warm_up: Vec<f32>,
-    /// The curve of each repetition.
+    /// The marks of each repetition.
     pub(super) runs: Vec<Vec<Mark>>,
-    /// The last image of the first repetition.
+    /// The final image of the first repetition.
     pub(super) picture: Vec<f32>,
     first_seconds: f64,
     doublings: u32,
 }
 
-impl<'a> Contestant<'a> {
-    /// Renders one round of the replicates, to touch all memory and to know the pace.
-    pub(super) fn warmed_up(stage: &'a Stage, settings: Settings) -> Result<Self> {
+impl<'a> BenchCase<'a> {
+    /// Renders one round of the replicates, to touch all memory and to measure the pace.
+    pub(super) fn warmed_up(stage: &'a LoadedScene, settings: RenderSettings) -> Result<Self> {
         let mut warm_up = Vec::new();
         let marks = timed(stage, &settings, 0, |film, _| {
             warm_up = film.mean(Plane::Color);
@@ -40,39 +43,39 @@ impl<'a> Contestant<'a> {
         let first_seconds = pace / stage.preparation.threads.max(1) as f64;
         let blind_spots = integrator::blind_spots(settings.method, &stage.scene);
         let (runs, picture, doublings) = (Vec::new(), Vec::new(), 0);
-        Ok(Contestant { stage, settings, blind_spots, warm_up, runs, picture, first_seconds, doublings })
+        Ok(BenchCase { stage, settings, blind_spots, warm_up, runs, picture, first_seconds, doublings })
     }
 
-    /// The name in reports.
+    /// Returns the name in reports.
     pub(super) fn label(&self) -> String {
         label(&self.settings)
     }
 
-    /// Whether its curve says how good it is: it sees everything.
+    /// Whether the curve enters ratios: the method has no blind spot in this scene.
     pub(super) fn counts(&self) -> bool {
         self.blind_spots.is_empty()
     }
 
-    /// About how long a repetition with that many doublings takes if nothing else runs: by processor time, so that a busy
-    /// machine does not make curves short.
+    /// Estimates the seconds of a repetition with that many doublings on an idle machine. The estimate uses processor
+    /// time, so that background load does not shorten curves.
     pub(super) fn seconds(&self, doublings: u32) -> f64 {
         self.first_seconds * f64::from(doublings).exp2()
     }
 
-    /// Sets how often the sample count is doubled.
+    /// Sets the number of doublings of the sample count.
     pub(super) fn plan(&mut self, doublings: u32) {
         self.doublings = doublings;
     }
 
-    /// The error that its last image will have if it falls as that of independent samples, judged by a reference that has the
-    /// error `noise` itself.
+    /// Predicts the error of the last image, if it falls as that of independent samples. `noise` is the reference's own
+    /// error, which is subtracted.
     pub(super) fn foretold(&self, rgb: &[f32], noise: f64, epsilon: f64) -> f64 {
         (relmse(&self.warm_up, rgb, epsilon) - noise) / f64::from(self.doublings).exp2()
     }
 
     /// Renders a repetition.
     pub(super) fn run(&mut self, repetition: u32, reference: &Reference) -> Result<()> {
-        let settings = Settings { seed: seed(self.settings.seed, repetition), ..self.settings.clone() };
+        let settings = RenderSettings { seed: seed(self.settings.seed, repetition), ..self.settings.clone() };
         let last = u64::from(settings.replicates) << self.doublings;
         let mut picture = None;
         let marks = timed(self.stage, &settings, self.doublings, |film, done| {
@@ -88,55 +91,56 @@ impl<'a> Contestant<'a> {
     }
 }
 
-pub(super) fn label(settings: &Settings) -> String {
+pub(super) fn label(settings: &RenderSettings) -> String {
     let method = serde_json::json!(settings.method);
     format!("{}, {}", method.as_str().unwrap_or_default(), settings.backend.name())
 }
 
-/// The seed of a repetition; the warm-up has the settings' own, which none of these is but by a chance of 2⁻⁶⁴.
+/// Seed of a repetition. The warm-up uses the settings' own seed, which differs but for a probability of 2⁻⁶⁴.
 pub(super) fn seed(base: u64, repetition: u32) -> u64 {
     mix64(base ^ mix64(u64::from(repetition) + 1))
 }
 
-/// The only place that says how much is rendered.
-fn plan(passes: u64) -> Plan {
-    Plan { stop: Stop::after(passes), selection: Selection::All }
+/// Plan with a fixed number of passes.
+fn plan(passes: u64) -> PassPlan {
+    PassPlan { stop: StopCriteria::after(passes), selection: PassSelection::All }
 }
 
-/// Renders, and asks `judge` for the error whenever the sample count has doubled; the time it takes is not counted.
+/// Renders, and calls `judge` for the error at each doubling of the sample count. The time of these calls is not
+/// counted.
 pub(super) fn timed(
-    stage: &Stage,
-    settings: &Settings,
+    stage: &LoadedScene,
+    settings: &RenderSettings,
     doublings: u32,
     judge: impl FnMut(&Film, u64) -> f64,
 ) -> Result<Vec<Mark>> {
     let (session, marks) = render(stage, settings, doublings, &Cancel::new(), judge)?;
     let rays = session.provenance().work.passes.rays.total();
     let passes = session.film().passes().len().max(1) as f64;
-    // Rays per pass vary so little that the whole render speaks for its parts.
+    // The number of rays per pass varies little, so that the average over the render serves for its parts.
     Ok(marks.into_iter().map(|m| Mark { rays: (rays as f64 * m.spp as f64 / passes) as u64, ..m }).collect())
 }
 
-/// The same, with a way to stop it; the session has the film.
+/// As [`timed`], but cancellable. Returns the session, which holds the film.
 pub(super) fn render<'a>(
-    stage: &'a Stage,
-    settings: &Settings,
+    stage: &'a LoadedScene,
+    settings: &RenderSettings,
     doublings: u32,
     cancel: &Cancel,
     judge: impl FnMut(&Film, u64) -> f64,
 ) -> Result<(Session<'a>, Vec<Mark>)> {
     let round = u64::from(settings.replicates);
     let mut watch = Watch { clock: Stopwatch::start(), excluded: [0.0; 2], next: round, marks: Vec::new(), judge };
-    let provenance = Provenance::new(stage, settings.clone(), plan(round << doublings), Look::default());
+    let provenance = Provenance::new(stage, settings.clone(), plan(round << doublings), ToneMapping::default());
     let mut session = Session::begin(stage, provenance)?;
     session.run(cancel, &mut watch, None)?;
     Ok((session, watch.marks))
 }
 
-/// Reads the clock and judges the film at doubling counts.
+/// Observer that reads the clock and judges the film at doubling sample counts.
 struct Watch<J> {
     clock: Stopwatch,
-    /// Processor and wall-clock seconds that judging took.
+    /// Processor and wall-clock seconds spent on judging.
     excluded: [f64; 2],
     next: u64,
     marks: Vec<Mark>,
@@ -150,7 +154,7 @@ impl<J> Watch<J> {
 }
 
 impl<J: FnMut(&Film, u64) -> f64> Observer for Watch<J> {
-    /// Nothing is saved on the way.
+    /// No checkpoints are saved here.
     fn unsaved(&mut self, _error: &Error) {}
 
     fn pass(&mut self, progress: &Progress<'_>) {

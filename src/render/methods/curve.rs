@@ -1,25 +1,26 @@
-//! What the repetitions of one curve say together.
+//! Statistics of one error curve over its repetitions.
 
-use super::contestant::Contestant;
+use super::contestant::BenchCase;
 use crate::stats::{Moments, PowerLaw, WeightedPoint};
 use serde::Serialize;
 
-/// A render at one moment.
+/// State of a render at one sample count.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Mark {
     /// Samples per pixel.
     pub spp: u64,
-    /// Processor time, user and system, since before the prelude.
+    /// Processor time (user and system) in seconds, from the prelude on.
     pub cpu_seconds: f64,
-    /// Wall-clock time.
+    /// Wall-clock time in seconds.
     pub wall_seconds: f64,
-    /// relMSE against the reference, the reference's noise subtracted where it is known: 0 or less where noise is all there is.
+    /// relMSE against the reference. The reference's noise is subtracted if known: 0 or less means that the error is
+    /// lost in it.
     pub relmse: f64,
-    /// Rays so far.
+    /// Number of rays so far.
     pub rays: u64,
 }
 
-/// A positive number with its 95 % interval.
+/// A positive quantity with its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Interval {
     /// The geometric mean over repetitions.
@@ -30,7 +31,7 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// A slope with its 95 % interval.
+/// A fitted exponent with its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Slope {
     /// The exponent.
@@ -41,31 +42,32 @@ pub struct Slope {
     pub high: f64,
 }
 
-/// All repetitions at one sample count.
+/// Statistics of all repetitions at one sample count.
 #[derive(Debug, Clone, Serialize)]
-pub struct Point {
+pub struct CurvePoint {
     /// Samples per pixel.
     pub spp: u64,
-    /// Processor time, geometric mean.
+    /// Processor time in seconds, geometric mean.
     pub cpu_seconds: f64,
-    /// Wall-clock time, geometric mean.
+    /// Wall-clock time in seconds, geometric mean.
     pub wall_seconds: f64,
-    /// The error; `None` where it is lost in the reference's noise.
+    /// relMSE; `None` where it is lost in the reference's noise.
     pub relmse: Option<Interval>,
 }
 
 /// Error against time of one method with one backend on one scene.
 #[derive(Debug, Clone, Serialize)]
-pub struct Curve {
+pub struct ErrorCurve {
     /// Method and backend.
     pub label: String,
-    /// What the method cannot see in the scene: its curve ends at that error and is left out of ratios.
+    /// Blind spots of the method in the scene. The curve then levels off at the missing light and is left out of
+    /// ratios.
     pub blind_spots: Vec<String>,
     /// The curve.
-    pub points: Vec<Point>,
+    pub points: Vec<CurvePoint>,
     /// Exponent of error against processor time.
     pub slope_in_time: Option<Slope>,
-    /// Exponent of error against samples: −1 for independent ones.
+    /// Exponent of error against samples: −1 for independent samples.
     pub slope_in_samples: Option<Slope>,
     /// 1 / (relMSE × processor seconds) at the last point.
     pub efficiency: Option<Interval>,
@@ -75,17 +77,17 @@ pub struct Curve {
     pub mrays_per_cpu_second: f64,
     /// Bytes of film, geometry, textures and ray-tracing structure.
     pub memory_bytes: u64,
-    /// Seconds that loading took.
+    /// Seconds spent on loading.
     pub load_seconds: f64,
-    /// Seconds that building took, not in the curve.
+    /// Seconds spent on building, which the curve excludes.
     pub build_seconds: f64,
     /// The repetitions.
     pub runs: Vec<Vec<Mark>>,
 }
 
 impl Interval {
-    /// The geometric mean of positive `values` with Student's interval of their logarithms; `None` with less than two, or one
-    /// that is not positive.
+    /// Returns the geometric mean of positive `values`, with Student's interval of their logarithms; `None` with fewer
+    /// than two values, or with one that is not positive.
     pub(super) fn geometric(values: impl IntoIterator<Item = f64>) -> Option<Interval> {
         let logs: Vec<f64> = values.into_iter().map(|v| if v > 0.0 { v.ln() } else { f64::NAN }).collect();
         let estimate = logs.iter().copied().collect::<Moments>().estimate().filter(|e| e.value.is_finite())?;
@@ -99,16 +101,16 @@ pub(super) fn efficiency(run: &[Mark]) -> f64 {
     run.last().map_or(f64::NAN, |m| 1.0 / (m.relmse * m.cpu_seconds))
 }
 
-impl Curve {
-    /// The curve of a contestant; `noise` is what was subtracted.
-    pub(super) fn of(contestant: &Contestant<'_>, noise: f64) -> Curve {
+impl ErrorCurve {
+    /// Computes the curve of a contestant. `noise` is the reference's error that was subtracted.
+    pub(super) fn of(contestant: &BenchCase<'_>, noise: f64) -> ErrorCurve {
         let (runs, info) = (&contestant.runs, &contestant.stage.info);
         let last = || runs.iter().filter_map(|run| run.last());
         let sum = |f: fn(&Mark) -> f64| last().map(f).sum::<f64>();
         let rays = sum(|m| m.rays as f64) / 1e6;
         let layout = contestant.settings.layout();
         let film = crate::film::Film::bytes_per_pixel(&layout, contestant.settings.replicates) * layout.pixels();
-        Curve {
+        ErrorCurve {
             label: contestant.label(),
             blind_spots: contestant.blind_spots.clone(),
             points: (0..runs.first().map_or(0, Vec::len)).map(|at| point(runs, at)).collect(),
@@ -125,10 +127,10 @@ impl Curve {
     }
 }
 
-fn point(runs: &[Vec<Mark>], at: usize) -> Point {
+fn point(runs: &[Vec<Mark>], at: usize) -> CurvePoint {
     let marks: Vec<&Mark> = runs.iter().filter_map(|run| run.get(at)).collect();
     let mean = |f: fn(&Mark) -> f64| marks.iter().map(|m| f(m).ln()).collect::<Moments>().mean().exp();
-    Point {
+    CurvePoint {
         spp: marks.first().map_or(0, |m| m.spp),
         cpu_seconds: mean(|m| m.cpu_seconds),
         wall_seconds: mean(|m| m.wall_seconds),
@@ -136,7 +138,8 @@ fn point(runs: &[Vec<Mark>], at: usize) -> Point {
     }
 }
 
-/// ln e scatters alike at every sample count, but where the reference's noise n was subtracted that grows as 1 + n/e.
+/// Fits the slope in logarithms. The scatter of ln e is the same at every sample count, except that subtracting the
+/// reference's noise n scales it by 1 + n/e.
 fn slope(runs: &[Vec<Mark>], noise: f64, x: impl Fn(&Mark) -> f64) -> Option<Slope> {
     let weigh = |m: &Mark| WeightedPoint { x: x(m), y: m.relmse, weight: (m.relmse / (m.relmse + noise)).powi(2) };
     let curves: Vec<Vec<WeightedPoint>> = runs.iter().map(|run| run.iter().map(weigh).collect()).collect();
@@ -165,7 +168,13 @@ mod tests {
         let run = |scale: f64| {
             let mark = |k: u32| {
                 let spp = 4 << k;
-                Mark { spp, cpu_seconds: 0.1 * spp as f64, wall_seconds: 0.05 * spp as f64, relmse: scale / spp as f64, rays: 0 }
+                Mark {
+                    spp,
+                    cpu_seconds: 0.1 * spp as f64,
+                    wall_seconds: 0.05 * spp as f64,
+                    relmse: scale / spp as f64,
+                    rays: 0,
+                }
             };
             (0..5).map(mark).collect::<Vec<_>>()
         };

@@ -1,18 +1,18 @@
-//! The report as a page to read.
+//! Writes the report as an HTML page.
 
-use super::contestant::Contestant;
-use super::curve::{Curve, Interval, Point, Slope};
+use super::contestant::BenchCase;
+use super::curve::{CurvePoint, ErrorCurve, Interval, Slope};
 use super::reference::Reference;
 use super::report::{MethodsReport, Ratio, SceneReport};
-use super::{Request, Subject};
+use super::{BenchScene, MethodsRequest};
 use crate::error::Result;
 use crate::io::atomic::write_atomically;
-use crate::io::page::{Page, Picture, Plot, Series, compare, facts, gallery, key, ramp, table};
-use crate::render::{Look, megabytes};
+use crate::io::page::{FigurePicture, Page, Plot, Series, compare, facts, gallery, key, ramp, table};
+use crate::render::{ToneMapping, megabytes};
 use maud::{Markup, html};
 use std::io::Write;
 
-/// Relative errors from this on are shown; 1 has the brightest colour.
+/// Smallest relative error shown; 1 has the brightest colour.
 const LEAST_SHOWN: f64 = 0.01;
 
 const LEAD: &str = "Error against time, methods and backends side by side. Error is relMSE: the mean over pixels and channels of \
@@ -31,10 +31,10 @@ const NOTES: [&str; 5] = [
 
 /// Writes `index.html`.
 pub(super) fn write(
-    request: &Request,
+    request: &MethodsRequest,
     report: &MethodsReport,
-    subjects: &[Subject],
-    fields: &[Vec<Contestant<'_>>],
+    subjects: &[BenchScene],
+    fields: &[Vec<BenchCase<'_>>],
     references: &[Reference],
 ) -> Result<()> {
     let mut page = Page::new("Error against time", LEAD);
@@ -42,8 +42,7 @@ pub(super) fn write(
         page.section(&scene.name, &section(scene, subjects[at].look, &fields[at], &references[at], at)?);
     }
     if !report.over_scenes.is_empty() {
-        let caption =
-            "Efficiency of the row over that of the column: geometric mean over the scenes that both see whole, 95 % interval";
+        let caption = "Efficiency of the row over that of the column: geometric mean over the scenes that both see whole, 95 % interval";
         page.section("Over all scenes", &ratios(caption, &report.over_scenes));
     }
     page.section("Machine and command", &machine(report));
@@ -56,12 +55,19 @@ fn machine(report: &MethodsReport) -> Markup {
     report.conditions.markup([("Threads", report.threads.to_string()), ("Time", budget)], "report.json and points.csv")
 }
 
-fn section(scene: &SceneReport, look: Look, field: &[Contestant<'_>], reference: &Reference, at: usize) -> Result<Markup> {
+fn section(
+    scene: &SceneReport,
+    look: ToneMapping,
+    field: &[BenchCase<'_>],
+    reference: &Reference,
+    at: usize,
+) -> Result<Markup> {
     let [width, height] = scene.size;
     let record = &scene.reference;
-    let against = |x: &str, seconds: fn(&Point) -> f64| {
+    let against = |x: &str, seconds: fn(&CurvePoint) -> f64| {
         let series = series(scene, seconds);
-        let title = format!("{}: relMSE against {x}, both logarithmic. The numbers are in the table below.", scene.name);
+        let title =
+            format!("{}: relMSE against {x}, both logarithmic. The numbers are in the table below.", scene.name);
         html! { figure { (Plot { title: &title, x, y: "relMSE", series: &series, guide: Some(-1.0) }.draw()) } }
     };
     let pictures = pictures(look, field, reference, scene)?;
@@ -96,8 +102,8 @@ fn own_error(scene: &SceneReport) -> String {
     format!("{noise:.2e}, subtracted; {share:.2} of the least error compared{poor}{cut}")
 }
 
-fn blind(curves: &[Curve]) -> Markup {
-    let blind: Vec<&Curve> = curves.iter().filter(|c| !c.blind_spots.is_empty()).collect();
+fn blind(curves: &[ErrorCurve]) -> Markup {
+    let blind: Vec<&ErrorCurve> = curves.iter().filter(|c| !c.blind_spots.is_empty()).collect();
     html! {
         @if !blind.is_empty() {
             p { "Left out of ratios, since they do not see all of the scene and end at another image:" }
@@ -107,7 +113,7 @@ fn blind(curves: &[Curve]) -> Markup {
 }
 
 /// Colour by method, dashes by backend.
-fn series(scene: &SceneReport, x: fn(&Point) -> f64) -> Vec<Series> {
+fn series(scene: &SceneReport, x: fn(&CurvePoint) -> f64) -> Vec<Series> {
     let part = |label: &str, at: usize| label.split(", ").nth(at).unwrap_or_default().to_owned();
     let number = |at: usize, label: &str| {
         let mut seen: Vec<String> = scene.curves.iter().map(|c| part(&c.label, at)).collect();
@@ -115,7 +121,7 @@ fn series(scene: &SceneReport, x: fn(&Point) -> f64) -> Vec<Series> {
         seen.retain(|name| names.insert(name.clone()));
         seen.iter().position(|name| *name == part(label, at)).unwrap_or(0)
     };
-    let one = |curve: &Curve| {
+    let one = |curve: &ErrorCurve| {
         let seen = curve.points.iter().filter_map(|p| Some((x(p), p.relmse?)));
         let (curve_points, band) = seen.map(|(x, e)| ([x, e.value], [e.low, e.high])).unzip();
         let mark = if curve.blind_spots.is_empty() { "" } else { " (blind)" };
@@ -130,7 +136,7 @@ fn series(scene: &SceneReport, x: fn(&Point) -> f64) -> Vec<Series> {
     scene.curves.iter().map(one).collect()
 }
 
-fn curves(curves: &[Curve]) -> Markup {
+fn curves(curves: &[ErrorCurve]) -> Markup {
     let head = [
         "",
         "spp",
@@ -145,9 +151,9 @@ fn curves(curves: &[Curve]) -> Markup {
         "memory",
         "built in",
     ];
-    let row = |curve: &Curve| {
+    let row = |curve: &ErrorCurve| {
         let last = curve.points.last();
-        let number = |f: fn(&Point) -> f64| last.map_or("–".into(), |p| format!("{:.3}", f(p)));
+        let number = |f: fn(&CurvePoint) -> f64| last.map_or("–".into(), |p| format!("{:.3}", f(p)));
         let mark = if curve.blind_spots.is_empty() { "" } else { " (blind)" };
         vec![
             format!("{}{mark}", curve.label),
@@ -168,7 +174,7 @@ fn curves(curves: &[Curve]) -> Markup {
     table("At the last point; brackets are 95 % intervals", &head.map(String::from), &rows)
 }
 
-/// A matrix of ratios.
+/// Table of ratios.
 fn ratios(caption: &str, ratios: &[Ratio]) -> Markup {
     let mut names: Vec<&str> = Vec::new();
     ratios.iter().for_each(|r| {
@@ -188,10 +194,15 @@ fn ratios(caption: &str, ratios: &[Ratio]) -> Markup {
     table(caption, &head, &names.iter().map(row).collect::<Vec<_>>())
 }
 
-fn pictures(look: Look, field: &[Contestant<'_>], reference: &Reference, scene: &SceneReport) -> Result<Vec<Picture>> {
+fn pictures(
+    look: ToneMapping,
+    field: &[BenchCase<'_>],
+    reference: &Reference,
+    scene: &SceneReport,
+) -> Result<Vec<FigurePicture>> {
     let crop = field.first().map(|c| c.settings.layout().crop);
     let [width, height] = crop.map_or([0, 0], |c| [c.x1 - c.x0, c.y1 - c.y0]);
-    let show = |name: &str, rgb: &[f32]| Picture::of_values(name, width, height, rgb, look.exposure, look.curve);
+    let show = |name: &str, rgb: &[f32]| FigurePicture::of_values(name, width, height, rgb, look.exposure, look.curve);
     let mut pictures = Vec::new();
     for (contestant, curve) in field.iter().zip(&scene.curves) {
         let last = curve.points.last().map_or(0, |p| p.spp);
@@ -200,12 +211,12 @@ fn pictures(look: Look, field: &[Contestant<'_>], reference: &Reference, scene: 
     pictures.insert(1.min(pictures.len()), show("reference", &reference.rgb)?);
     for (contestant, curve) in field.iter().zip(&scene.curves) {
         let name = format!("error of {}", curve.label);
-        pictures.push(Picture::of_shares(&name, width, height, &errors(&contestant.picture, reference))?);
+        pictures.push(FigurePicture::of_shares(&name, width, height, &errors(&contestant.picture, reference))?);
     }
     Ok(pictures)
 }
 
-/// The relative error of each pixel on a logarithmic scale, 0 for [`LEAST_SHOWN`] and 1 for 1.
+/// Relative error of each pixel on a logarithmic scale: 0 for [`LEAST_SHOWN`], 1 for 1.
 fn errors(rgb: &[f32], reference: &Reference) -> Vec<f32> {
     let epsilon = reference.record.epsilon;
     let term = |(&i, &r): (&f32, &f32)| f64::from(i - r).powi(2) / (f64::from(r).powi(2) + epsilon);
@@ -220,7 +231,7 @@ fn scientific(i: Interval) -> String {
     format!("{:.2e} [{:.2e}, {:.2e}]", i.value, i.low, i.high)
 }
 
-/// Three digits whatever the size.
+/// Formats with three significant digits.
 fn plain(i: Interval) -> String {
     let digits = (2 - i.value.log10().floor() as i32).clamp(0, 6) as usize;
     format!("{:.digits$} [{:.digits$}, {:.digits$}]", i.value, i.low, i.high)

@@ -1,54 +1,54 @@
-//! What images are compared with: a file, or a render made for it.
+//! Reference images: given as a file, or rendered for the benchmark.
 
-use super::contestant::{self, Contestant, label};
-use super::{Request, Subject, defect};
+use super::contestant::{self, BenchCase, label};
+use super::{BenchScene, MethodsRequest, defect};
 use crate::error::{Error, Result};
 use crate::film::{Film, Plane};
 use crate::integrator::{self, Method};
 use crate::io::exr;
 use crate::parallel::Cancel;
-use crate::render::{Outputs, Program, Settings};
+use crate::render::{Outputs, Program, RenderSettings};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// ε is the square of this share of the reference's mean, as in the error that films estimate.
+/// ε is the square of this fraction of the reference's mean, as in the error estimate of films.
 const FLOOR: f64 = 0.1;
-/// A made reference has at most this share of the error of what is compared with it.
+/// Maximum error of a rendered reference, as a fraction of the errors measured against it.
 pub(super) const SHARE: f64 = 0.1;
-/// The compared errors are foretold as those of independent samples; low-discrepancy points mostly do better than that by less
-/// than this factor at the sample counts of a curve. The report says what came of it.
+/// Safety factor on the predicted errors. Predictions assume independent samples; low-discrepancy points mostly beat
+/// them by less than this factor at the sample counts of a curve. The report states the ratio achieved.
 const MARGIN: f64 = 2.0;
-/// Where the seeds of made references are taken from: none of a repetition.
+/// Repetition number for the seeds of rendered references, used by no repetition.
 const SEED: u32 = u32::MAX;
 
 /// A reference image.
 pub(super) struct Reference {
     /// Its pixels, 3 values each.
     pub(super) rgb: Vec<f32>,
-    /// Where it comes from.
+    /// Origin and quality of the image.
     pub(super) record: Record,
 }
 
-/// Where a reference comes from and how good it is.
+/// Origin and quality of a reference.
 #[derive(Debug, Clone, Serialize)]
 pub struct Record {
     /// Its file.
     pub file: PathBuf,
-    /// Who made it.
+    /// The program or method that made it.
     pub origin: String,
     /// The ε of relMSE, (0.1 × its mean)².
     pub epsilon: f64,
-    /// Its own relMSE, which is subtracted; `None` if unknown and not subtracted.
+    /// Its own relMSE, which is subtracted from measured errors; `None` if unknown and not subtracted.
     pub noise: Option<f64>,
-    /// Whether the time for a made one ended before its relMSE was a tenth of those foretold.
+    /// Whether the time limit ended the rendering before its relMSE was a tenth of the predicted errors.
     pub is_cut_short: bool,
 }
 
 impl Reference {
-    /// The reference that was given for a subject, if one was.
-    pub(super) fn given(subject: &Subject) -> Result<Option<Reference>> {
+    /// Reads the reference given for a subject, if any.
+    pub(super) fn given(subject: &BenchScene) -> Result<Option<Reference>> {
         let Some((path, noise)) = &subject.reference else { return Ok(None) };
         let (_, settings) = subject.stages.first().ok_or_else(|| defect("a scene without a backend"))?;
         let mut reference = Reference::read(path, settings)?;
@@ -56,13 +56,14 @@ impl Reference {
         Ok(Some(reference))
     }
 
-    fn read(path: &Path, settings: &Settings) -> Result<Reference> {
+    fn read(path: &Path, settings: &RenderSettings) -> Result<Reference> {
         let image = exr::read(path)?;
         let crop = image.crop;
         let size = [image.width, image.height];
         if size != [settings.width, settings.height] || settings.layout().crop != crop {
             let (w, h) = (settings.width, settings.height);
-            let what = format!("the reference {} is {}×{} and the images are {w}×{h}", path.display(), size[0], size[1]);
+            let what =
+                format!("the reference {} is {}×{} and the images are {w}×{h}", path.display(), size[0], size[1]);
             return Err(Error::usage(format!("{what}: use --size {}x{}", size[0], size[1])));
         }
         let channels = |names: [&str; 3]| {
@@ -88,24 +89,24 @@ fn epsilon(rgb: &[f32]) -> f64 {
     (FLOOR * mean).powi(2)
 }
 
-/// The relMSE that an image has by its standard error.
+/// relMSE of an image according to its standard error.
 fn noise(rgb: &[f32], stderr: &[f32], epsilon: f64) -> f64 {
     let terms = rgb.iter().zip(stderr).map(|(&v, &s)| f64::from(s).powi(2) / (f64::from(v).powi(2) + epsilon));
     let (sum, count) = terms.filter(|t| t.is_finite()).fold((0.0, 0.0), |(sum, count), t| (sum + t, count + 1.0));
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
-/// The reference that an earlier call left in the folder if it is the one wanted, else a new one.
+/// Returns the reference that an earlier call left in the folder if it matches, else renders a new one.
 pub(super) fn make(
-    request: &Request,
-    subject: &Subject,
-    field: &[Contestant<'_>],
+    request: &MethodsRequest,
+    subject: &BenchScene,
+    field: &[BenchCase<'_>],
     note: &mut dyn FnMut(&str),
 ) -> Result<Reference> {
     let path = request.folder.join(format!("reference-{}.exr", subject.name));
     let (host, method) = chosen(request, field)?;
     let seed = contestant::seed(host.settings.seed, SEED);
-    let settings = Settings { method, seed, aovs: Vec::new(), ..host.settings.clone() };
+    let settings = RenderSettings { method, seed, aovs: Vec::new(), ..host.settings.clone() };
     let name = label(&settings);
     let same = if request.methods.contains(&method) { ", also compared, with another seed" } else { "" };
     let origin = format!("made by {name}{same}");
@@ -124,28 +125,32 @@ pub(super) fn make(
     Ok(Reference { record: Record { origin, is_cut_short, ..made.record }, ..made })
 }
 
-/// Whether a reference with that error of its own is good enough for the images that are to come.
-fn suffices(field: &[Contestant<'_>], rgb: &[f32], noise: f64, epsilon: f64) -> bool {
-    let least = field.iter().filter(|c| c.counts()).map(|c| c.foretold(rgb, noise, epsilon)).fold(f64::INFINITY, f64::min);
+/// Whether a reference with error `noise` is accurate enough for the predicted errors of the images.
+fn suffices(field: &[BenchCase<'_>], rgb: &[f32], noise: f64, epsilon: f64) -> bool {
+    let least =
+        field.iter().filter(|c| c.counts()).map(|c| c.foretold(rgb, noise, epsilon)).fold(f64::INFINITY, f64::min);
     noise <= SHARE * least / MARGIN
 }
 
-/// Who makes a reference: a method that sees everything and is not compared, else the last that sees everything.
-fn chosen<'a, 'b>(request: &Request, field: &'a [Contestant<'b>]) -> Result<(&'a Contestant<'b>, Method)> {
+/// Chooses the method of the reference: one without blind spots that is not compared, else the last without blind
+/// spots.
+fn chosen<'a, 'b>(request: &MethodsRequest, field: &'a [BenchCase<'b>]) -> Result<(&'a BenchCase<'b>, Method)> {
     let host = field.first().ok_or_else(|| Error::usage("nothing to compare: name a method and a backend"))?;
-    // From the plainest to the best, chains apart: what they are in doubt of no reference should be.
+    // From the simplest method to the best. Methods with chains are excluded, since their error estimate may be in
+    // doubt.
     let seeing: Vec<Method> = Method::value_variants()
         .iter()
         .copied()
         .filter(|&m| !m.has_chains() && integrator::blind_spots(m, &host.stage.scene).is_empty())
         .collect();
     let other = seeing.iter().rev().find(|m| !request.methods.contains(m));
-    let method = other.or(seeing.last()).ok_or_else(|| Error::usage("no method sees all of the scene: give a --reference"))?;
+    let method =
+        other.or(seeing.last()).ok_or_else(|| Error::usage("no method sees all of the scene: give a --reference"))?;
     Ok((host, *method))
 }
 
-/// What an earlier call made of the same scene by the same program and settings.
-fn kept(path: &Path, settings: &Settings, host: &Contestant<'_>) -> Option<Reference> {
+/// Reads the reference of an earlier call, if scene, program and settings match.
+fn kept(path: &Path, settings: &RenderSettings, host: &BenchCase<'_>) -> Option<Reference> {
     let image = exr::read(path).ok()?;
     let program = Program::current();
     let wanted = [
@@ -154,19 +159,26 @@ fn kept(path: &Path, settings: &Settings, host: &Contestant<'_>) -> Option<Refer
         ("etendue.program.version", Some(program.version)),
         ("etendue.program.revision", program.revision),
     ];
-    let has =
-        |(name, value): &(&str, Option<String>)| image.attributes.get(*name) == value.clone().map(exr::Attribute::Text).as_ref();
+    let has = |(name, value): &(&str, Option<String>)| {
+        image.attributes.get(*name) == value.clone().map(exr::Attribute::Text).as_ref()
+    };
     if wanted.iter().all(has) { Reference::read(path, settings).ok() } else { None }
 }
 
-/// Renders until it is good enough or the time is over.
-fn render(request: &Request, settings: &Settings, host: &Contestant<'_>, field: &[Contestant<'_>], path: &Path) -> Result<()> {
+/// Renders until the reference is accurate enough or the time is over.
+fn render(
+    request: &MethodsRequest,
+    settings: &RenderSettings,
+    host: &BenchCase<'_>,
+    field: &[BenchCase<'_>],
+    path: &Path,
+) -> Result<()> {
     let (cancel, start) = (Cancel::new(), Instant::now());
     let judge = |film: &Film, _| {
         let rgb = film.mean(Plane::Color);
         let epsilon = epsilon(&rgb);
         let noise = film.standard_error().map_or(f64::INFINITY, |stderr| noise(&rgb, &stderr, epsilon));
-        // Another doubling takes as long again as all so far.
+        // Another doubling takes as long as all samples so far.
         if suffices(field, &rgb, noise, epsilon) || 2 * start.elapsed() > request.reference_budget {
             cancel.request();
         }

@@ -1,22 +1,22 @@
-//! What each row hits beside a reference: the streams of scenes class by class, and the hard cases.
+//! Compares the hits of each row with those of a reference: the scenes' streams class by class, and the hard cases.
 
 use super::row::Row;
 use super::stream::Group;
-use crate::accel::equivalence::{Category, Tally};
+use crate::accel::equivalence::{Category, DifferenceCounts};
 use crate::accel::{Backend, Build, hard_cases};
 use crate::error::Result;
 use crate::geometry::Geometry;
 use serde::Serialize;
 
-/// How the answers of a backend to a group of rays relate to those of the reference.
+/// Agreement of a backend with the reference on a group of rays.
 #[derive(Debug, Clone, Serialize)]
 pub struct CategoryRow {
     /// The scene; `None` for a hard case.
     pub scene: Option<String>,
-    /// Which rays, who answered, and the counts.
+    /// The group of rays, the backend, and the counts.
     #[serde(flatten)]
     pub category: Category,
-    /// Where the first rays with a true difference or a leak can be asked again.
+    /// Replay addresses of the first rays with a true difference or a leak.
     pub addresses: Vec<String>,
 }
 
@@ -28,21 +28,21 @@ impl CategoryRow {
     }
 }
 
-/// What the others are compared with: the robust build of the default backend, or else the first row.
+/// The reference row: the robust build of the default backend, else the first row.
 pub(super) fn reference(rows: &[Row]) -> &Row {
     let preferred = hard_cases::title(hard_cases::reference());
     rows.iter().find(|row| row.title == preferred).unwrap_or(&rows[0])
 }
 
-/// Asks every row both queries about every ray of a scene's groups.
+/// Runs both queries of every row on every ray of a scene's groups.
 pub(super) fn streams(geometry: &Geometry, scene: &str, groups: &[Group], rows: &[Row]) -> Vec<CategoryRow> {
     let reference = reference(rows);
     let mut found = Vec::new();
     for group in groups {
         let rays = group.rays();
         found.extend(rows.iter().map(|row| {
-            // Nobody knows of a scene whether it is closed.
-            let tally = Tally::of(geometry, &rays, &row.structure, &reference.structure, false);
+            // It is unknown whether a scene is closed, so that leaks are not counted.
+            let tally = DifferenceCounts::of(geometry, &rays, &row.structure, &reference.structure, false);
             let (name, backend) = (group.name.to_owned(), row.title.clone());
             let category = Category { name, backend, reference: reference.title.clone(), tally };
             CategoryRow::new(Some(scene), category)
@@ -51,7 +51,7 @@ pub(super) fn streams(geometry: &Geometry, scene: &str, groups: &[Group], rows: 
     found
 }
 
-/// Asks every backend the first `rays` rays of every hard case; `note` is told which.
+/// Runs every backend on the first `rays` rays of every hard case. `note` receives the name of each.
 ///
 /// # Errors
 /// As [`crate::accel::Accel::build`].
@@ -72,17 +72,19 @@ pub(super) fn hard(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::{Query, Question, RayClass};
+    use crate::accel::{Query, RayClass, RayQuery};
     use crate::geometry::Ray;
-    use crate::render::ray_bench::Stream;
+    use crate::render::ray_bench::RayStream;
     use crate::stats::test_random::Random;
     use glam::Vec3;
 
-    /// Streams may hold any bits: nothing panics, and what has no finite origin and direction hits nothing, whoever is asked.
+    /// Streams may contain any bit pattern. Nothing panics, and a ray without finite origin and direction hits nothing
+    /// on any backend.
     #[test]
     fn rays_of_any_bits_can_be_compared() {
         let case = hard_cases::by_name("random").unwrap();
-        let backends = Backend::AVAILABLE.iter().map(|&backend| Row::of_backend(case.geometry(), (backend, Build::Robust), 1));
+        let backends =
+            Backend::AVAILABLE.iter().map(|&backend| Row::of_backend(case.geometry(), (backend, Build::Robust), 1));
         let rows: Vec<Row> = backends.chain([Row::of_cwbvh(case.geometry())]).collect::<Result<_>>().unwrap();
         let mut random = Random::new(1);
         let question = |i: u32| {
@@ -95,12 +97,12 @@ mod tests {
                 _ => direction[(i / 3) as usize % 3] = f32::INFINITY,
             }
             let (t_min, t_max) = (bits().abs(), bits());
-            // Camera rays may be rays, the others are none.
+            // Camera rays may be valid, the others are not.
             let class = if i % 3 == 0 { RayClass::Camera } else { RayClass::Shadow };
-            Question { ray: Ray { t_min, t_max, ..Ray::new(origin, direction) }, query: Query::Closest, class }
+            RayQuery { ray: Ray { t_min, t_max, ..Ray::new(origin, direction) }, query: Query::Closest, class }
         };
         let questions = (0..30_000).map(question).collect();
-        let stream = Stream { name: "bits".into(), scene_hash: String::new(), questions };
+        let stream = RayStream { name: "bits".into(), scene_hash: String::new(), questions };
         let found = streams(case.geometry(), &stream.name, &stream.groups(), &rows);
         assert_eq!(found.len(), 2 * rows.len());
         for row in found.iter().filter(|row| row.category.name == "shadow") {

@@ -1,11 +1,13 @@
-//! How many rays per second backends answer, and whether they answer the same.
+//! Measures the ray throughput of backends and checks that their answers agree.
 //!
-//! The rays of one pass are recorded on one thread and replayed raw, with nothing in between, on every backend with every build
-//! and on obvhs's CWBVH ([`crate::accel::bvh::cwbvh`]), class by class and all in the order of the render. Rows take turns
-//! within each measurement of each round, so that whatever else the machine does falls on all of them; a pass is timed in the
-//! same round, and its share of the raw rate says what of a render is not ray tracing.
+//! The rays of one pass are recorded on one thread. They are then replayed without shading on every backend with every
+//! build, and on obvhs's CWBVH ([`crate::accel::bvh::cwbvh`]). They are replayed class by class, and all together in
+//! render order. Rows take turns within each measurement of each round, so that background load affects all of them
+//! alike. A full pass is timed in the same round. Its share of the raw rate shows the cost of everything but ray
+//! tracing.
 //!
-//! Before that all rows answer both queries about all rays and are compared with a reference, which is also their warm-up.
+//! Before the measurement, every row answers both queries for all rays and is compared with a reference. This
+//! comparison is also the warm-up.
 
 mod compare;
 mod page;
@@ -17,11 +19,11 @@ mod stream;
 pub mod stream_file;
 
 pub use compare::CategoryRow;
-pub use replay::{Address, Answer, Met, Replay};
+pub use replay::{Answer, Met, RayAddress, Replay};
 pub use report::{ClassRate, ClassSize, PaceRates, Rate, RaysReport, RowRates, SceneRates};
-pub use stream::Stream;
+pub use stream::RayStream;
 
-use super::{Conditions, Settings, Stage, writable};
+use super::{Conditions, LoadedScene, RenderSettings, writable};
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
@@ -31,57 +33,62 @@ use row::{Pace, Row};
 use std::path::PathBuf;
 use stream::Group;
 
-/// A scene whose rays are recorded. Its own backend is what records them, so that addresses do not depend on what is measured.
-pub struct Subject {
-    /// What it is called in reports and addresses.
+/// A scene whose rays are recorded. They are recorded with the scene's own backend, so that addresses do not depend on
+/// the measured ones.
+pub struct RayBenchSubject {
+    /// Name in reports and addresses.
     pub name: String,
     /// The scene.
-    pub stage: Stage,
-    /// The picture.
-    pub settings: Settings,
+    pub stage: LoadedScene,
+    /// Settings of the picture.
+    pub settings: RenderSettings,
 }
 
-/// What is asked for.
-pub struct Request {
+/// A requested measurement.
+pub struct RayBenchRequest {
     /// Backends and builds to measure, at least one.
     pub setups: Vec<(Backend, Build)>,
-    /// Numbers of threads to measure with, at least one.
+    /// Thread counts to measure with, at least one.
     pub threads: Vec<usize>,
-    /// How often everything is measured.
+    /// Number of rounds.
     pub rounds: u32,
-    /// About how many rays are recorded at most.
+    /// Approximate maximum of recorded rays.
     pub rays: u64,
-    /// How many rays of each hard case are compared; `None` for no hard cases.
+    /// Number of rays compared per hard case; `None` skips the hard cases.
     pub hard_case_rays: Option<u64>,
-    /// A stream that is taken instead of recording one.
+    /// Stream file to load instead of recording.
     pub load: Option<PathBuf>,
-    /// Where the stream is kept.
+    /// Stream file to save.
     pub save: Option<PathBuf>,
-    /// Where reports go, if anywhere.
+    /// Folder of the reports, if any.
     pub folder: Option<PathBuf>,
-    /// The command that asks for it, to be shown.
+    /// The command line, shown in the report.
     pub command: String,
 }
 
-/// A scene with its rays and everything that answers them.
+/// A scene with its rays and all structures that trace them.
 struct Field {
-    stage: Stage,
+    stage: LoadedScene,
     view: View,
-    stream: Stream,
+    stream: RayStream,
     groups: Vec<Group>,
     counted: Option<RayCounts>,
     rows: Vec<Row>,
     left_out: Vec<String>,
-    /// One for each number of threads.
+    /// One pool per thread count.
     pools: Vec<rayon::ThreadPool>,
 }
 
-/// Measures, and writes `report.json`, `rates.csv`, `categories.csv` and `index.html` where a folder was asked for. Call it from
-/// outside the rayon pool.
+/// Runs the measurement. Writes `report.json`, `rates.csv`, `categories.csv` and `index.html` if a folder was given.
+/// Must be called from outside the rayon pool.
 ///
 /// # Errors
-/// Files that cannot be written or read, a stream of another scene, a camera or backend that is not there.
-pub fn run(request: &Request, subjects: Vec<Subject>, note: &mut dyn FnMut(&str)) -> Result<RaysReport> {
+/// Files cannot be written or read, a stream belongs to another scene, or a camera or backend does not exist.
+pub fn run(
+    request: &RayBenchRequest,
+    subjects: Vec<RayBenchSubject>,
+    note: &mut dyn FnMut(&str),
+) -> Result<RaysReport> {
     if let Some(folder) = &request.folder {
         std::fs::create_dir_all(folder).map_err(|cause| Error::write(folder, cause))?;
         writable(&folder.join("report.json"))?;
@@ -105,11 +112,12 @@ pub fn run(request: &Request, subjects: Vec<Subject>, note: &mut dyn FnMut(&str)
     Ok(report)
 }
 
-/// Asks every row about one ray of a scene, which is `subject`, or of a hard case. Call it from outside the rayon pool.
+/// Traces one ray on every row. The ray comes from a scene, given as `subject`, or from a hard case. Must be called
+/// from outside the rayon pool.
 ///
 /// # Errors
-/// A usage error if there is no such ray; what [`run`] says of streams and backends.
-pub fn replay(request: &Request, subject: Option<Subject>, address: &Address) -> Result<Replay> {
+/// A usage error if there is no such ray; the errors of [`run`] about streams and backends.
+pub fn replay(request: &RayBenchRequest, subject: Option<RayBenchSubject>, address: &RayAddress) -> Result<Replay> {
     if let Some(subject) = subject {
         let (stage, _, stream, _) = stream_of(request, subject)?;
         let ray = address.in_stream(&stream)?;
@@ -121,14 +129,18 @@ pub fn replay(request: &Request, subject: Option<Subject>, address: &Address) ->
     Ok(replay::replay(address, case.geometry(), &case.ray(address.index), &rows))
 }
 
-impl Request {
+impl RayBenchRequest {
     fn most_threads(&self) -> usize {
         self.threads.iter().copied().max().unwrap_or(1)
     }
 }
 
-/// Everything about one scene.
-fn measured(request: &Request, subject: Subject, note: &mut dyn FnMut(&str)) -> Result<(SceneRates, Vec<CategoryRow>)> {
+/// Compares and measures one scene.
+fn measured(
+    request: &RayBenchRequest,
+    subject: RayBenchSubject,
+    note: &mut dyn FnMut(&str),
+) -> Result<(SceneRates, Vec<CategoryRow>)> {
     let mut field = Field::new(request, subject)?;
     let name = field.stream.name.clone();
     note(&format!("{name}: comparing the hits of {} rays", field.stream.questions.len()));
@@ -141,19 +153,23 @@ fn measured(request: &Request, subject: Subject, note: &mut dyn FnMut(&str)) -> 
 }
 
 impl Field {
-    fn new(request: &Request, subject: Subject) -> Result<Field> {
+    fn new(request: &RayBenchRequest, subject: RayBenchSubject) -> Result<Field> {
         let (stage, view, stream, counted) = stream_of(request, subject)?;
         request.save.as_ref().map_or(Ok(()), |path| stream_file::write(path, &stream))?;
         let (mut rows, left_out) = rows(request, stage.scene.geometry())?;
         let groups = stream.groups();
-        let pace =
-            |&threads: &usize| Pace { threads, raw: Vec::new(), groups: vec![Vec::new(); groups.len()], render: Vec::new() };
+        let pace = |&threads: &usize| Pace {
+            threads,
+            raw: Vec::new(),
+            groups: vec![Vec::new(); groups.len()],
+            render: Vec::new(),
+        };
         rows.iter_mut().for_each(|row| row.paces = request.threads.iter().map(pace).collect());
         let pools = request.threads.iter().map(|&threads| record::pool(threads)).collect::<Result<Vec<_>>>()?;
         Ok(Field { stage, view, stream, groups, counted, rows, left_out, pools })
     }
 
-    /// One more round: pass 0 is the recorded one, and each round renders another.
+    /// Runs one more round. Pass 0 is the recorded one, and each round renders another pass.
     fn timed(mut self, round: u32) -> Field {
         let pass = u64::from(round) + 1;
         let stage = row::round(self.stage, &self.view, (&self.stream, &self.groups), &mut self.rows, &self.pools, pass);
@@ -177,9 +193,12 @@ impl Field {
     }
 }
 
-/// The rays of a scene, recorded or from a file.
-fn stream_of(request: &Request, subject: Subject) -> Result<(Stage, View, Stream, Option<RayCounts>)> {
-    let Subject { name, stage, settings } = subject;
+/// The rays of a scene, recorded or loaded from a file.
+fn stream_of(
+    request: &RayBenchRequest,
+    subject: RayBenchSubject,
+) -> Result<(LoadedScene, View, RayStream, Option<RayCounts>)> {
+    let RayBenchSubject { name, stage, settings } = subject;
     let view = View::within(&stage.scene, &settings, request.rays)?;
     let Some(path) = &request.load else {
         let (stage, stream, counted) = record::record(stage, &view, &name)?;
@@ -190,11 +209,12 @@ fn stream_of(request: &Request, subject: Subject) -> Result<(Stage, View, Stream
         let (from, scene) = (path.display(), stage.path.display());
         return Err(Error::usage(format!("--load {from}: its rays were recorded in another scene than {scene}")));
     }
-    Ok((stage, view, Stream { name, ..stream }, None))
+    Ok((stage, view, RayStream { name, ..stream }, None))
 }
 
-/// What answers: every backend and build, then CWBVH where obvhs is among them, or why not.
-fn rows(request: &Request, geometry: &Geometry) -> Result<(Vec<Row>, Vec<String>)> {
+/// Builds every backend and build, then CWBVH if obvhs is among them. Also returns the rows that could not be built,
+/// with the reasons.
+fn rows(request: &RayBenchRequest, geometry: &Geometry) -> Result<(Vec<Row>, Vec<String>)> {
     let build = |&setup| Row::of_backend(geometry, setup, request.most_threads());
     let mut rows = request.setups.iter().map(build).collect::<Result<Vec<_>>>()?;
     if request.setups.iter().all(|(backend, _)| *backend != Backend::Obvhs) {

@@ -1,4 +1,4 @@
-//! The report as a page to read.
+//! Writes the report as an HTML page.
 
 use super::compare::CategoryRow;
 use super::report::{PaceRates, Rate, RaysReport, RowRates, SceneRates};
@@ -64,7 +64,7 @@ fn section(scene: &SceneRates, found: &[&CategoryRow], report: &RaysReport) -> M
     }
 }
 
-/// Two tables: what decides, and the classes.
+/// Two tables: the main rates, and the rates by class.
 fn rates(scene: &SceneRates) -> Markup {
     let lines = |line: &dyn Fn(&RowRates, &PaceRates) -> Vec<String>| -> Vec<Vec<String>> {
         scene.rows.iter().flat_map(|row| row.paces.iter().map(move |pace| line(row, pace))).collect()
@@ -87,12 +87,12 @@ fn rates(scene: &SceneRates) -> Markup {
     }
 }
 
-/// A rate with its spread.
+/// Formats a rate with its spread.
 fn cell(digits: usize, rate: Option<Rate>) -> String {
     rate.map_or("–".into(), |r| format!("{:.digits$} [{:.digits$}, {:.digits$}]", r.median, r.least, r.most))
 }
 
-/// Rates over threads, a colour for each row.
+/// Plot of rates over thread counts, one colour per row.
 fn scaling(scene: &SceneRates) -> Markup {
     let series = |of: fn(&PaceRates) -> Option<Rate>| -> Vec<Series> {
         let line = |(hue, row): (usize, &RowRates)| {
@@ -103,7 +103,8 @@ fn scaling(scene: &SceneRates) -> Markup {
         scene.rows.iter().enumerate().map(line).collect()
     };
     let figure = |y: &str, series: &[Series]| {
-        let title = format!("{}: {y} against threads, both logarithmic. The numbers are in the table above.", scene.name);
+        let title =
+            format!("{}: {y} against threads, both logarithmic. The numbers are in the table above.", scene.name);
         html! { figure { (Plot { title: &title, x: "threads", y, series, guide: Some(1.0) }.draw()) } }
     };
     let (raw, render) = (series(|pace| Some(pace.raw)), series(|pace| pace.render));
@@ -116,7 +117,8 @@ fn scaling(scene: &SceneRates) -> Markup {
 }
 
 fn hits(caption: &str, found: &[&CategoryRow]) -> Markup {
-    let head = ["", "backend", "beside", "rays", "hits", "ties", "grazes", "true differences", "leaks"].map(String::from);
+    let head =
+        ["", "backend", "beside", "rays", "hits", "ties", "grazes", "true differences", "leaks"].map(String::from);
     let line = |row: &&CategoryRow| {
         let (category, tally) = (&row.category, &row.category.tally);
         let counts = [tally.rays, tally.hits, tally.ties, tally.grazes, tally.true_differences];

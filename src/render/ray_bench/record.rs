@@ -1,40 +1,40 @@
-//! Rays of a render, noted as they are traced.
+//! Records the rays of a render as they are traced.
 
-use super::stream::Stream;
+use super::stream::RayStream;
 use crate::accel::Accel;
 use crate::camera::Camera;
 use crate::error::{Error, Kind, Result};
 use crate::film::{Crop, Layout, PassFilm};
-use crate::integrator::{self, Prelude, RayCounts};
+use crate::integrator::{self, PilotEstimate, RayCounts};
 use crate::parallel::Cancel;
-use crate::render::{Settings, Stage};
+use crate::render::{LoadedScene, RenderSettings};
 use crate::scene::Scene;
 
-/// The longer side of the small picture whose rays are counted to foretell those of a large one.
+/// Longer side, in pixels, of the probe picture whose ray count predicts that of a large one.
 const PROBE_SIDE: f64 = 64.0;
 
 /// A picture of a scene: the camera and the pixels of `settings`.
 pub(super) struct View {
-    settings: Settings,
+    settings: RenderSettings,
     camera: Camera,
     layout: Layout,
 }
 
 impl View {
-    /// The picture that `settings` describe.
+    /// Creates the view that `settings` describe.
     ///
     /// # Errors
-    /// A camera that is not there.
-    pub(super) fn new(scene: &Scene, settings: Settings) -> Result<View> {
+    /// The camera does not exist.
+    pub(super) fn new(scene: &Scene, settings: RenderSettings) -> Result<View> {
         let camera = scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         Ok(View { layout: settings.layout(), camera, settings })
     }
 
-    /// The same picture with fewer pixels if a pass would trace many more than `most` rays.
+    /// Creates the view with fewer pixels if a pass would trace many more than `most` rays.
     ///
     /// # Errors
-    /// A camera that is not there.
-    pub(super) fn within(scene: &Scene, settings: &Settings, most: u64) -> Result<View> {
+    /// The camera does not exist.
+    pub(super) fn within(scene: &Scene, settings: &RenderSettings, most: u64) -> Result<View> {
         let longer = f64::from(settings.width.max(settings.height));
         let probe = View::new(scene, shrunk(settings, (PROBE_SIDE / longer).min(1.0)))?;
         let each = probe.pass(scene, 0).total() as f64 / probe.layout.pixels() as f64;
@@ -42,7 +42,7 @@ impl View {
         View::new(scene, shrunk(settings, (most as f64 / all).sqrt().min(1.0)))
     }
 
-    /// Width and height.
+    /// Width and height in pixels.
     pub(super) fn size(&self) -> [u32; 2] {
         [self.settings.width, self.settings.height]
     }
@@ -50,17 +50,19 @@ impl View {
     /// Renders a pass in the current rayon pool and counts its rays.
     pub(super) fn pass(&self, scene: &Scene, pass: u64) -> RayCounts {
         let options = self.settings.options();
-        let integrator = integrator::build(self.settings.method, scene, self.camera.clone(), &options, &Prelude::default());
+        let integrator =
+            integrator::build(self.settings.method, scene, self.camera.clone(), &options, &PilotEstimate::default());
         let report = integrator.run_pass(pass, &Cancel::new(), &mut PassFilm::new(&self.layout));
         report.unwrap_or_default().rays
     }
 }
 
-/// Notes the rays of pass 0: the stage as it was, the stream called `name`, and the rays that the pass counted itself.
+/// Records the rays of pass 0. Returns the unchanged stage, the stream with the name `name`, and the ray counts of the
+/// pass itself.
 ///
 /// # Errors
 /// An internal error if no thread can be started.
-pub(super) fn record(stage: Stage, view: &View, name: &str) -> Result<(Stage, Stream, RayCounts)> {
+pub(super) fn record(stage: LoadedScene, view: &View, name: &str) -> Result<(LoadedScene, RayStream, RayCounts)> {
     let scene = stage.scene.with_accel(Accel::recorded);
     let counted = pool(1)?.install(|| view.pass(&scene, 0));
     let mut questions = Vec::new();
@@ -69,11 +71,11 @@ pub(super) fn record(stage: Stage, view: &View, name: &str) -> Result<(Stage, St
         questions = asked;
         accel
     });
-    let stream = Stream { name: name.to_owned(), scene_hash: scene.hash().to_owned(), questions };
-    Ok((Stage { scene, ..stage }, stream, counted))
+    let stream = RayStream { name: name.to_owned(), scene_hash: scene.hash().to_owned(), questions };
+    Ok((LoadedScene { scene, ..stage }, stream, counted))
 }
 
-/// That many threads of their own.
+/// Creates a pool of `threads` threads.
 ///
 /// # Errors
 /// An internal error if they cannot be started.
@@ -82,8 +84,8 @@ pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool> {
     pool.map_err(|cause| Error::new(Kind::Internal, format!("cannot start {threads} threads")).because(cause))
 }
 
-/// The settings with sides of that share, 1 at most, of what they are.
-fn shrunk(settings: &Settings, share: f64) -> Settings {
+/// Scales the sides of the image by `share`, at most 1.
+fn shrunk(settings: &RenderSettings, share: f64) -> RenderSettings {
     let side = |pixels: u32| ((f64::from(pixels) * share).round() as u32).max(1);
     let [width, height] = [side(settings.width), side(settings.height)];
     let crop = settings.crop.map(|c| {
@@ -94,32 +96,33 @@ fn shrunk(settings: &Settings, share: f64) -> Settings {
         let ((x0, x1), (y0, y1)) = (range(c.x0, c.x1, width), range(c.y0, c.y1, height));
         Crop { x0, y0, x1, y1 }
     });
-    Settings { width, height, crop, ..settings.clone() }
+    RenderSettings { width, height, crop, ..settings.clone() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::{Question, RayClass};
-    use crate::render::Choices;
+    use crate::accel::{RayClass, RayQuery};
+    use crate::render::SettingsPatch;
 
-    fn recorded(scene: &str, choices: &Choices) -> (Vec<Question>, RayCounts) {
+    fn recorded(scene: &str, choices: &SettingsPatch) -> (Vec<RayQuery>, RayCounts) {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{scene}/scene.gltf"));
         let settings = choices.settings(Some(1.0)).unwrap();
-        let stage = Stage::open(&path, None, &settings.moment(), &settings.build_options(1)).unwrap();
+        let stage = LoadedScene::open(&path, None, &settings.moment(), &settings.build_options(1)).unwrap();
         let view = View::new(&stage.scene, settings).unwrap();
         let (_, stream, counted) = record(stage, &view, scene).unwrap();
         (stream.questions, counted)
     }
 
-    /// What a render says that it traced is what its backend was asked, class by class, with extra layers too.
+    /// The ray counts of a pass match the queries that its backend receives, class by class, with AOVs too.
     #[test]
     fn passes_count_the_rays_that_backends_are_asked() {
-        let small = Choices { size: Some("24x24".parse().unwrap()), ..Choices::default() };
-        let layers = Choices { aovs: Some(vec![crate::render::Aov::Albedo]), ..small.clone() };
+        let small = SettingsPatch { size: Some("24x24".parse().unwrap()), ..SettingsPatch::default() };
+        let layers = SettingsPatch { aovs: Some(vec![crate::render::Aov::Albedo]), ..small.clone() };
         for (scene, choices) in [("cornell-box", &small), ("cornell-box", &layers), ("sphere-cap", &small)] {
             let (questions, counted) = recorded(scene, choices);
-            let count = |is: fn(RayClass) -> bool| questions.iter().filter(|question| is(question.class)).count() as u64;
+            let count =
+                |is: fn(RayClass) -> bool| questions.iter().filter(|question| is(question.class)).count() as u64;
             let [camera, bounce, shadow] = [
                 count(|class| class == RayClass::Camera),
                 count(|class| matches!(class, RayClass::Bounce(1..))),
@@ -133,7 +136,7 @@ mod tests {
     #[test]
     fn smaller_pictures_keep_their_window() {
         let crop = Some(Crop { x0: 100, y0: 0, x1: 200, y1: 3 });
-        let settings = Settings { crop, ..Choices::default().settings(Some(2.0)).unwrap() };
+        let settings = RenderSettings { crop, ..SettingsPatch::default().settings(Some(2.0)).unwrap() };
         assert_eq!(shrunk(&settings, 1.0), settings);
         let half = shrunk(&settings, 0.5);
         assert_eq!((half.width, half.height, half.crop), (640, 320, Some(Crop { x0: 50, y0: 0, x1: 100, y1: 2 })));

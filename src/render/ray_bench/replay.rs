@@ -1,8 +1,8 @@
-//! One ray again, by its address: its bits, and what every row says about it.
+//! Replays one ray by its address: its bits, and the answer of every row.
 
 use super::compare::reference;
 use super::row::Row;
-use super::stream::Stream;
+use super::stream::RayStream;
 use crate::accel::equivalence::{Agreement, agreement};
 use crate::accel::{Intersector, hard_cases};
 use crate::error::{Error, Result};
@@ -10,82 +10,83 @@ use crate::geometry::{Geometry, Opaque, Ray};
 use serde::Serialize;
 use std::str::FromStr;
 
-/// Where a ray is: `cornell-box/shadow:17` in the stream of a scene, `sphere-edges:1234` in a hard case.
+/// Address of a ray: `cornell-box/shadow:17` in the stream of a scene, `sphere-edges:1234` in a hard case.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Address {
-    /// The scene, or none for a hard case.
+pub struct RayAddress {
+    /// The scene; `None` for a hard case.
     pub scene: Option<String>,
     /// The group of rays, or the hard case.
     pub group: String,
-    /// Which of them, from 0.
+    /// Index in the group, from 0.
     pub index: u64,
 }
 
-/// A ray and all answers.
+/// A ray and the answers of all rows.
 #[derive(Debug, Clone, Serialize)]
 pub struct Replay {
-    /// Where it is.
+    /// Its address.
     pub address: String,
-    /// Origin, direction, first and last parameter in decimals; what is not finite as JSON cannot say it: `null`.
+    /// Origin, direction, first and last parameter in decimals. Non-finite values are `null` in JSON.
     pub ray: [f32; 8],
-    /// The same as bits in hexadecimal.
+    /// The same values as hexadecimal bits.
     pub bits: [String; 8],
-    /// Who says what.
+    /// The answers by backend.
     pub answers: Vec<Answer>,
 }
 
-/// What a backend says about a ray.
+/// Answer of a backend for a ray.
 #[derive(Debug, Clone, Serialize)]
 pub struct Answer {
     /// The backend and its build.
     pub backend: String,
-    /// What is first.
+    /// The closest hit.
     pub closest: Option<Met>,
-    /// Whether there is anything.
+    /// Whether the ray is occluded.
     pub occluded: bool,
-    /// How that relates to the first hit of the reference.
+    /// Agreement with the closest hit of the reference.
     pub agreement: Agreement,
 }
 
 /// A hit.
 #[derive(Debug, Clone, Serialize)]
 pub struct Met {
-    /// Number of the object in the geometry.
+    /// Index of the object in the geometry.
     pub object: u32,
     /// Name of its mesh.
     pub mesh: String,
-    /// Number of the triangle in the mesh.
+    /// Index of the triangle in the mesh.
     pub primitive: u32,
-    /// Where on the ray, recomputed from the triangle; `None` for one without area.
+    /// Ray parameter, recomputed from the triangle; `None` for a triangle without area.
     pub t: Option<f32>,
 }
 
-impl FromStr for Address {
+impl FromStr for RayAddress {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let wrong = || format!("'{text}' is no address: write SCENE/CLASS:INDEX or CASE:INDEX, as reports do");
         let (place, index) = text.rsplit_once(':').ok_or_else(wrong)?;
-        let (scene, group) = place.rsplit_once('/').map_or((None, place), |(scene, group)| (Some(scene.to_owned()), group));
+        let (scene, group) =
+            place.rsplit_once('/').map_or((None, place), |(scene, group)| (Some(scene.to_owned()), group));
         let index = index.parse().map_err(|_| wrong())?;
-        Ok(Address { scene, group: group.to_owned(), index })
+        Ok(RayAddress { scene, group: group.to_owned(), index })
     }
 }
 
-impl std::fmt::Display for Address {
+impl std::fmt::Display for RayAddress {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Address { scene, group, index } = self;
+        let RayAddress { scene, group, index } = self;
         scene.as_ref().map_or(Ok(()), |scene| write!(f, "{scene}/"))?;
         write!(f, "{group}:{index}")
     }
 }
 
-impl Address {
-    /// The ray at this address of `stream`.
+impl RayAddress {
+    /// Returns the ray at this address of `stream`.
     ///
     /// # Errors
     /// A usage error if there is none.
-    pub(super) fn in_stream(&self, stream: &Stream) -> Result<Ray> {
+    pub(super) fn in_stream(&self, stream: &RayStream) -> Result<Ray> {
         let groups = stream.groups();
         let Some(group) = groups.iter().find(|group| group.name == self.group) else {
             let names: Vec<_> = groups.iter().map(|group| group.name).collect();
@@ -96,17 +97,18 @@ impl Address {
         Ok(question.ok_or_else(none)?.ray)
     }
 
-    /// The hard case that this is an address of.
+    /// Returns the hard case of this address.
     ///
     /// # Errors
     /// A usage error if there is none.
     pub(super) fn case(&self) -> Result<hard_cases::HardCase> {
-        hard_cases::by_name(&self.group).ok_or_else(|| Error::usage(format!("--replay {self}: there is no such hard case")))
+        hard_cases::by_name(&self.group)
+            .ok_or_else(|| Error::usage(format!("--replay {self}: there is no such hard case")))
     }
 }
 
-/// Asks all `rows`, built over `geometry`.
-pub(super) fn replay(address: &Address, geometry: &Geometry, ray: &Ray, rows: &[Row]) -> Replay {
+/// Traces the ray on all `rows`, built over `geometry`.
+pub(super) fn replay(address: &RayAddress, geometry: &Geometry, ray: &Ray, rows: &[Row]) -> Replay {
     let expected = reference(rows).structure.closest(ray, &Opaque);
     let answer = |row: &Row| {
         let closest = row.structure.closest(ray, &Opaque);
@@ -133,7 +135,7 @@ pub(super) fn replay(address: &Address, geometry: &Geometry, ray: &Ray, rows: &[
 }
 
 impl Replay {
-    /// The same for people to read.
+    /// Formats the replay as lines of text.
     pub fn lines(&self) -> Vec<String> {
         let part = |name: &str, range: std::ops::Range<usize>| {
             let decimals: Vec<String> = self.ray[range.clone()].iter().map(|x| format!("{x:?}")).collect();
@@ -165,11 +167,11 @@ mod tests {
     #[test]
     fn addresses_are_read_as_they_are_written() {
         for text in ["cornell-box/bounce-4+:17", "a:b/c/shadow:0", "sphere-edges:1234"] {
-            assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
+            assert_eq!(text.parse::<RayAddress>().unwrap().to_string(), text);
         }
-        assert_eq!("a/b/shadow:3".parse::<Address>().unwrap().scene.as_deref(), Some("a/b"));
+        assert_eq!("a/b/shadow:3".parse::<RayAddress>().unwrap().scene.as_deref(), Some("a/b"));
         for text in ["", "shadow", "box/shadow", "box/shadow:", "box/shadow:-1", "box/shadow:x"] {
-            assert!(text.parse::<Address>().unwrap_err().contains("no address"), "{text}");
+            assert!(text.parse::<RayAddress>().unwrap_err().contains("no address"), "{text}");
         }
     }
 }

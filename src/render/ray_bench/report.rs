@@ -1,4 +1,4 @@
-//! What was measured, as one JSON document and as tables.
+//! Measured results as one JSON document and as tables.
 
 use super::compare::CategoryRow;
 use super::row::{Pace, Row};
@@ -9,19 +9,19 @@ use crate::render::{Conditions, report_files};
 use serde::Serialize;
 use std::path::Path;
 
-/// All that was measured.
+/// All measured results.
 #[derive(Debug, Clone, Serialize)]
 pub struct RaysReport {
     /// The program, the machine and the command.
     #[serde(flatten)]
     pub conditions: Conditions,
-    /// Rounds of each rate.
+    /// Number of rounds per rate.
     pub rounds: u32,
-    /// Numbers of threads.
+    /// Thread counts.
     pub threads: Vec<usize>,
-    /// By scene.
+    /// Rates by scene.
     pub scenes: Vec<SceneRates>,
-    /// What was hit: by scene, class and backend, then by hard case and backend.
+    /// Hit comparisons: by scene, class and backend, then by hard case and backend.
     pub categories: Vec<CategoryRow>,
 }
 
@@ -32,25 +32,25 @@ pub struct SceneRates {
     pub name: String,
     /// Hash of its content.
     pub hash: String,
-    /// Size of the picture whose passes are timed and, if the stream is not from a file, recorded.
+    /// Size of the picture whose passes are timed. The stream is recorded from it unless it is loaded from a file.
     pub size: [u32; 2],
     /// Triangles in distinct meshes.
     pub triangles: usize,
-    /// Triangles as placed: instances counted each.
+    /// Triangles as placed, counted once per instance.
     pub placed_triangles: usize,
-    /// Rays of the stream.
+    /// Number of rays of the stream.
     pub rays: usize,
-    /// Those of each class.
+    /// Number of rays of each class.
     pub classes: Vec<ClassSize>,
-    /// What the recorded pass counted itself; `None` if the stream came from a file.
+    /// Ray counts of the recorded pass itself; `None` if the stream was loaded from a file.
     pub counted: Option<RayCounts>,
-    /// By backend and build.
+    /// Rates by backend and build.
     pub rows: Vec<RowRates>,
-    /// What could not be measured, and why.
+    /// Rows that could not be measured, with the reasons.
     pub left_out: Vec<String>,
 }
 
-/// How many rays a class has.
+/// Number of rays of a class.
 #[derive(Debug, Clone, Serialize)]
 pub struct ClassSize {
     /// The class.
@@ -64,26 +64,26 @@ pub struct ClassSize {
 pub struct RowRates {
     /// The backend and its build.
     pub backend: String,
-    /// Seconds that building its structure took, once.
+    /// Build time of the structure in seconds, measured once.
     pub build_seconds: f64,
-    /// Bytes of the structure for each triangle, instances not counted again.
+    /// Bytes of the structure per triangle of the distinct meshes.
     pub bytes_per_triangle: f64,
-    /// By number of threads.
+    /// Rates by thread count.
     pub paces: Vec<PaceRates>,
 }
 
-/// Million rays per second with a number of threads.
+/// Million rays per second at one thread count.
 #[derive(Debug, Clone, Serialize)]
 pub struct PaceRates {
-    /// That number.
+    /// The thread count.
     pub threads: usize,
-    /// All rays in the order of the render, with nothing in between.
+    /// All rays in render order, without shading.
     pub raw: Rate,
-    /// The rays of each class.
+    /// Rates by ray class.
     pub classes: Vec<ClassRate>,
-    /// Rays of a render; `None` for what cannot render.
+    /// Rays of a render; `None` for a structure that cannot render.
     pub render: Option<Rate>,
-    /// Share of the raw rate that the render reaches, round by round.
+    /// Render rate over raw rate, round by round.
     pub share: Option<Rate>,
 }
 
@@ -96,19 +96,19 @@ pub struct ClassRate {
     pub rate: Rate,
 }
 
-/// A number over some rounds.
+/// Statistics of a quantity over the rounds.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Rate {
-    /// The middle one, or the mean of the two.
+    /// The median.
     pub median: f64,
-    /// That of the slowest round.
+    /// The smallest value, of the slowest round.
     pub least: f64,
-    /// That of the fastest round.
+    /// The largest value, of the fastest round.
     pub most: f64,
 }
 
 impl Rate {
-    /// Of at least one round; `None` of none.
+    /// Statistics of at least one round; `None` for none.
     fn of(rounds: &[f64]) -> Option<Rate> {
         let mut sorted = rounds.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -130,7 +130,8 @@ impl RowRates {
 
 impl PaceRates {
     fn of(pace: &Pace, groups: &[Group]) -> Option<PaceRates> {
-        let class = |(group, rounds): (&Group, &Vec<f64>)| Some(ClassRate { name: group.name.into(), rate: Rate::of(rounds)? });
+        let class =
+            |(group, rounds): (&Group, &Vec<f64>)| Some(ClassRate { name: group.name.into(), rate: Rate::of(rounds)? });
         let shares: Vec<f64> = pace.render.iter().zip(&pace.raw).map(|(render, raw)| render / raw).collect();
         Some(PaceRates {
             threads: pace.threads,
@@ -142,7 +143,7 @@ impl PaceRates {
     }
 }
 
-/// How many rays each group has.
+/// Returns the number of rays of each group.
 pub(super) fn sizes(groups: &[Group]) -> Vec<ClassSize> {
     groups.iter().map(|group| ClassSize { name: group.name.into(), rays: group.questions.len() }).collect()
 }
@@ -190,7 +191,15 @@ fn rate_lines(scene: &SceneRates) -> Vec<RateLine<'_>> {
         let all = [("raw", Some(pace.raw))].into_iter().chain(classes);
         for (what, rate) in all.chain([("render", pace.render), ("share", pace.share)]) {
             let Some(Rate { median, least, most }) = rate else { continue };
-            lines.push(RateLine { scene: &scene.name, backend: &row.backend, threads: pace.threads, what, median, least, most });
+            lines.push(RateLine {
+                scene: &scene.name,
+                backend: &row.backend,
+                threads: pace.threads,
+                what,
+                median,
+                least,
+                most,
+            });
         }
     }
     lines
@@ -220,7 +229,12 @@ mod tests {
     #[test]
     fn rates_are_medians_and_shares_are_paired_by_round() {
         let group = Group { name: "camera", questions: Vec::new() };
-        let pace = Pace { threads: 2, raw: vec![4.0, 2.0, 8.0], groups: vec![vec![1.0, 3.0, 2.0]], render: vec![1.0, 1.0, 6.0] };
+        let pace = Pace {
+            threads: 2,
+            raw: vec![4.0, 2.0, 8.0],
+            groups: vec![vec![1.0, 3.0, 2.0]],
+            render: vec![1.0, 1.0, 6.0],
+        };
         let rates = PaceRates::of(&pace, &[group]).unwrap();
         let numbers = |rate: Rate| [rate.median, rate.least, rate.most];
         assert_eq!(numbers(rates.raw), [4.0, 2.0, 8.0]);

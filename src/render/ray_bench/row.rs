@@ -1,30 +1,30 @@
-//! What is measured: a backend with a build, or obvhs's CWBVH, and the times of its rounds.
+//! Rows of the measurement: a backend with a build, or obvhs's CWBVH, with the rates of its rounds.
 
 use super::record::View;
-use super::stream::{Group, Stream};
+use super::stream::{Group, RayStream};
 use crate::accel::bvh::cwbvh::Cwbvh;
 use crate::accel::hard_cases::title;
-use crate::accel::{Accel, Backend, Build, Intersector, Question};
+use crate::accel::{Accel, Backend, Build, Intersector, RayQuery};
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
-use crate::render::Stage;
+use crate::render::LoadedScene;
 use crate::render::machine::Stopwatch;
 use rayon::prelude::*;
 use std::hint::black_box;
 
-/// Questions that one task asks: few enough to keep all threads busy with a small class.
+/// Rays per task: few enough to keep all threads busy with a small class.
 const CHUNK: usize = 512;
 
-/// Streams shorter than this are asked several times in a row, or the clock would be what is measured.
+/// Shorter streams are traced several times in a row, so that the clock's resolution does not dominate.
 const FEWEST: usize = 1 << 14;
 
 const MILLION: f64 = 1e6;
 
-/// What answers.
+/// A structure that traces rays.
 pub(super) enum Structure {
     /// A backend.
     Accel(Accel),
-    /// obvhs's own tree and tests.
+    /// obvhs's own tree and intersection tests.
     Cwbvh(Cwbvh),
 }
 
@@ -51,25 +51,25 @@ impl Intersector for Structure {
     }
 }
 
-/// A structure over a scene, and how fast it was.
+/// A structure over a scene, with its measured rates.
 pub(super) struct Row {
-    /// Such as `embree-robust`.
+    /// Name in reports, such as `embree-robust`.
     pub(super) title: String,
     pub(super) structure: Structure,
     pub(super) build_seconds: f64,
     pub(super) bytes: usize,
-    /// By number of threads, as they were asked for.
+    /// Rates by thread count, in the order of the request.
     pub(super) paces: Vec<Pace>,
 }
 
-/// Million rays per second with a number of threads, round by round.
+/// Million rays per second at one thread count, round by round.
 pub(super) struct Pace {
     pub(super) threads: usize,
-    /// All rays in the order of the render.
+    /// All rays in render order.
     pub(super) raw: Vec<f64>,
-    /// By group of the stream.
+    /// Rates by group of the stream.
     pub(super) groups: Vec<Vec<f64>>,
-    /// Inside a render; empty for what cannot render.
+    /// Rates inside a render; empty for a structure that cannot render.
     pub(super) render: Vec<f64>,
 }
 
@@ -100,16 +100,16 @@ impl Row {
         Row { title, structure, build_seconds: clock.wall().as_secs_f64(), bytes, paces: Vec::new() }
     }
 
-    /// Asks the questions: million rays per second.
-    fn rate(&self, questions: &[Question]) -> f64 {
+    /// Traces the rays and returns million rays per second.
+    fn rate(&self, questions: &[RayQuery]) -> f64 {
         match &self.structure {
             Structure::Accel(accel) => rate(accel, questions),
             Structure::Cwbvh(tree) => rate(tree, questions),
         }
     }
 
-    /// Times a pass with this row's backend, lent to the stage for that long.
-    fn render(&mut self, stage: Stage, view: &View, pass: u64) -> (Stage, Option<f64>) {
+    /// Times a pass with this row's backend, which is lent to the stage meanwhile.
+    fn render(&mut self, stage: LoadedScene, view: &View, pass: u64) -> (LoadedScene, Option<f64>) {
         let Structure::Accel(accel) = &mut self.structure else { return (stage, None) };
         let lent = exchanged(stage, accel);
         let clock = Stopwatch::start();
@@ -119,28 +119,29 @@ impl Row {
     }
 }
 
-/// The stage with the other backend, which gets the stage's.
-fn exchanged(stage: Stage, accel: &mut Accel) -> Stage {
-    Stage { scene: stage.scene.with_accel(|own| std::mem::replace(accel, own)), ..stage }
+/// Swaps the stage's backend with `accel`.
+fn exchanged(stage: LoadedScene, accel: &mut Accel) -> LoadedScene {
+    LoadedScene { scene: stage.scene.with_accel(|own| std::mem::replace(accel, own)), ..stage }
 }
 
-fn rate(accel: &impl Intersector, questions: &[Question]) -> f64 {
+fn rate(accel: &impl Intersector, questions: &[RayQuery]) -> f64 {
     let times = FEWEST.div_ceil(questions.len().max(1));
-    let hits = |chunk: &[Question]| chunk.iter().filter(|question| question.ask(accel)).count();
+    let hits = |chunk: &[RayQuery]| chunk.iter().filter(|question| question.ask(accel)).count();
     let clock = Stopwatch::start();
     black_box((0..times).into_par_iter().map(|_| questions.par_chunks(CHUNK).map(hits).sum::<usize>()).sum::<usize>());
     (times * questions.len()) as f64 / MILLION / clock.wall().as_secs_f64()
 }
 
-/// Times everything once: for each pool of threads, all rays, each group and a pass, and for each of these all rows in turn.
+/// Times everything once. For each thread pool, the measurements are all rays, each group, and a pass. Within each
+/// measurement the rows take turns.
 pub(super) fn round(
-    mut stage: Stage,
+    mut stage: LoadedScene,
     view: &View,
-    (stream, groups): (&Stream, &[Group]),
+    (stream, groups): (&RayStream, &[Group]),
     rows: &mut [Row],
     pools: &[rayon::ThreadPool],
     pass: u64,
-) -> Stage {
+) -> LoadedScene {
     for (at, pool) in pools.iter().enumerate() {
         for row in rows.iter_mut() {
             let rate = pool.install(|| row.rate(&stream.questions));

@@ -1,42 +1,42 @@
-//! Recorded rays in the order they were traced, and the groups that rates and hits are told for.
+//! Recorded rays in trace order, and the groups for which rates and hits are reported.
 
-use crate::accel::{Question, RayClass};
+use crate::accel::{RayClass, RayQuery};
 use crate::geometry::Ray;
 
-/// The groups of tables; bounces of a depth and more are one.
+/// Groups in tables. Bounces from depth 4 on form one group.
 const GROUPS: [&str; 6] = ["camera", "bounce-1", "bounce-2", "bounce-3", "bounce-4+", "shadow"];
 
-/// The first bounce of the last group of bounces.
+/// Depth of the first bounce in the last group.
 const DEEP: u32 = 4;
 
 /// Rays of a scene.
 #[derive(Debug, Clone)]
-pub struct Stream {
-    /// What it is called in addresses.
+pub struct RayStream {
+    /// Name in addresses.
     pub name: String,
-    /// Hash of the scene that they were traced in.
+    /// Hash of the scene in which they were traced.
     pub scene_hash: String,
-    /// The rays in order.
-    pub questions: Vec<Question>,
+    /// The rays in trace order.
+    pub questions: Vec<RayQuery>,
 }
 
 /// Rays of one group of classes.
 pub(super) struct Group {
     pub(super) name: &'static str,
-    /// In the order of the stream. Copies, side by side: picked from the stream, one in five, each would wait for memory longer
-    /// than for its answer.
-    pub(super) questions: Vec<Question>,
+    /// Rays in stream order. They are contiguous copies: with one ray in five picked from the stream, each would take
+    /// longer to fetch from memory than to trace.
+    pub(super) questions: Vec<RayQuery>,
 }
 
 impl Group {
-    /// Its rays.
+    /// Returns its rays.
     pub(super) fn rays(&self) -> Vec<Ray> {
         self.questions.iter().map(|question| question.ray).collect()
     }
 }
 
-impl Stream {
-    /// The groups that have rays.
+impl RayStream {
+    /// Returns the groups that have rays.
     pub(super) fn groups(&self) -> Vec<Group> {
         let mut groups: Vec<Group> = GROUPS.iter().map(|&name| Group { name, questions: Vec::new() }).collect();
         for &question in &self.questions {
@@ -64,9 +64,9 @@ mod tests {
     #[test]
     fn every_ray_is_in_one_group_in_order() {
         let classes = [0, 4, 1, 9, 2, 3, 0].map(|d| if d == 0 { RayClass::Camera } else { RayClass::Bounce(d) });
-        let ask = |(i, class)| Question { ray: Ray::new(Vec3::X * i as f32, Vec3::Z), query: Query::Closest, class };
+        let ask = |(i, class)| RayQuery { ray: Ray::new(Vec3::X * i as f32, Vec3::Z), query: Query::Closest, class };
         let questions = classes.into_iter().chain([RayClass::Shadow]).enumerate().map(ask).collect();
-        let stream = Stream { name: "a".into(), scene_hash: String::new(), questions };
+        let stream = RayStream { name: "a".into(), scene_hash: String::new(), questions };
         let groups = stream.groups();
         let places = |group: &Group| group.rays().iter().map(|ray| ray.origin.x as u32).collect();
         let found: Vec<(&str, Vec<u32>)> = groups.iter().map(|group| (group.name, places(group))).collect();

@@ -1,11 +1,11 @@
-//! Ray streams as files: see docs/ray-streams.md for the bytes.
+//! Ray-stream files. See docs/ray-streams.md for the byte layout.
 //!
-//! A file comes from anywhere. Nothing is believed before it is checked: the counts against the file's length, the content
-//! against its hash, each ray's class against what there is. Rays themselves may have any bits but one: a first parameter below
-//! zero, which backends do not take.
+//! Files are untrusted. The reader checks the counts against the file's length, the content against its hash, and each
+//! ray's class against the known ones. Rays may have any bit pattern with one exception: a negative first parameter,
+//! which backends do not accept.
 
-use super::Stream;
-use crate::accel::{Query, Question, RayClass};
+use super::RayStream;
+use crate::accel::{Query, RayClass, RayQuery};
 use crate::error::{Error, Kind, Result};
 use crate::geometry::Ray;
 use crate::io::atomic::write_atomically;
@@ -18,27 +18,27 @@ use std::path::Path;
 const MAGIC: [u8; 8] = *b"\x89ETRAYS\n";
 const VERSION: u32 = 1;
 const HASH: usize = blake3::OUT_LEN;
-/// Characters of a scene's hash.
+/// Length of a scene hash in characters.
 const SCENE: usize = 32;
-/// Magic, version, length of the name, hash of the scene, counts of three classes.
+/// Size of the prefix: magic, version, length of the name, hash of the scene, counts of three classes.
 const PREFIX: usize = 8 + 4 + 4 + SCENE + 3 * 8;
-/// What the ray is for, and eight numbers.
+/// Size of a ray: its class and eight floats.
 const RAY: usize = 4 + 8 * 4;
 const MOST_NAME: u32 = 4096;
 
 const CAMERA: u32 = 0;
 const BOUNCE: u32 = 1;
 const SHADOW: u32 = 2;
-/// Set where it was only asked whether there is anything.
+/// Flag of an occlusion query.
 const OCCLUDED: u32 = 4;
-/// Where the bounce's number begins.
+/// First bit of the bounce depth.
 const DEPTH: u32 = 3;
 
 /// Writes a stream.
 ///
 /// # Errors
 /// [`Kind::Output`] with the path if the file cannot be written.
-pub fn write(path: &Path, stream: &Stream) -> Result<()> {
+pub fn write(path: &Path, stream: &RayStream) -> Result<()> {
     write_atomically(path, |file| {
         let mut out = Hashed::new(BufWriter::new(file));
         out.write_all(&prefix(stream)?)?;
@@ -50,7 +50,7 @@ pub fn write(path: &Path, stream: &Stream) -> Result<()> {
     })
 }
 
-fn prefix(stream: &Stream) -> io::Result<Vec<u8>> {
+fn prefix(stream: &RayStream) -> io::Result<Vec<u8>> {
     let length = u32::try_from(stream.name.len()).ok().filter(|&length| length <= MOST_NAME);
     let length = length.ok_or_else(|| io::Error::other("the stream's name is too long"))?;
     let scene = Some(stream.scene_hash.as_bytes()).filter(|hash| hash.len() == SCENE);
@@ -59,8 +59,8 @@ fn prefix(stream: &Stream) -> io::Result<Vec<u8>> {
     Ok([&MAGIC[..], &VERSION.to_le_bytes(), &length.to_le_bytes(), scene, &counts].concat())
 }
 
-/// Rays from the camera, from bounces and toward lights.
-fn counts(questions: &[Question]) -> [u64; 3] {
+/// Counts of camera, bounce and shadow rays.
+fn counts(questions: &[RayQuery]) -> [u64; 3] {
     let mut counts = [0; 3];
     for question in questions {
         counts[match question.class {
@@ -72,7 +72,7 @@ fn counts(questions: &[Question]) -> [u64; 3] {
     counts
 }
 
-fn ray_bytes(Question { ray, query, class }: &Question) -> io::Result<[u8; RAY]> {
+fn ray_bytes(RayQuery { ray, query, class }: &RayQuery) -> io::Result<[u8; RAY]> {
     let what = match *class {
         RayClass::Camera => CAMERA,
         RayClass::Bounce(depth) if depth < 1 << (32 - DEPTH) => BOUNCE | depth << DEPTH,
@@ -92,10 +92,10 @@ fn ray_bytes(Question { ray, query, class }: &Question) -> io::Result<[u8; RAY]>
 /// Reads a stream.
 ///
 /// # Errors
-/// [`Kind::Scene`] with the path if the file is missing, not a ray stream, of another version, or damaged; [`Kind::Memory`] if
-/// its rays do not fit.
-pub fn read(path: &Path) -> Result<Stream> {
-    // A pipe or a device would be waited for.
+/// [`Kind::Scene`] with the path if the file is missing, not a ray stream, of another version, or damaged;
+/// [`Kind::Memory`] if its rays do not fit.
+pub fn read(path: &Path) -> Result<RayStream> {
+    // Opening a pipe or a device could block.
     let metadata = std::fs::metadata(path).map_err(|cause| Error::read(path, cause))?;
     if !metadata.is_file() {
         return Err(Error::scene(format!("cannot read {}: it is not a file", path.display())));
@@ -106,7 +106,7 @@ pub fn read(path: &Path) -> Result<Stream> {
 }
 
 /// Reads a stream of `size` bytes.
-fn read_from(file: impl Read, size: u64) -> Result<Stream> {
+fn read_from(file: impl Read, size: u64) -> Result<RayStream> {
     let mut file = Hashed::new(file);
     let mut prefix = [0; PREFIX];
     file.read_exact(&mut prefix[..MAGIC.len() + 4]).map_err(|_| foreign())?;
@@ -128,7 +128,7 @@ fn read_from(file: impl Read, size: u64) -> Result<Stream> {
     let hash = file.hasher.finalize();
     let mut expected = [0; HASH];
     file.inner.read_exact(&mut expected).map_err(damaged)?;
-    // Compared before anything else is said of the content, which may be wrong because a bit flipped.
+    // The checksum comes first: any other defect may be due to a flipped bit.
     if hash != expected {
         return Err(Error::scene("its checksum is wrong"));
     }
@@ -137,25 +137,25 @@ fn read_from(file: impl Read, size: u64) -> Result<Stream> {
         return Err(Error::scene("its counts are not those of its rays"));
     }
     let scene_hash = String::from_utf8(prefix[16..16 + SCENE].to_vec()).map_err(damaged)?;
-    Ok(Stream { name, scene_hash, questions })
+    Ok(RayStream { name, scene_hash, questions })
 }
 
-/// How many rays there are, if the file is as long as that makes it.
+/// Returns the number of rays, if it fits the file's size.
 fn check_size(size: u64, name_length: u32, counts: [u64; 3]) -> Result<usize> {
     let rays = counts.iter().try_fold(0u64, |sum, &count| sum.checked_add(count));
     let bytes = rays.and_then(|rays| rays.checked_mul(RAY as u64));
     let bytes = bytes.and_then(|bytes| bytes.checked_add((PREFIX + HASH) as u64 + u64::from(name_length)));
     match rays {
         _ if name_length > MOST_NAME => Err(Error::scene("its name is too long")),
-        Some(rays) if bytes == Some(size) => {
-            u32::try_from(rays).map(|rays| rays as usize).map_err(|_| Error::new(Kind::Memory, "it has more than 2^32 - 1 rays"))
-        }
+        Some(rays) if bytes == Some(size) => u32::try_from(rays)
+            .map(|rays| rays as usize)
+            .map_err(|_| Error::new(Kind::Memory, "it has more than 2^32 - 1 rays")),
         _ => Err(Error::scene("it is not as long as its counts say")),
     }
 }
 
-/// Reads all rays; the inner error is the first that makes no sense.
-fn read_rays(file: &mut impl Read, count: usize) -> Result<Result<Vec<Question>>> {
+/// Reads all rays. The inner error is the first invalid ray.
+fn read_rays(file: &mut impl Read, count: usize) -> Result<Result<Vec<RayQuery>>> {
     let mut questions = Vec::new();
     questions.try_reserve_exact(count).map_err(|_| Error::new(Kind::Memory, "its rays do not fit into memory"))?;
     let (mut bytes, mut wrong) = ([0; RAY], None);
@@ -169,7 +169,7 @@ fn read_rays(file: &mut impl Read, count: usize) -> Result<Result<Vec<Question>>
     Ok(wrong.map_or(Ok(questions), Err))
 }
 
-fn question(bytes: &[u8; RAY]) -> std::result::Result<Question, &'static str> {
+fn question(bytes: &[u8; RAY]) -> std::result::Result<RayQuery, &'static str> {
     let what = word(bytes);
     let query = if what & OCCLUDED == 0 { Query::Closest } else { Query::Occluded };
     let class = match (what & 3, what >> DEPTH) {
@@ -178,12 +178,13 @@ fn question(bytes: &[u8; RAY]) -> std::result::Result<Question, &'static str> {
         (SHADOW, 0) => RayClass::Shadow,
         _ => return Err("is of no class that there is"),
     };
-    let [ox, oy, oz, dx, dy, dz, t_min, t_max] = [1, 2, 3, 4, 5, 6, 7, 8].map(|i| f32::from_bits(word(&bytes[4 * i..])));
+    let [ox, oy, oz, dx, dy, dz, t_min, t_max] =
+        [1, 2, 3, 4, 5, 6, 7, 8].map(|i| f32::from_bits(word(&bytes[4 * i..])));
     if t_min < 0.0 {
         return Err("begins before its origin");
     }
     let (origin, direction) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
-    Ok(Question { ray: Ray { t_min, t_max, ..Ray::new(origin, direction) }, query, class })
+    Ok(RayQuery { ray: Ray { t_min, t_max, ..Ray::new(origin, direction) }, query, class })
 }
 
 fn word(bytes: &[u8]) -> u32 {
@@ -208,10 +209,10 @@ mod tests {
     use proptest::prelude::*;
     use std::sync::LazyLock;
 
-    /// Rays of all classes and of odd bits.
-    fn stream() -> Stream {
+    /// Rays of all classes, with unusual bit patterns.
+    fn stream() -> RayStream {
         let ray = |x: f32| Ray { t_min: 0.25, t_max: x, ..Ray::new(Vec3::new(x, -0.0, f32::NAN), Vec3::splat(x)) };
-        let ask = |class, query, x| Question { ray: ray(x), query, class };
+        let ask = |class, query, x| RayQuery { ray: ray(x), query, class };
         let questions = vec![
             ask(RayClass::Camera, Query::Closest, 1.5),
             ask(RayClass::Bounce(1), Query::Closest, f32::INFINITY),
@@ -219,10 +220,10 @@ mod tests {
             ask(RayClass::Bounce((1 << 29) - 1), Query::Closest, f32::from_bits(0x7fa0_1234)),
             ask(RayClass::Shadow, Query::Closest, -3.0),
         ];
-        Stream { name: "α box".into(), scene_hash: "0123456789abcdef".repeat(2), questions }
+        RayStream { name: "α box".into(), scene_hash: "0123456789abcdef".repeat(2), questions }
     }
 
-    /// The file of that stream.
+    /// The file of this stream.
     fn bytes() -> Vec<u8> {
         static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| {
             let folder = tempfile::tempdir().unwrap();
@@ -233,7 +234,7 @@ mod tests {
         BYTES.clone()
     }
 
-    fn words(stream: &Stream) -> Vec<[u8; RAY]> {
+    fn words(stream: &RayStream) -> Vec<[u8; RAY]> {
         stream.questions.iter().map(|question| ray_bytes(question).unwrap()).collect()
     }
 
@@ -243,7 +244,7 @@ mod tests {
         error.to_string()
     }
 
-    /// The same bytes with a checksum that holds.
+    /// The same bytes with a valid checksum.
     fn forged(mut bytes: Vec<u8>) -> Vec<u8> {
         let body = bytes.len() - HASH;
         let hash = blake3::hash(&bytes[..body]);

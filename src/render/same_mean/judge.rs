@@ -1,10 +1,11 @@
-//! The verdict on pairs of pictures. Half of the family's level goes to the image means, which show the smallest errors, and half to the tiles, which
-//! show where; within each half all pairs, tiles and channels are corrected together by Holm's method [Holm79]. So the probability
-//! that anything is said to differ where all candidates are right is at most the level.
+//! Verdicts on pairs of pictures. Half of the family-wise level is spent on the image means, which have the smallest
+//! errors. The other half is spent on the tiles, which localise a difference. Within each half, all pairs, tiles and
+//! channels are corrected together by Holm's method [Holm79]. The probability of any false rejection is therefore at
+//! most the level if all candidates are right.
 //!
-//! That holds where errors are what they say. A picture whose error is not to be trusted (a heavy tail that it has hardly met) is too
-//! dark and too certain as a rule: where it is the darker one it is given what it may have missed ([`Doubt`]), and what differs without
-//! that only cannot be told.
+//! This holds if the error estimates hold. A picture with an untrusted error has a heavy tail that it has hardly
+//! sampled. It usually underestimates mean and variance together. If it is the darker one of a pair, its mean is
+//! allowed the light that it may have missed ([`Doubt`]). A pair that differs only without this allowance is undecided.
 
 use super::Doubt;
 use super::measured::{Comparison, Kin, compare};
@@ -14,25 +15,25 @@ use crate::film::Crop;
 use crate::stats::{Estimate, holm, student_quantile, welch_test};
 use serde::Serialize;
 
-/// A picture with what is known of it.
+/// A picture to be tested.
 #[derive(Debug, Clone, Copy)]
-pub struct Picture<'a, M> {
-    /// Its tiles.
+pub struct TestedPicture<'a, M> {
+    /// Its tile pyramid.
     pub pyramid: &'a Pyramid,
-    /// The method that made it.
+    /// The method that rendered it.
     pub method: M,
-    /// What it may have missed, if its errors are not to be trusted.
+    /// The light it may have missed, if its errors are not to be trusted.
     pub doubt: Option<Doubt>,
 }
 
-impl<M> Picture<'_, M> {
-    /// What it may have missed, as a sum over pixels.
+impl<M> TestedPicture<'_, M> {
+    /// Bound on the missed light, as a sum over pixels.
     fn unseen(&self) -> f64 {
         self.doubt.filter(|_| !planted(Defect::VerifyTrustsAll)).map_or(0.0, |doubt| doubt.unseen)
     }
 }
 
-/// What comes of two pictures.
+/// Outcome of the tests of two pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
@@ -40,55 +41,55 @@ pub enum Outcome {
     Agree,
     /// The means differ.
     Differ,
-    /// They would differ if the error of the darker picture were what it says, and that is not to be trusted.
+    /// The means differ only if the untrusted error of the darker picture is taken at face value.
     CannotTell,
 }
 
-/// What all pairs say.
+/// Verdict on all pairs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judgement {
-    /// Probability at most of any difference being found where there is none.
+    /// Family-wise level: the maximum probability of any false rejection.
     pub level: f64,
-    /// How many means were compared.
+    /// Number of tests.
     pub tests: usize,
-    /// Every pair.
-    pub pairs: Vec<Pair>,
+    /// Verdicts by pair.
+    pub pairs: Vec<PairJudgement>,
 }
 
-/// Two candidates compared.
+/// Verdict on two candidates.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Pair {
-    /// The first, by its place in the list of candidates.
+pub struct PairJudgement {
+    /// Index of the first candidate.
     pub a: usize,
-    /// The second.
+    /// Index of the second candidate.
     pub b: usize,
-    /// What the tests say.
+    /// Outcome of the tests.
     pub outcome: Outcome,
-    /// The channel of the image's mean that differs most.
+    /// The channel of the image mean with the largest difference.
     pub image: Worst,
-    /// The tile and channel that differ most; `None` for an image of one tile.
+    /// The tile and channel with the largest difference; `None` for an image of one tile.
     pub tile: Option<Worst>,
-    /// How many tiles, of all sizes, differ in some channel.
+    /// Number of tiles, of all sizes, that differ in some channel.
     pub tiles_different: usize,
-    /// How many tiles there are, of all sizes.
+    /// Number of tiles, of all sizes.
     pub tiles: usize,
-    /// How many of them have met too few large contributions to tell a difference in any channel from bad luck.
+    /// Number of tiles with too few large contributions to detect a difference in any channel.
     pub tiles_undecided: usize,
-    /// The smallest relative difference that would have been found with a probability of 90 % in the image's mean, in its best
-    /// channel; `None` if none would.
+    /// Smallest relative difference of the image mean that is detected with a probability of 90 %, in the best channel;
+    /// `None` if none would be.
     pub detectable: Option<f64>,
-    /// The same for the median tile of the size given in `detectable_side`.
+    /// Detectable difference of the median tile of the size given in `detectable_side`.
     pub detectable_tile: Option<f64>,
-    /// Side in pixels of the smallest tiles of which half or more can tell twice as bright.
+    /// Side in pixels of the smallest tiles for which at least half detect a difference of 100 %.
     pub detectable_side: Option<u32>,
 }
 
-/// The most different mean of some.
+/// The most significant difference of a set of means.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Worst {
-    /// Which pixels.
+    /// The tile or the image.
     pub area: Crop,
-    /// Which channel: 0 red, 1 green, 2 blue.
+    /// Channel: 0 red, 1 green, 2 blue.
     pub channel: usize,
     /// The first mean.
     pub a: f64,
@@ -96,7 +97,8 @@ pub struct Worst {
     pub b: f64,
     /// (a − b) over the mean of both.
     pub relative: f64,
-    /// Where the relative difference lies, at a confidence of 1 − level for all means together.
+    /// Simultaneous confidence interval of the relative difference, at a confidence of 1 − level for all means
+    /// together.
     pub interval: [f64; 2],
     /// Welch's t, corrected for skewness.
     pub t: f64,
@@ -104,7 +106,7 @@ pub struct Worst {
     pub p_value: f64,
 }
 
-/// A mean that differs.
+/// A significant difference of two means.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render) struct Finding {
     pub(in crate::render) area: Crop,
@@ -113,13 +115,13 @@ pub(in crate::render) struct Finding {
     pub(in crate::render) a: Estimate,
     /// The second.
     pub(in crate::render) b: Estimate,
-    /// Corrected for all tests.
+    /// p-value, corrected for all tests.
     pub(in crate::render) p: f64,
-    /// Whether it is that of the whole image.
+    /// Whether it concerns the whole image.
     pub(in crate::render) is_image: bool,
 }
 
-/// All comparisons of a pair and what they gave.
+/// All comparisons of a pair with their test results.
 pub(in crate::render) struct Tested {
     levels: Vec<Vec<Comparison>>,
     /// Side of the tiles of each level, in pixels.
@@ -128,16 +130,17 @@ pub(in crate::render) struct Tested {
     p: Vec<f64>,
 }
 
-/// Compares all pairs; `level` is the family's.
+/// Tests all pairs at the family-wise `level`.
 ///
 /// # Panics
 /// Unless 0 < level < 1 and there are two pictures or more.
-pub fn judge<M: PartialEq + Copy>(pictures: &[Picture<'_, M>], level: f64) -> Judgement {
+pub fn judge<M: PartialEq + Copy>(pictures: &[TestedPicture<'_, M>], level: f64) -> Judgement {
     let n = pictures.len();
     assert!(n >= 2 && level > 0.0 && level < 1.0, "{n} pictures at level {level}");
     let numbers: Vec<[usize; 2]> = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b])).collect();
-    let test = |unseen: fn(&Picture<'_, M>) -> f64| {
-        let pair = |&[a, b]: &[usize; 2]| Tested::new([&pictures[a], &pictures[b]], [a, b].map(|i| unseen(&pictures[i])));
+    let test = |unseen: fn(&TestedPicture<'_, M>) -> f64| {
+        let pair =
+            |&[a, b]: &[usize; 2]| Tested::new([&pictures[a], &pictures[b]], [a, b].map(|i| unseen(&pictures[i])));
         let mut pairs: Vec<Tested> = numbers.iter().map(pair).collect();
         let tests = correct_all(&mut pairs);
         (pairs, tests)
@@ -158,21 +161,21 @@ pub fn judge<M: PartialEq + Copy>(pictures: &[Picture<'_, M>], level: f64) -> Ju
     Judgement { level, tests: image_tests + tile_tests, pairs }
 }
 
-/// All tests of two pictures, corrected for their number.
-pub(in crate::render) fn test_pair<M: PartialEq>(pictures: [&Picture<'_, M>; 2]) -> Tested {
-    let mut pairs = [Tested::new(pictures, pictures.map(Picture::unseen))];
+/// Tests two pictures, corrected for the number of tests.
+pub(in crate::render) fn test_pair<M: PartialEq>(pictures: [&TestedPicture<'_, M>; 2]) -> Tested {
+    let mut pairs = [Tested::new(pictures, pictures.map(TestedPicture::unseen))];
     correct_all(&mut pairs);
     let [pair] = pairs;
     pair
 }
 
-/// Corrects the p-values of all pairs; how many tests of tiles and of images there are.
+/// Corrects the p-values of all pairs. Returns the numbers of tile tests and of image tests.
 fn correct_all(pairs: &mut [Tested]) -> [usize; 2] {
     let image_tests = correct(pairs, |tested| tested.tile_tests()..tested.p.len());
     [correct(pairs, |tested| 0..tested.tile_tests()), image_tests]
 }
 
-/// Corrects the p-values in a range of every pair as one half of the family, and says how many they are.
+/// Corrects the p-values in a range of every pair as one half of the family. Returns their number.
 fn correct(pairs: &mut [Tested], range: impl Fn(&Tested) -> std::ops::Range<usize>) -> usize {
     let all: Vec<f64> = pairs.iter().flat_map(|tested| tested.p[range(tested)].iter().copied()).collect();
     let mut corrected = holm(&all).into_iter();
@@ -184,8 +187,8 @@ fn correct(pairs: &mut [Tested], range: impl Fn(&Tested) -> std::ops::Range<usiz
 }
 
 impl Tested {
-    /// All tests of two pictures that may have missed so much each, as a sum over pixels.
-    fn new<M: PartialEq>([a, b]: [&Picture<'_, M>; 2], unseen: [f64; 2]) -> Tested {
+    /// Tests two pictures, which may have missed `unseen` light each, as a sum over pixels.
+    fn new<M: PartialEq>([a, b]: [&TestedPicture<'_, M>; 2], unseen: [f64; 2]) -> Tested {
         let kin = if a.method == b.method { Kin::SameMethod } else { Kin::OtherMethod };
         let levels = compare(a.pyramid, b.pyramid, kin);
         let first = a.pyramid.levels.len() - levels.len();
@@ -194,38 +197,40 @@ impl Tested {
         Tested { levels, sides, t, p }
     }
 
-    /// How many tests there are.
+    /// Returns the number of tests.
     pub(in crate::render) fn count(&self) -> usize {
         self.p.len()
     }
 
-    /// The smallest p-value, corrected.
+    /// Returns the smallest corrected p-value.
     pub(in crate::render) fn smallest_p(&self) -> Option<f64> {
         self.p.iter().copied().reduce(f64::min)
     }
 
-    /// Side in pixels of the smallest tiles that were tested.
+    /// Returns the side in pixels of the smallest tested tiles.
     pub(in crate::render) fn smallest_side(&self) -> u32 {
         self.sides[0]
     }
 
-    /// The means that differ at `level`, the most significant first, those of the image before those of tiles.
+    /// Returns the means that differ at `level`, the most significant first. Image means come before tiles of equal
+    /// significance.
     pub(in crate::render) fn findings(&self, level: f64) -> Vec<Finding> {
         let split = self.tile_tests();
         let finding = |(i, (c, &p)): (usize, (&Comparison, &f64))| {
             (p < level).then_some(Finding { area: c.area, channel: c.channel, a: c.a, b: c.b, p, is_image: i >= split })
         };
-        let mut found: Vec<Finding> = self.levels.iter().flatten().zip(&self.p).enumerate().filter_map(finding).collect();
+        let mut found: Vec<Finding> =
+            self.levels.iter().flatten().zip(&self.p).enumerate().filter_map(finding).collect();
         found.sort_by(|a, b| a.p.total_cmp(&b.p).then(b.is_image.cmp(&a.is_image)));
         found
     }
 
-    /// How many tests come before those of the whole image.
+    /// Number of tile tests, which precede those of the whole image.
     fn tile_tests(&self) -> usize {
         self.p.len() - self.levels.last().map_or(0, Vec::len)
     }
 
-    fn pair(&self, a: usize, b: usize, outcome: Outcome, level: f64, each: [f64; 2]) -> Pair {
+    fn pair(&self, a: usize, b: usize, outcome: Outcome, level: f64, each: [f64; 2]) -> PairJudgement {
         let split = self.tile_tests();
         let all: Vec<&Comparison> = self.levels.iter().flatten().collect();
         let image = all[split..].iter().map(|c| c.detectable(each[1])).fold(f64::INFINITY, f64::min);
@@ -233,11 +238,13 @@ impl Tested {
         let decided = areas(all[..split].iter().filter(|c| c.detectable(each[0]).is_finite()).map(|c| c.area));
         let tiles = areas(all[..split].iter().map(|c| c.area));
         let smallest = self.smallest_decided(each[0]);
-        Pair {
+        PairJudgement {
             a,
             b,
             outcome,
-            image: self.worst(split..all.len(), &all, each[1]).unwrap_or_else(|| worst_of(all[split], 0.0, 1.0, each[1])),
+            image: self
+                .worst(split..all.len(), &all, each[1])
+                .unwrap_or_else(|| worst_of(all[split], 0.0, 1.0, each[1])),
             tile: self.worst(0..split, &all, each[0]),
             tiles_different: different,
             tiles,
@@ -248,7 +255,8 @@ impl Tested {
         }
     }
 
-    /// The median detectable difference of the smallest tiles where it is no more than the mean itself, and their side.
+    /// Finds the smallest tiles whose median detectable difference is at most 100 % of the mean. Returns this median
+    /// and their side.
     fn smallest_decided(&self, each: f64) -> Option<(f64, u32)> {
         let of = |(i, level): (usize, &Vec<Comparison>)| {
             let mut found: Vec<f64> = level.iter().filter(|c| c.mean() > 0.0).map(|c| c.detectable(each)).collect();
@@ -259,30 +267,31 @@ impl Tested {
         self.levels[..self.levels.len() - 1].iter().enumerate().find_map(of)
     }
 
-    /// The test with the smallest p-value, and among equals the largest t.
+    /// Returns the test with the smallest p-value; among equal ones the one with the largest |t|.
     fn worst(&self, range: std::ops::Range<usize>, all: &[&Comparison], each: f64) -> Option<Worst> {
-        let worse = |&i: &usize, &j: &usize| self.p[j].total_cmp(&self.p[i]).then(self.t[i].abs().total_cmp(&self.t[j].abs()));
+        let worse =
+            |&i: &usize, &j: &usize| self.p[j].total_cmp(&self.p[i]).then(self.t[i].abs().total_cmp(&self.t[j].abs()));
         let worst = range.max_by(worse)?;
         Some(worst_of(all[worst], self.t[worst], self.p[worst], each))
     }
 }
 
 impl Judgement {
-    /// What all pairs come to: a difference if one has it.
+    /// Returns the outcome over all pairs: a difference if any pair differs.
     pub fn outcome(&self) -> Outcome {
         let has = |outcome| self.pairs.iter().any(|pair| pair.outcome == outcome);
         [Outcome::Differ, Outcome::CannotTell].into_iter().find(|&outcome| has(outcome)).unwrap_or(Outcome::Agree)
     }
 }
 
-impl Pair {
+impl PairJudgement {
     /// Whether the means differ.
     pub fn differs(&self) -> bool {
         self.outcome == Outcome::Differ
     }
 }
 
-/// How many different areas there are.
+/// Number of distinct areas.
 fn areas(found: impl Iterator<Item = Crop>) -> usize {
     found.collect::<std::collections::HashSet<_>>().len()
 }

@@ -3,12 +3,13 @@ use crate::film::Independent;
 use crate::render::same_mean::sum::Replicates;
 use crate::stats::test_random::Random;
 
-/// How a picture's samples are spread: all have the mean 1.
+/// Distribution of a picture's samples; all have the mean 1.
 #[derive(Clone, Copy)]
 enum Noise {
-    /// Exponential: mild.
+    /// Exponential: mild noise.
     Smooth,
-    /// A share of the light in contributions so rare that so many are expected in 64 pixels of all replicates; in the left half.
+    /// In the left half, a share of the light comes from rare contributions. `expected` is their expected number in 64
+    /// pixels of all replicates.
     Rare { share: f64, expected: f64 },
 }
 
@@ -33,7 +34,8 @@ fn sized_of(side: u32, seed: u64, noise: Noise, independent: Independent) -> Pyr
             Noise::Rare { share, expected } if left => {
                 let chance = expected / (64.0 * REPLICATES as f64);
                 let hit = random.uniform() < chance;
-                (1.0 - share) * (0.9 + 0.2 * random.uniform()) + if hit { share / chance * random.exponential() } else { 0.0 }
+                (1.0 - share) * (0.9 + 0.2 * random.uniform())
+                    + if hit { share / chance * random.exponential() } else { 0.0 }
             }
             _ => random.exponential(),
         }));
@@ -46,18 +48,18 @@ fn differs(a: &Pyramid, b: &Pyramid, level: f64) -> bool {
 
 fn judged(pyramids: &[&Pyramid], methods: &[u8], level: f64) -> Judgement {
     let both = pyramids.iter().zip(methods);
-    let pictures: Vec<_> = both.map(|(&pyramid, &method)| Picture { pyramid, method, doubt: None }).collect();
+    let pictures: Vec<_> = both.map(|(&pyramid, &method)| TestedPicture { pyramid, method, doubt: None }).collect();
     judge(&pictures, level)
 }
 
-/// How many of `runs` pairs of right pictures are said to differ at level 0.05.
+/// Number of false rejections at level 0.05 among `runs` pairs of unbiased pictures.
 fn false_alarms(side: u32, noise: [Noise; 2], runs: u64) -> u64 {
     let is_alarm = |i: &u64| differs(&sized(side, 2 * i + 1, noise[0]), &sized(side, 2 * i + 2, noise[1]), 0.05);
     (0..runs).filter(is_alarm).count() as u64
 }
 
-/// At the level more than 0.05 n + 4 √(0.0475 n) alarms have a probability below 1e-3. The rarest contributions are such that a
-/// picture expects ten of them; the head of the module says what happens below.
+/// At this level, more than 0.05 n + 4 √(0.0475 n) false rejections have a probability below 1e-3. In the rarest case a
+/// picture expects ten large contributions; the head of the module describes the limits below.
 #[test]
 fn right_candidates_are_acquitted_at_the_level_whatever_their_noise() {
     let rare = |share, expected| Noise::Rare { share, expected };
@@ -76,7 +78,8 @@ fn right_candidates_are_acquitted_at_the_level_whatever_their_noise() {
     }
 }
 
-/// Image means of 3 × 32768 exponential values have a relative error of 0.55 % in each channel: 8 % is seen.
+/// Image means of 3 × 32768 exponential values have a relative error of 0.55 % in each channel, so that 8 % is
+/// detected.
 #[test]
 fn a_wrong_candidate_is_convicted_and_the_detectable_difference_says_when() {
     let (a, b) = (picture(1, Noise::Smooth), picture(2, Noise::Smooth));
@@ -85,16 +88,17 @@ fn a_wrong_candidate_is_convicted_and_the_detectable_difference_says_when() {
     assert!((0.02..0.06).contains(&detectable), "{detectable}");
     let trials = 40;
     let found = |factor: f64| {
-        let convicted =
-            |&i: &u64| differs(&picture(100 + 2 * i, Noise::Smooth).times(factor), &picture(101 + 2 * i, Noise::Smooth), 1e-3);
+        let convicted = |&i: &u64| {
+            differs(&picture(100 + 2 * i, Noise::Smooth).times(factor), &picture(101 + 2 * i, Noise::Smooth), 1e-3)
+        };
         (0..trials).filter(convicted).count()
     };
-    // 90 % in one channel at least: fewer than 28 of 40 has a probability below 1e-3.
+    // The detection probability is at least 90 % in one channel: fewer than 28 of 40 has a probability below 1e-3.
     assert!(found(1.0 + detectable) >= 28);
     assert!(found(1.0 + 2.0 * detectable) == 40);
 }
 
-/// A bright tile in an otherwise right picture is found where it is.
+/// A bright tile in an otherwise unbiased picture is found at its position.
 #[test]
 fn a_local_difference_is_found_in_its_tile() {
     let (a, mut b) = (picture(5, Noise::Smooth), picture(6, Noise::Smooth));
@@ -115,7 +119,7 @@ fn a_black_picture_convicts_within_a_method_and_is_bad_luck_between_methods() {
     assert!(!differs([1, 2]));
 }
 
-/// A picture that is the same in every replicate.
+/// A picture with identical replicates.
 fn exact(value: f64) -> Pyramid {
     let crop = Crop { x0: 0, y0: 0, x1: 16, y1: 16 };
     Pyramid::new(crop, Independent::Pixels, Replicates::of(&[1; REPLICATES]).unwrap(), |_, _, means| {
@@ -124,11 +128,12 @@ fn exact(value: f64) -> Pyramid {
     })
 }
 
-/// Without noise there is no bad luck: a mirror that shows .8 and one that is black are two pictures.
+/// Without noise every difference is significant, as between a mirror that shows 0.8 and a black one.
 #[test]
 fn exact_pictures_differ_if_their_means_do() {
-    let differs =
-        |a: f64, b: f64| [[1, 1], [1, 2]].map(|methods| judged(&[&exact(a), &exact(b)], &methods, 1e-9).pairs[0].differs());
+    let differs = |a: f64, b: f64| {
+        [[1, 1], [1, 2]].map(|methods| judged(&[&exact(a), &exact(b)], &methods, 1e-9).pairs[0].differs())
+    };
     assert_eq!(differs(0.8, 0.0), [true; 2]);
     assert_eq!(differs(0.0, 0.8), [true; 2]);
     assert_eq!(differs(0.399, 1.0), [true; 2]);
@@ -138,16 +143,16 @@ fn exact_pictures_differ_if_their_means_do() {
     assert_eq!(differs(0.8, 0.8 * (1.0 + 1e-6)), [false; 2]);
 }
 
-/// The darker picture may owe its darkness to a tail that it has hardly met, as far as that may reach; the brighter one has no such
-/// excuse.
+/// The darker picture may have missed light of an undersampled tail, up to its bound. The brighter one has no such
+/// allowance.
 #[test]
 fn a_picture_that_is_not_to_be_trusted_is_given_what_it_may_have_missed() {
     let (plain, bright) = (picture(20, Noise::Smooth), picture(21, Noise::Smooth).times(1.3));
     let light = plain.image_mean(0).value * plain.image().pixels;
-    // What each may have missed as a share of the light of the darker one.
+    // Missed light of each picture, as a fraction of the light of the darker one.
     let outcome = |missed: [Option<f64>; 2]| {
         let doubt = |share: f64| Doubt { sentence: "a tail", unseen: share * light };
-        let [plain, bright] = [(&plain, missed[0]), (&bright, missed[1])].map(|(pyramid, share)| Picture {
+        let [plain, bright] = [(&plain, missed[0]), (&bright, missed[1])].map(|(pyramid, share)| TestedPicture {
             pyramid,
             method: 0,
             doubt: share.map(doubt),
@@ -163,8 +168,9 @@ fn a_picture_that_is_not_to_be_trusted_is_given_what_it_may_have_missed() {
     }
 }
 
-/// Every pixel of a replicate rises and falls as one, as if one chain had them all. At level .05 of 200 pairs no more than
-/// 10 + 3.1 √9.5 are convicted but for a chance of 1e-3; taken as independent nearly all are.
+/// All pixels of a replicate fluctuate together, as under a single chain. At level 0.05, more than 10 + 3.1 √9.5
+/// rejections of 200 pairs have a probability below 1e-3. With the pixels taken as independent, nearly all pairs are
+/// rejected.
 #[test]
 fn what_all_pixels_share_convicts_nobody() {
     let tied = |seed: u64, independent| {

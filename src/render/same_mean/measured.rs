@@ -1,23 +1,25 @@
-//! The comparisons of two pictures, tile by tile, with what may be missing from each.
+//! Tile-by-tile comparisons of two pictures, with allowance for light that either may have missed.
 //!
-//! A tile that has missed its few large contributions looks dark and certain. How skewed its mean may be is therefore taken from
-//! three places, whichever says most: the tile itself, the 5×5 tiles around it, and all tiles of that size that are at least a
-//! tenth as bright as the picture; the latter two relative to the brightness, which under the hypothesis is that of either candidate.
+//! Tiles that missed their few large contributions underestimate mean and variance together. The third cumulant of a
+//! tile's mean is therefore the largest of three estimates: from the tile itself, from the 5×5 tiles around it, and
+//! from all tiles of that size that are at least a tenth as bright as the picture. The latter two are relative to
+//! brightness, which is the same for both candidates under the hypothesis.
 
 use super::tiles::{CHANNELS, Pyramid};
 use crate::defects::{Defect, planted};
 use crate::film::Crop;
 use crate::stats::{Estimate, Skewness, TestResult, detectable_difference, skewed_welch_test};
 
-/// Differences up to this share of the brighter mean are rounding: some hundred roundings of f32 (2⁻²⁴ each) all in one
-/// direction, as two backends may make them.
+/// Relative differences up to this bound count as rounding: some hundred f32 roundings (2⁻²⁴ each) in one direction, as
+/// may occur between two backends.
 const ROUNDING: f64 = 1.0 / 131_072.0;
-/// Tiles darker than this share of the picture do not speak for all: their relative skewness has no bound.
+/// Tiles darker than this fraction of the picture are left out of the global estimate: their relative skewness is
+/// unbounded.
 const DARK: f64 = 0.1;
-/// The probability with which a detectable difference would have been found.
+/// Power for which detectable differences are stated.
 pub(super) const POWER: f64 = 0.9;
 
-/// Two means of one channel of one tile.
+/// Comparison of two means of one channel of one tile.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Comparison {
     pub(super) area: Crop,
@@ -27,18 +29,18 @@ pub(super) struct Comparison {
     skewness: Skewness,
 }
 
-/// What two candidates have in common.
+/// Relation of two candidates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kin {
-    /// The same method with another backend: what one sees the other should.
+    /// The same method on different backends: both sample the same light.
     SameMethod,
-    /// Another method: one may have found light by luck that the other had none of.
+    /// Different methods: one may have found, by chance, light that the other missed entirely.
     OtherMethod,
 }
 
 impl Comparison {
-    /// t, corrected for skewness, and its two-sided p-value. Two means without errors are not noisy: they are the same, or they are not.
-    /// The darker may have missed so much of the difference, as a sum over pixels: `unseen`, of either.
+    /// Skewness-corrected Welch test, two-sided. Means without error are compared exactly. The difference is reduced by
+    /// the light that the darker picture may have missed: `unseen`, for either picture, as a sum over pixels.
     pub(super) fn test(&self, unseen: [f64; 2]) -> TestResult {
         let missed = unseen[usize::from(self.b.value < self.a.value)] / self.area.pixels() as f64;
         let slack = ROUNDING * self.a.value.abs().max(self.b.value.abs()) + missed;
@@ -47,25 +49,27 @@ impl Comparison {
         skewed_welch_test(&self.a, &self.b, skewness, slack)
     }
 
-    /// The relative difference that would have been found at `level`; infinite where none can be.
+    /// Returns the relative difference that is detected at `level` with probability [`POWER`]; infinite if there is
+    /// none.
     pub(super) fn detectable(&self, level: f64) -> f64 {
         let mean = self.mean();
         let found = detectable_difference(&self.a, &self.b, self.skewness, level, POWER);
         if mean > 0.0 { found / mean + ROUNDING } else { f64::INFINITY }
     }
 
-    /// The mean of both.
+    /// Returns the mean of both.
     pub(super) fn mean(&self) -> f64 {
         0.5 * (self.a.value + self.b.value)
     }
 }
 
-/// Whether all samples behind a mean are the same but for rounding, that of the film's sums included.
+/// Whether all samples of a mean are equal up to rounding, including that of the film's sums.
 fn is_certain(mean: &Estimate) -> bool {
     mean.standard_error <= ROUNDING * mean.value.abs()
 }
 
-/// The comparisons of all levels that both have samples for, each level apart: the smallest tiles first, the image last.
+/// Returns the comparisons of all levels that are testable in both pictures, level by level: the smallest tiles first,
+/// the image last.
 pub(super) fn compare(a: &Pyramid, b: &Pyramid, kin: Kin) -> Vec<Vec<Comparison>> {
     let lucky = |channel: usize| {
         let [black_a, black_b] = [a, b].map(|p| saw_nothing(p, channel));
@@ -76,13 +80,13 @@ pub(super) fn compare(a: &Pyramid, b: &Pyramid, kin: Kin) -> Vec<Vec<Comparison>
     (a.first.max(b.first)..a.levels.len().min(b.levels.len())).map(level).collect()
 }
 
-/// Whether all of a channel is black and certain.
+/// Whether a channel is black without any error.
 fn saw_nothing(picture: &Pyramid, channel: usize) -> bool {
     let estimate = picture.image_mean(channel);
     estimate.value <= 0.0 && estimate.standard_error <= 0.0
 }
 
-/// All tiles of one level in one channel; a side that is `unlucky` may be missing anything.
+/// Compares all tiles of one level in one channel. An `unlucky` side may have missed any amount of light.
 fn channel(pictures: [&Pyramid; 2], level: usize, channel: usize, unlucky: [bool; 2]) -> Vec<Comparison> {
     let estimates = pictures.map(|p| p.levels[level].tiles.iter().map(|t| p.estimate(t, channel)).collect::<Vec<_>>());
     let darker: Vec<f64> = estimates[0].iter().zip(&estimates[1]).map(|(a, b)| a.value.min(b.value).max(0.0)).collect();
@@ -105,7 +109,7 @@ fn channel(pictures: [&Pyramid; 2], level: usize, channel: usize, unlucky: [bool
 /// The third cumulant of a tile's mean.
 struct Third {
     own: f64,
-    /// Over the cube of the brightness, here or all over the picture.
+    /// Relative to the cube of the brightness: of the neighbourhood or of the whole picture.
     relative: f64,
 }
 

@@ -1,7 +1,8 @@
-//! The tiles of a picture as an attribute of its image: what a test needs of it where pixels share samples, and the pixels' own errors
-//! do not say how far the mean of a tile may be off. JSON with base64 of f32, little end first: for each smallest tile and channel the
-//! mean of each replicate, or for independent pixels the mean, its standard error, the degrees of freedom of that and the cube root of
-//! its third cumulant. The tiles are those of [`smallest_tiles`].
+//! Tile statistics of a picture, stored as an attribute of its image. Tests need them if pixels share samples, since
+//! the error of a tile's mean does not follow from the pixel errors then. The attribute is JSON with base64 of
+//! little-endian f32. For each smallest tile and channel it holds the mean of each replicate. For independent pixels it
+//! holds the mean, its standard error, the degrees of freedom of the latter, and the cube root of its third cumulant.
+//! The tiles are those of [`smallest_tiles`].
 
 use super::sum::{Parts, Replicates, Sum};
 use super::tiles::{CHANNELS, Level, Pyramid, Tile, smallest_tiles};
@@ -10,25 +11,26 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
-/// The attribute's name.
+/// Name of the attribute.
 pub(in crate::render) const RECORD: &str = "etendue.tiles";
 
-/// What the attribute holds.
+/// Content of the attribute.
 #[derive(Serialize, Deserialize)]
 struct Record {
     independent: Independent,
-    /// Of each replicate, of all passes.
+    /// Share of each replicate in all passes.
     shares: Vec<f32>,
     /// Base64 of f32.
     values: String,
 }
 
-/// Numbers of a sum over independent pixels.
+/// Numbers per sum over independent pixels.
 const OF_PIXELS: usize = 4;
 
-/// The record of a picture.
+/// Encodes the record of a picture.
 pub(in crate::render) fn encode(pyramid: &Pyramid) -> String {
-    let values = pyramid.levels[0].tiles.iter().flat_map(|tile| tile.sums.iter().flat_map(|sum| numbers(sum, tile, pyramid)));
+    let values =
+        pyramid.levels[0].tiles.iter().flat_map(|tile| tile.sums.iter().flat_map(|sum| numbers(sum, tile, pyramid)));
     let bytes: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
     let shares = pyramid.replicates.shares().iter().map(|&share| share as f32).collect();
     serde_json::json!(Record { independent: pyramid.independent, shares, values: STANDARD.encode(bytes) }).to_string()
@@ -47,12 +49,13 @@ fn numbers(sum: &Sum, tile: &Tile, pyramid: &Pyramid) -> Vec<f32> {
     }
 }
 
-/// The tiles of the image of `crop` that carries `record`; `None` if that is damaged.
+/// Decodes the record of an image with window `crop`; `None` if the record is damaged.
 pub(in crate::render) fn decode(record: &str, crop: Crop) -> Option<Pyramid> {
     let Record { independent, shares, values } = serde_json::from_str(record).ok()?;
     let replicates = Replicates::of_shares(&shares)?;
     let bytes = STANDARD.decode(values).ok()?;
-    let values: Vec<f64> = bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))).collect();
+    let values: Vec<f64> =
+        bytes.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))).collect();
     let each = if independent == Independent::Pixels { OF_PIXELS } else { replicates.count() };
     let (columns, areas) = smallest_tiles(crop);
     let is_whole = bytes.len() == 4 * values.len() && areas.len().checked_mul(CHANNELS * each) == Some(values.len());
@@ -71,7 +74,7 @@ pub(in crate::render) fn decode(record: &str, crop: Crop) -> Option<Pyramid> {
     Some(Pyramid::upon(crop, independent, replicates, Level { columns, tiles }))
 }
 
-/// The sum over `pixels` pixels that has these numbers.
+/// Reconstructs the sum over `pixels` pixels from its numbers.
 fn sum(numbers: &[f64], independent: Independent, pixels: f64, replicates: &Replicates) -> Option<Sum> {
     if let (Independent::Pixels, &[mean, error, dof, third]) = (independent, numbers) {
         let variance = (error * pixels).powi(2);
@@ -103,7 +106,7 @@ mod tests {
         })
     }
 
-    /// Everything that tests look at comes back, to the rounding of f32 of what a few operations are made with.
+    /// All inputs of the tests survive, up to the f32 rounding of a few operations.
     #[test]
     fn records_keep_what_tests_look_at() {
         for independent in [Independent::Pixels, Independent::Blocks, Independent::Replicates] {
@@ -117,8 +120,14 @@ mod tests {
                         let (s, t) = (before.third(x, channel), after.third(y, channel));
                         let scale = p.standard_error.powi(3);
                         assert!((p.value - q.value).abs() < 1e-6 * p.value, "{independent:?} {p:?} {q:?}");
-                        assert!((p.standard_error / q.standard_error - 1.0).abs() < 1e-5, "{independent:?} {p:?} {q:?}");
-                        assert!((p.dof / q.dof - 1.0).abs() < 1e-5 && (s - t).abs() < 1e-4 * scale, "{independent:?} {s} {t}");
+                        assert!(
+                            (p.standard_error / q.standard_error - 1.0).abs() < 1e-5,
+                            "{independent:?} {p:?} {q:?}"
+                        );
+                        assert!(
+                            (p.dof / q.dof - 1.0).abs() < 1e-5 && (s - t).abs() < 1e-4 * scale,
+                            "{independent:?} {s} {t}"
+                        );
                     }
                 }
             }

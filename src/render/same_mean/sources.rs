@@ -1,14 +1,15 @@
-//! Where tiles come from: films, and images that carry the errors of their pixels alone.
+//! Sources of tile pyramids: films, and images that carry only per-pixel errors.
 
 use super::sum::{Parts, Replicates, Sum};
 use super::tiles::{CHANNELS, Level, Pyramid, Tile, smallest_tiles};
 use crate::film::{Crop, Film, ImageError, Independent, Plane, Reason};
 
-/// Samples that a tile has at least whose skewness is not known, for the central limit to work on.
+/// Minimum number of samples of a tile with unknown skewness, so that the central limit theorem applies.
 const LEAST_SAMPLES: f64 = 4096.0;
 
 impl Pyramid {
-    /// The tiles of a film, of whose pixels that is `independent`; `None` with fewer than three replicates or an empty one.
+    /// Computes the tiles of a film. `independent` tells which units of the film are independent. `None` with fewer
+    /// than three replicates, or with an empty one.
     pub fn of_film(film: &Film, independent: Independent) -> Option<Pyramid> {
         let passes: Vec<u64> = (0..film.replicates()).map(|r| film.passes_of(r)).collect();
         let replicates = Replicates::of(&passes)?;
@@ -23,13 +24,13 @@ impl Pyramid {
     }
 }
 
-/// Pixels that are independent of each other, with their standard errors from some replicates.
+/// Independent pixels with their standard errors.
 pub(in crate::render) struct PixelErrors<'a> {
-    /// Which pixels.
+    /// Window of the pixels.
     pub(in crate::render) crop: Crop,
-    /// Three values a pixel.
+    /// Means, three values per pixel.
     pub(in crate::render) means: &'a [f32],
-    /// As many.
+    /// Standard errors, three values per pixel.
     pub(in crate::render) errors: &'a [f32],
     /// Replicates behind the errors.
     pub(in crate::render) replicates: usize,
@@ -38,8 +39,8 @@ pub(in crate::render) struct PixelErrors<'a> {
 }
 
 impl PixelErrors<'_> {
-    /// Their tiles, without the pixels that are not `taken`; `None` with fewer than three replicates. Pixel errors do not say how
-    /// skewed means are: tiles have [`LEAST_SAMPLES`].
+    /// Computes the tiles of the `taken` pixels; `None` with fewer than three replicates. Pixel errors do not determine
+    /// skewness, so that only tiles with [`LEAST_SAMPLES`] are tested.
     pub(in crate::render) fn pyramid(&self, taken: impl Fn(usize) -> bool) -> Option<Pyramid> {
         let replicates = Replicates::of(&vec![1; self.replicates])?;
         let width = (self.crop.x1 - self.crop.x0) as usize;
@@ -65,25 +66,26 @@ impl PixelErrors<'_> {
     }
 }
 
-/// Why the errors of a picture's means are not to be trusted, and what they may be off.
+/// Doubt about the errors of a picture's means, with a bound on the missed light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Doubt {
-    /// Why, in words.
+    /// The reason, as a sentence.
     pub sentence: &'static str,
-    /// What samples that were not met may bring at most to a channel, as a sum over pixels; infinite where nothing bounds it.
+    /// Bound on the contribution of unseen samples to a channel, as a sum over pixels; infinite if there is no bound.
     pub unseen: f64,
 }
 
 impl Doubt {
-    /// The doubt of a picture of so many `pixels`, if there is one: light that its method meets by luck, or a heavy tail, of which more
-    /// may be to come. Noise alone is no reason, since a difference of means is judged by it. What is unseen holds but for a chance
-    /// of `level`.
+    /// Returns the doubt about a picture of `pixels` pixels, if there is one: light that its method samples rarely, or
+    /// an undersampled heavy tail. Noise alone is no reason, since the test of the means accounts for it. The bound on
+    /// unseen light fails with probability `level`.
     ///
-    /// This is the one place that decides it, for all that asks whether pictures have the same mean.
+    /// This is the only place that decides it, for all tests of equal means.
     pub fn of(error: &ImageError, pixels: usize, level: f64) -> Option<Doubt> {
         let by_luck = [Reason::RarePaths, Reason::HeavyTail, Reason::FewSamples];
-        let reason = error.trust().reasons.iter().map(|distrust| distrust.reason).find(|reason| by_luck.contains(reason))?;
-        // A sample is the mean of its channels; all of it may be in one.
+        let reason =
+            error.trust().reasons.iter().map(|distrust| distrust.reason).find(|reason| by_luck.contains(reason))?;
+        // A sample is the mean of its channels. All of it may be in one channel.
         let unseen = error.unseen_share(pixels, level) * error.mean * (pixels * CHANNELS) as f64;
         Some(Doubt { sentence: reason.sentence(), unseen })
     }

@@ -1,55 +1,57 @@
-//! The sum over the pixels of a tile in one channel, and how far it may be off.
+//! The sum over a tile's pixels in one channel, with its error.
 
 use crate::defects::{Defect, planted};
 use crate::film::Independent;
 use crate::stats::Estimate;
 
-/// The replicates behind a picture: each by its share of the passes.
+/// The replicates of a picture, each with its share of the passes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Replicates(Vec<f64>);
 
 impl Replicates {
-    /// Replicates of that many passes each; `None` if one is empty or there are fewer than [`super::LEAST_REPLICATES`].
+    /// Replicates with these numbers of passes; `None` if one is empty or there are fewer than
+    /// [`super::LEAST_REPLICATES`].
     pub(super) fn of(passes: &[u64]) -> Option<Self> {
         let is_usable = passes.len() >= super::LEAST_REPLICATES && passes.iter().all(|&n| n > 0);
         let total: f64 = passes.iter().map(|&n| n as f64).sum();
         is_usable.then(|| Replicates(passes.iter().map(|&n| n as f64 / total).collect()))
     }
 
-    /// Replicates of these shares of the passes, as a file says.
+    /// Replicates with these shares of the passes, from a file.
     pub(super) fn of_shares(shares: &[f32]) -> Option<Self> {
         let total: f64 = shares.iter().map(|&share| f64::from(share)).sum();
         let is_usable = shares.len() >= super::LEAST_REPLICATES && shares.iter().all(|&s| s > 0.0 && s.is_finite());
         is_usable.then(|| Replicates(shares.iter().map(|&share| f64::from(share) / total).collect()))
     }
 
-    /// Their shares of the passes.
+    /// Returns the shares of the passes.
     pub(super) fn shares(&self) -> &[f64] {
         &self.0
     }
 
-    /// How many.
+    /// Returns the number of replicates.
     pub(super) fn count(&self) -> usize {
         self.0.len()
     }
 
-    /// Degrees of freedom of a variance between them.
+    /// Degrees of freedom of a variance between replicates.
     pub(super) fn dof(&self) -> f64 {
         self.0.len() as f64 - 1.0
     }
 
-    /// The mean of all passes, from the means of the replicates.
+    /// Mean over all passes, from the means of the replicates.
     pub(super) fn mean(&self, means: &[f64]) -> f64 {
         means.iter().zip(&self.0).map(|(mean, share)| mean * share).sum()
     }
 
-    /// The variance of that mean, without bias where a replicate's goes as one over its passes.
+    /// Variance of this mean. Unbiased if the variance of a replicate is inversely proportional to its number of
+    /// passes.
     pub(super) fn variance(&self, means: &[f64]) -> f64 {
         let mean = self.mean(means);
         means.iter().zip(&self.0).map(|(m, share)| share * (m - mean) * (m - mean)).sum::<f64>() / self.dof()
     }
 
-    /// The third cumulant of that mean: Fisher's k₃ over R² where all shares are equal, to first order where they are not.
+    /// Third cumulant of this mean: Fisher's k₃ over R² for equal shares, to first order for unequal ones.
     pub(super) fn third(&self, means: &[f64]) -> f64 {
         let (mean, n) = (self.mean(means), self.0.len() as f64);
         let cubes: f64 = means.iter().zip(&self.0).map(|(m, share)| share * share * (m - mean).powi(3)).sum();
@@ -57,7 +59,7 @@ impl Replicates {
     }
 }
 
-/// Sums over parts of a tile whose errors are independent: value, variance, its square, third cumulant.
+/// Sums over parts of a tile with independent errors: of value, variance, squared variance and third cumulant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Parts {
     pub(super) value: f64,
@@ -83,21 +85,22 @@ impl Parts {
 /// A sum over pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Sum {
-    /// Of pixels that have samples of their own: their errors add up.
+    /// Pixels with samples of their own: variances add up.
     Pixels(Parts),
-    /// Of pixels that share light walks: by replicate, and by smallest tile for the skewness, since a walk lights few of them.
+    /// Pixels that share light subpaths. Kept by replicate for the variance, and by smallest tile for the skewness,
+    /// since a light subpath reaches few of them.
     Splats {
-        /// Sums of the means of each replicate.
+        /// Sum of the pixel means, by replicate.
         by_replicate: Vec<f64>,
-        /// Over the smallest tiles.
+        /// Moments summed over the smallest tiles.
         tiles: Parts,
     },
-    /// Of pixels that share chains: by replicate alone.
+    /// Pixels that share chains: kept by replicate only.
     Chains(Vec<f64>),
 }
 
 impl Sum {
-    /// Nothing yet, of pixels of which that is `independent`.
+    /// An empty sum; `independent` tells which units of the picture are independent.
     pub(super) fn new(independent: Independent, replicates: &Replicates) -> Self {
         let by_replicate = vec![0.0; replicates.count()];
         match independent {
@@ -108,7 +111,7 @@ impl Sum {
         }
     }
 
-    /// Adds a pixel by the means of its replicates.
+    /// Adds a pixel, given its mean in each replicate.
     pub(super) fn add_pixel(&mut self, means: &[f64], replicates: &Replicates) {
         match self {
             Sum::Pixels(parts) => parts.add(&part(means, replicates)),
@@ -116,7 +119,7 @@ impl Sum {
         }
     }
 
-    /// What a smallest tile is when all its pixels are added.
+    /// Completes a smallest tile after all its pixels were added.
     pub(super) fn finish(&mut self, replicates: &Replicates) {
         if let Sum::Splats { by_replicate, tiles } = self {
             *tiles = part(by_replicate, replicates);
@@ -136,7 +139,7 @@ impl Sum {
         }
     }
 
-    /// The mean over `pixels` pixels.
+    /// Mean over `pixels` pixels.
     pub(super) fn estimate(&self, pixels: f64, replicates: &Replicates) -> Estimate {
         let own = replicates.dof();
         let of = |value: f64, variance: f64, dof: f64| Estimate {
@@ -145,7 +148,8 @@ impl Sum {
             dof,
         };
         match self {
-            // Satterthwaite's: a tile whose error is that of one firefly has those of one pixel.
+            // Satterthwaite's degrees of freedom: if a single firefly dominates a tile's error, they are those of one
+            // pixel.
             Sum::Pixels(parts) if parts.squares > 0.0 => {
                 of(parts.value, parts.variance, own * parts.variance * parts.variance / parts.squares)
             }
@@ -156,13 +160,14 @@ impl Sum {
         }
     }
 
-    /// The third cumulant of that mean.
+    /// Third cumulant of this mean.
     pub(super) fn third(&self, pixels: f64, replicates: &Replicates) -> f64 {
         let third = match self {
             Sum::Pixels(parts) => parts.third,
             Sum::Splats { by_replicate, tiles } => {
-                // Few replicates say little of a third cumulant, and smallest tiles together much. Where k tiles get the same light of
-                // a walk the variance of their sum is k times the sum of theirs, and its third cumulant k² times.
+                // Few replicates determine a third cumulant poorly, many smallest tiles together well. If k tiles
+                // receive the same light of a subpath, the variance of their sum is k times the sum of their variances,
+                // and the third cumulant is k² times the sum of theirs.
                 let ties = if tiles.variance > 0.0 { replicates.variance(by_replicate) / tiles.variance } else { 1.0 };
                 tiles.third * ties.max(1.0).powi(2)
             }
@@ -171,7 +176,7 @@ impl Sum {
         third / pixels.powi(3)
     }
 
-    /// The same with every mean times `factor`: what a wrong renderer would show.
+    /// Scales every mean by `factor`, to simulate a biased renderer.
     #[cfg(test)]
     pub(super) fn scale(&mut self, factor: f64) {
         let scale = |parts: &mut Parts| {
@@ -204,7 +209,7 @@ mod tests {
     use super::*;
     use crate::stats::{Moments, third_cumulant_of_mean};
 
-    /// Some operations on values of about 1.
+    /// Rounding of a few operations on values of about 1.
     const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
     #[test]
@@ -218,8 +223,8 @@ mod tests {
         assert_eq!(Replicates::of(&[4, 0, 4, 4]), None);
     }
 
-    /// Two pixels that always have the same value: their sum's standard error is twice one's if they share chains, √2 times if they
-    /// were independent.
+    /// Two pixels that always have the same value. If they share chains, the standard error of their sum is twice that
+    /// of one; if they were independent, √2 times.
     #[test]
     fn what_pixels_share_decides_the_error() {
         let (means, replicates) = ([1.0, 3.0, 2.0, 2.0], Replicates::of(&[1; 4]).unwrap());

@@ -1,18 +1,18 @@
-//! The means of tiles of a picture, from small ones to the whole in steps of two.
+//! Pyramid of tile means: each level doubles the tile side, from small tiles up to the whole image.
 
 use super::sum::{Replicates, Sum};
 use crate::film::{Crop, Independent};
 use crate::stats::Estimate;
 
-/// Side of the smallest tiles of a small picture, in pixels.
+/// Side in pixels of the smallest tiles of a small picture.
 const SIDE: u32 = 8;
-/// Of large pictures the smallest tiles are so large that there are no more than so many: the record that an image carries of
-/// them stays small beside its pixels.
+/// Maximum number of smallest tiles. Large pictures have larger tiles, so that the record in an image stays small
+/// relative to its pixels.
 const MOST_TILES: u64 = 4096;
 /// Channels of colour.
 pub(in crate::render) const CHANNELS: usize = 3;
 
-/// Tiles of all sizes.
+/// Tiles of all sizes, level by level.
 #[derive(Debug, Clone)]
 pub struct Pyramid {
     pub(super) crop: Crop,
@@ -20,7 +20,7 @@ pub struct Pyramid {
     pub(super) replicates: Replicates,
     /// The smallest tiles first; the last level is one tile, the image.
     pub(super) levels: Vec<Level>,
-    /// The first level whose tiles have samples enough to be tested.
+    /// The first level whose tiles have enough samples to be tested.
     pub(super) first: usize,
 }
 
@@ -42,7 +42,8 @@ pub(super) struct Tile {
 
 /// Side in pixels of the smallest tiles of `crop`.
 pub(super) fn smallest_side(crop: Crop) -> u32 {
-    let tiles = |side: u32| u64::from((crop.x1 - crop.x0).div_ceil(side)) * u64::from((crop.y1 - crop.y0).div_ceil(side));
+    let tiles =
+        |side: u32| u64::from((crop.x1 - crop.x0).div_ceil(side)) * u64::from((crop.y1 - crop.y0).div_ceil(side));
     let mut side = SIDE;
     while tiles(side) > MOST_TILES {
         side *= 2;
@@ -50,17 +51,18 @@ pub(super) fn smallest_side(crop: Crop) -> u32 {
     side
 }
 
-/// The areas of the smallest tiles, row by row, and how many there are in a row.
+/// The windows of the smallest tiles, row by row, and the number of columns.
 pub(super) fn smallest_tiles(crop: Crop) -> (usize, Vec<Crop>) {
     let side = smallest_side(crop);
-    let steps = |start: u32, end: u32| (start..end).step_by(side as usize).map(move |a| (a, end.min(a.saturating_add(side))));
+    let steps =
+        |start: u32, end: u32| (start..end).step_by(side as usize).map(move |a| (a, end.min(a.saturating_add(side))));
     let row = |(y0, y1): (u32, u32)| steps(crop.x0, crop.x1).map(move |(x0, x1)| Crop { x0, y0, x1, y1 });
     (steps(crop.x0, crop.x1).count(), steps(crop.y0, crop.y1).flat_map(row).collect())
 }
 
 impl Pyramid {
-    /// The tiles of the pixels in `crop`, of which that is `independent`; `means` fills in the mean of each replicate of a pixel (row by
-    /// row) and channel.
+    /// Builds the pyramid of the pixels in `crop`; `independent` tells which units are independent. `means` fills in
+    /// the replicate means of a pixel (row by row) and channel.
     pub(super) fn new(
         crop: Crop,
         independent: Independent,
@@ -86,7 +88,7 @@ impl Pyramid {
         Pyramid::upon(crop, independent, replicates, Level { columns, tiles })
     }
 
-    /// The pyramid whose smallest tiles these are.
+    /// Builds the pyramid upon these smallest tiles.
     pub(super) fn upon(crop: Crop, independent: Independent, replicates: Replicates, smallest: Level) -> Pyramid {
         let mut levels = vec![smallest];
         while let Some(coarser) = levels.last().filter(|l| l.tiles.len() > 1).map(Level::coarser) {
@@ -95,7 +97,7 @@ impl Pyramid {
         Pyramid { crop, independent, replicates, levels, first: 0 }
     }
 
-    /// The same with the levels below the first of `pixels` pixels a tile left out of tests.
+    /// Excludes from the tests the levels with fewer than `pixels` pixels per tile.
     pub(super) fn with_tiles_of(self, pixels: f64) -> Pyramid {
         let last = self.levels.len() - 1;
         let side = f64::from(smallest_side(self.crop));
@@ -115,22 +117,22 @@ impl Pyramid {
         &level.tiles[0]
     }
 
-    /// The mean of a channel of the image.
+    /// Mean of a channel of the image.
     pub(in crate::render) fn image_mean(&self, channel: usize) -> Estimate {
         self.estimate(self.image(), channel)
     }
 
-    /// The mean of a channel of a tile.
+    /// Mean of a channel of a tile.
     pub(super) fn estimate(&self, tile: &Tile, channel: usize) -> Estimate {
         tile.sums[channel].estimate(tile.pixels, &self.replicates)
     }
 
-    /// The third cumulant of that mean.
+    /// Third cumulant of this mean.
     pub(super) fn third(&self, tile: &Tile, channel: usize) -> f64 {
         tile.sums[channel].third(tile.pixels, &self.replicates)
     }
 
-    /// The same with every mean times `factor`: what a wrong renderer would show.
+    /// Scales every mean by `factor`, to simulate a biased renderer.
     #[cfg(test)]
     pub(in crate::render) fn times(mut self, factor: f64) -> Pyramid {
         for tile in self.levels.iter_mut().flat_map(|l| &mut l.tiles) {
@@ -141,7 +143,7 @@ impl Pyramid {
 }
 
 impl Level {
-    /// Two by two tiles made one.
+    /// Merges tiles two by two.
     fn coarser(&self) -> Level {
         let columns = self.columns.div_ceil(2);
         let rows = (self.tiles.len() / self.columns).div_ceil(2);
@@ -155,7 +157,7 @@ impl Level {
         Level { columns, tiles: tiles.into_iter().flatten().collect() }
     }
 
-    /// The tiles at most two away from tile `at`, itself included.
+    /// Indices of the tiles at most two columns and rows away from tile `at`, itself included.
     pub(super) fn around(&self, at: usize) -> impl Iterator<Item = usize> + '_ {
         let (rows, x, y) = (self.tiles.len() / self.columns, at % self.columns, at / self.columns);
         let span = |x: usize, n: usize| x.saturating_sub(2)..(x + 3).min(n);

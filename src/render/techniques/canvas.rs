@@ -1,4 +1,4 @@
-//! A picture that others are pasted into, with captions.
+//! A canvas for pasting pictures and captions.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
@@ -8,25 +8,25 @@ pub(super) const TEXT_HEIGHT: usize = RasterHeight::Size16.val();
 const PAPER: [u8; 3] = [32; 3];
 const INK: [u8; 3] = [224; 3];
 
-/// Display colours, row by row.
+/// An 8-bit image with display colours, row by row.
 pub(super) struct Canvas {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) colors: Vec<[u8; 3]>,
 }
 
-/// The width of a caption, in pixels.
+/// Returns the width of a caption, in pixels.
 pub(super) fn text_width(text: &str) -> usize {
     text.chars().count() * get_raster_width(FontWeight::Regular, RasterHeight::Size16)
 }
 
 impl Canvas {
-    /// An empty one.
+    /// Creates an empty canvas.
     pub(super) fn new(width: usize, height: usize) -> Self {
         Canvas { width, height, colors: vec![PAPER; width * height] }
     }
 
-    /// Puts a picture of `width` pixels with its upper left corner at (x, y). What does not fit is cut off.
+    /// Pastes a picture `width` pixels wide with its upper left corner at (x, y). Parts outside are cut off.
     pub(super) fn paste(&mut self, [x, y]: [usize; 2], width: usize, colors: &[[u8; 3]]) {
         let space = self.width.saturating_sub(x).min(width);
         for (row, line) in colors.chunks_exact(width).enumerate().take(self.height.saturating_sub(y)) {
@@ -35,7 +35,7 @@ impl Canvas {
         }
     }
 
-    /// Writes a caption with its upper left corner at (x, y). What the font does not have (it has ASCII) is left blank.
+    /// Writes a caption with its upper left corner at (x, y). Characters outside the font (ASCII) are left blank.
     pub(super) fn write(&mut self, [x, y]: [usize; 2], text: &str) {
         let step = text_width(" ");
         for (i, letter) in text.chars().enumerate() {
@@ -47,7 +47,7 @@ impl Canvas {
     }
 }
 
-/// From `a` at 0 to `b` at 255.
+/// Interpolates from `a` at 0 to `b` at 255.
 fn mix(a: u8, b: u8, share: u8) -> u8 {
     let [a, b, share] = [a, b, share].map(u32::from);
     ((a * (255 - share) + b * share) / 255) as u8

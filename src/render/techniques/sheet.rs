@@ -1,13 +1,13 @@
-//! The sheet: on the left what techniques add to the picture, on the right what they find without weights; a row for each number of
-//! scattering events, a column for each number s of vertices from the light, every cell with its (s,t). All have the exposure of the
-//! picture, so that the left half sums to it.
+//! Layout of the sheet. The left half shows the weighted contribution of each technique, the right half the unweighted
+//! one. There is a row for each number of scattering events and a column for each number s of light vertices. Each cell
+//! is labelled (s,t). All cells have the exposure of the picture, so that the left half sums to it.
 
 use super::canvas::{Canvas, TEXT_HEIGHT, text_width};
 use crate::film::{Film, Layout, Plane};
 use crate::integrator::{TechniqueImage, TechniqueImages};
 use crate::io::page::reduced;
 use crate::io::png;
-use crate::render::Look;
+use crate::render::ToneMapping;
 
 /// Larger images are reduced by a whole factor until no side is longer, in pixels.
 const MOST_SIDE: u32 = 256;
@@ -18,7 +18,7 @@ const GAP: usize = 6;
 /// Space between the two halves, in pixels.
 const GUTTER: usize = 24;
 
-/// Where things lie.
+/// Geometry of the sheet.
 struct Grid {
     columns: usize,
     rows: usize,
@@ -34,7 +34,7 @@ impl Grid {
         Grid { columns, rows, cell: [width.max(widest), height + TEXT_HEIGHT] }
     }
 
-    /// The width of a half, or that of its title if that is longer.
+    /// Width of one half: of its columns or of its title, whichever is larger.
     fn half(&self) -> usize {
         (self.columns * (self.cell[0] + GAP)).max(text_width(TITLES[1]))
     }
@@ -61,8 +61,8 @@ fn caption(image: &TechniqueImage) -> String {
     format!("({},{})", image.s, image.t)
 }
 
-/// Draws it.
-pub(super) fn draw(images: &TechniqueImages, look: Look) -> Canvas {
+/// Draws the sheet.
+pub(super) fn draw(images: &TechniqueImages, look: ToneMapping) -> Canvas {
     let images = &images.images;
     let size = images.first().map_or([0; 2], |image| cell_size(image.weighted.layout()));
     let grid = Grid::of(images, size);
@@ -80,7 +80,7 @@ pub(super) fn draw(images: &TechniqueImages, look: Look) -> Canvas {
     canvas
 }
 
-/// How large an image is on the sheet.
+/// Size of an image on the sheet.
 fn cell_size(layout: &Layout) -> [usize; 2] {
     let [width, height] = extent(layout);
     let factor = width.max(height).div_ceil(MOST_SIDE).max(1);
@@ -91,7 +91,7 @@ fn extent(layout: &Layout) -> [u32; 2] {
     [layout.crop.x1 - layout.crop.x0, layout.crop.y1 - layout.crop.y0]
 }
 
-fn colors(film: &Film, look: Look) -> Vec<[u8; 3]> {
+fn colors(film: &Film, look: ToneMapping) -> Vec<[u8; 3]> {
     let [width, height] = extent(film.layout());
     let (_, _, rgb) = reduced(width, height, &film.mean(Plane::Color), MOST_SIDE);
     png::colors(&rgb, look.exposure, look.curve)
@@ -103,7 +103,7 @@ mod tests {
     use crate::film::{PassFilm, Units};
     use crate::integrator::PassReport;
 
-    /// An image of one brightness.
+    /// An image of constant radiance.
     fn image(s: usize, t: usize, side: u32, weighted: f32) -> TechniqueImage {
         let layout = Layout::new(side, side, None, &[]);
         let film = |value: f32| {
@@ -120,13 +120,16 @@ mod tests {
         TechniqueImage { s, t, weighted: film(weighted), unweighted: film(1.0) }
     }
 
-    /// Cells have their place by s and by s + t, do not overlap, and large images are reduced.
+    /// Each image has a cell by s and by s + t. Cells do not overlap, and large images are reduced.
     #[test]
     fn every_image_has_its_cell() {
         for side in [4, 600] {
             let names = [(0, 2), (0, 3), (1, 2), (2, 1)];
             let images: Vec<_> = names.iter().map(|&(s, t)| image(s, t, side, 0.0)).collect();
-            let sheet = draw(&TechniqueImages { images: images.clone(), report: PassReport::default() }, Look::default());
+            let sheet = draw(
+                &TechniqueImages { images: images.clone(), report: PassReport::default() },
+                ToneMapping::default(),
+            );
             let size = cell_size(images[0].weighted.layout());
             let grid = Grid::of(&images, size);
             assert_eq!((grid.columns, grid.rows, [sheet.width, sheet.height]), (3, 2, grid.size()));

@@ -1,4 +1,4 @@
-//! One method with one backend, and its picture in work.
+//! A candidate: one method with one backend, and its film.
 
 use super::lineup::{name, settings};
 use crate::error::{Error, Kind, Result};
@@ -7,19 +7,19 @@ use crate::integrator::{self, Integrator, Method};
 use crate::parallel::Cancel;
 use crate::render::machine::Stopwatch;
 use crate::render::same_mean::{Doubt, Pyramid};
-use crate::render::{Choices, Plan, Provenance, Selection, Stage, Stop};
+use crate::render::{LoadedScene, PassPlan, PassSelection, Provenance, SettingsPatch, StopCriteria};
 
-/// Independent replicates of each candidate: their scatter is the error that differences are measured by.
+/// Number of independent replicates of each candidate. Their scatter is the error of the comparison.
 pub const REPLICATES: u32 = 32;
 
-/// A method with a backend, rendering.
+/// A candidate: a method with a backend, and its film so far.
 pub struct Candidate<'a> {
     /// Method and backend: `path/embree`.
     pub name: String,
-    /// Where the picture comes from, with the work so far.
+    /// Provenance of its film, with the work so far.
     pub provenance: Provenance,
     /// The scene.
-    pub stage: &'a Stage,
+    pub stage: &'a LoadedScene,
     film: Film,
     integrator: Box<dyn Integrator + 'a>,
     scratch: PassFilm,
@@ -27,16 +27,16 @@ pub struct Candidate<'a> {
 }
 
 impl<'a> Candidate<'a> {
-    /// A candidate with nothing rendered yet.
+    /// Creates a candidate with an empty film.
     ///
     /// # Errors
-    /// A camera that is not there, choices out of range.
-    pub fn new(stage: &'a Stage, choices: &Choices, method: Method) -> Result<Self> {
+    /// The camera does not exist, or a choice is out of range.
+    pub fn new(stage: &'a LoadedScene, choices: &SettingsPatch, method: Method) -> Result<Self> {
         let settings = settings(choices, stage, method, stage.scene.backend())?;
         let layout = settings.layout();
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         let prelude = integrator::prelude(&stage.scene, &camera, &settings.options(), &layout);
-        let plan = Plan { stop: Stop::after(0), selection: Selection::All };
+        let plan = PassPlan { stop: StopCriteria::after(0), selection: PassSelection::All };
         Ok(Candidate {
             name: format!("{}/{}", name(method), settings.backend.name()),
             film: Film::new(layout.clone(), settings.replicates, settings.seed, prelude.units),
@@ -48,12 +48,12 @@ impl<'a> Candidate<'a> {
         })
     }
 
-    /// Bytes that the films of `count` candidates with that layout take.
+    /// Returns the bytes of the films of `count` candidates with this layout.
     pub(super) fn bytes(layout: &Layout, count: usize) -> u64 {
         Film::bytes_per_pixel(layout, REPLICATES) as u64 * layout.pixels() as u64 * count as u64
     }
 
-    /// Renders one pass of every replicate; `None` if that was cancelled.
+    /// Renders one pass of every replicate; `None` if cancelled.
     pub(super) fn block(&mut self, cancel: &Cancel) -> Option<()> {
         let clock = Stopwatch::start();
         let first = self.spp();
@@ -63,34 +63,34 @@ impl<'a> Candidate<'a> {
             self.film.commit(pass, &self.scratch);
             self.provenance.work.passes.absorb(report);
         }
-        self.provenance.plan.stop = Stop::after(self.spp());
+        self.provenance.plan.stop = StopCriteria::after(self.spp());
         self.last_block = clock.wall().as_secs_f64();
         self.provenance.work.wall_seconds += self.last_block;
         self.provenance.work.cpu_seconds += clock.cpu().as_secs_f64();
         Some(())
     }
 
-    /// Samples per pixel so far.
+    /// Returns the samples per pixel so far.
     pub fn spp(&self) -> u64 {
         self.film.passes().len()
     }
 
-    /// Seconds of rendering so far.
+    /// Returns the rendering time so far, in seconds.
     pub fn seconds(&self) -> f64 {
         self.provenance.work.wall_seconds
     }
 
-    /// Seconds that the last block took.
+    /// Returns the duration of the last block, in seconds.
     pub(super) fn last_block(&self) -> f64 {
         self.last_block
     }
 
-    /// The picture.
+    /// Returns the film.
     pub fn film(&self) -> &Film {
         &self.film
     }
 
-    /// The means of its tiles.
+    /// Returns the tile means of its picture.
     ///
     /// # Errors
     /// Internal, before the first block is rendered.
@@ -99,12 +99,12 @@ impl<'a> Candidate<'a> {
         Pyramid::of_film(&self.film, self.method().independent()).ok_or_else(nothing)
     }
 
-    /// The method.
+    /// Returns the method.
     pub fn method(&self) -> Method {
         self.provenance.settings.method
     }
 
-    /// Why its errors are not to be trusted, if they are not; what is unseen holds but for a chance of `level`.
+    /// Returns the doubt about its errors, if there is one. The bound on unseen light fails with probability `level`.
     pub fn doubt(&self, level: f64) -> Option<Doubt> {
         Doubt::of(&self.provenance.error_of(&self.film)?, self.film.layout().pixels(), level)
     }

@@ -1,54 +1,55 @@
-//! Who is compared: every method that sees all of the scene, with every backend.
+//! Selection of the candidates: every method that samples all light of the scene, with every backend.
 
 use super::REPLICATES;
 use crate::accel::Backend;
 use crate::error::{Error, Result};
 use crate::integrator::{self, Method};
-use crate::render::{Choices, Settings, Size, Stage};
+use crate::render::{LoadedScene, RenderSettings, SettingsPatch, Size};
 use crate::scene::Scene;
 use clap::ValueEnum;
 use serde::Serialize;
 
-/// Whom a person wants compared; `None` is everyone.
+/// Requested candidates; `None` stands for all.
 #[derive(Debug, Clone, Default)]
-pub struct Request {
+pub struct VerifyRequest {
     /// Only these methods.
     pub methods: Option<Vec<Method>>,
     /// Only these backends.
     pub backends: Option<Vec<Backend>>,
 }
 
-/// Who is compared and who is not.
+/// Methods to compare, and excluded methods.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Lineup {
-    /// The methods.
+    /// The compared methods.
     pub methods: Vec<Method>,
-    /// The methods left out, with the reasons.
+    /// The excluded methods.
     pub excluded: Vec<Excluded>,
 }
 
-/// A method that is left out.
+/// An excluded method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Excluded {
     /// The method.
     pub method: Method,
-    /// What it does not see, one sentence each.
+    /// Its blind spots in the scene, one sentence each.
     pub reasons: Vec<String>,
 }
 
-impl Request {
-    /// The backends wanted, each once.
+impl VerifyRequest {
+    /// Returns the requested backends without duplicates.
     pub fn backends(&self) -> Vec<Backend> {
         once(self.backends.as_deref().unwrap_or(Backend::AVAILABLE))
     }
 
-    /// The methods wanted that can be compared on `scene`.
+    /// Selects the requested methods that can be compared on `scene`.
     ///
     /// # Errors
-    /// A usage error if there are not two candidates.
+    /// A usage error if there are fewer than two candidates.
     pub fn lineup(&self, scene: &Scene) -> Result<Lineup> {
         let wanted = once(self.methods.as_deref().unwrap_or(Method::value_variants()));
-        let judged = wanted.into_iter().map(|method| Excluded { method, reasons: integrator::blind_spots(method, scene) });
+        let judged =
+            wanted.into_iter().map(|method| Excluded { method, reasons: integrator::blind_spots(method, scene) });
         let (seeing, excluded): (Vec<_>, Vec<_>) = judged.partition(|e| e.reasons.is_empty());
         let lineup = Lineup { methods: seeing.into_iter().map(|e| e.method).collect(), excluded };
         let candidates = lineup.methods.len() * self.backends().len();
@@ -72,33 +73,39 @@ fn too_few(lineup: &Lineup, candidates: usize) -> Error {
     Error::usage(format!("nothing to compare: {how_many} is left, and two are needed (--methods, --backends){reasons}"))
 }
 
-/// The longest side of an image where no size is asked for: small, since many samples in few pixels show the smallest error.
+/// Default length of the longer side, in pixels. It is small, since many samples in few pixels give the smallest error.
 const LONGEST_SIDE: f64 = 128.0;
 
-/// The size for a camera whose width is `aspect` times its height.
+/// Returns the default size for a camera with aspect ratio `aspect` (width over height).
 pub fn default_size(aspect: Option<f64>) -> Size {
     let aspect = aspect.filter(|a| a.is_finite() && *a > 0.0).unwrap_or(16.0 / 9.0);
     let side = |ratio: f64| (LONGEST_SIDE * ratio.min(1.0)).round().max(1.0) as u32;
     Size { width: side(aspect), height: Some(side(1.0 / aspect)) }
 }
 
-/// The settings of a candidate. Its random numbers depend on its name and the seed, not on who else is compared.
-pub(super) fn settings(choices: &Choices, stage: &Stage, method: Method, backend: Backend) -> Result<Settings> {
+/// Resolves the settings of a candidate. Its seed depends on its name and the given seed, but not on the other
+/// candidates.
+pub(super) fn settings(
+    choices: &SettingsPatch,
+    stage: &LoadedScene,
+    method: Method,
+    backend: Backend,
+) -> Result<RenderSettings> {
     let aspect = stage.scene.aspect(choices.camera.as_deref())?;
     let size = choices.size.unwrap_or_else(|| default_size(aspect));
-    let settings = Choices { size: Some(size), ..choices.clone() }.settings(aspect)?;
+    let settings = SettingsPatch { size: Some(size), ..choices.clone() }.settings(aspect)?;
     let seed = seed(settings.seed, method, backend);
-    // Clamping moves each method's mean in its own way; extra layers are not compared.
-    Ok(Settings { method, backend, seed, replicates: REPLICATES, clamp: None, aovs: Vec::new(), ..settings })
+    // Clamping biases each method differently. AOVs are not compared.
+    Ok(RenderSettings { method, backend, seed, replicates: REPLICATES, clamp: None, aovs: Vec::new(), ..settings })
 }
 
 fn seed(seed: u64, method: Method, backend: Backend) -> u64 {
     let hash = blake3::hash(format!("verify {seed} {} {}", name(method), backend.name()).as_bytes());
-    // 48 bits: every reader of JSON keeps them.
+    // 48 bits, which every JSON reader preserves.
     hash.as_bytes()[..6].iter().fold(0, |bits, &byte| bits << 8 | u64::from(byte))
 }
 
-/// A method's name on the command line.
+/// Returns a method's name on the command line.
 pub(super) fn name(method: Method) -> String {
     method.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
 }
@@ -117,7 +124,9 @@ mod tests {
 
     #[test]
     fn the_longest_side_is_the_same_for_all_shapes() {
-        for (aspect, width, height) in [(Some(1.0), 128, 128), (Some(2.0), 128, 64), (Some(0.5), 64, 128), (None, 128, 72)] {
+        for (aspect, width, height) in
+            [(Some(1.0), 128, 128), (Some(2.0), 128, 64), (Some(0.5), 64, 128), (None, 128, 72)]
+        {
             assert_eq!(default_size(aspect), Size { width, height: Some(height) });
         }
         assert_eq!(default_size(Some(1e9)), Size { width: 128, height: Some(1) });

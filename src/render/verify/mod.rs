@@ -1,15 +1,18 @@
-//! Do all methods and backends give the same picture of a scene? Each [`Candidate`] renders the scene with its own random
-//! numbers in [`REPLICATES`] independent replicates; then the means of every pair are compared, of the whole image and of tiles of
-//! 8×8 pixels and upwards, at one level for everything together ([`judge`](crate::render::same_mean::judge)).
+//! Tests whether all methods and backends converge to the same picture of a scene. Each [`Candidate`] renders the scene
+//! with its own random numbers in [`REPLICATES`] independent replicates. Then the means of every pair are compared, for
+//! the whole image and for tiles from 8×8 pixels upwards, at one family-wise level
+//! ([`judge`](crate::render::same_mean::judge)).
 //!
-//! Use it on a scene whose picture matters, and after any change to the renderer. Its limits: what all candidates do wrong it
-//! cannot see; a method that is blind to something in the scene is left out, and says so; where a picture has met too few of the
-//! contributions that make it, a difference cannot be told from bad luck, and counts as not shown. What a whole picture has not met
-//! at all it cannot suspect either: light that reaches it by fewer than about ten samples in all may be missed by chance, and one
-//! method then be said to differ from another that finds it easily (a longer budget tells). "No difference" comes with the smallest difference that would have been seen.
+//! Use it on a scene whose picture matters, and after any change to the renderer. Limits: an error common to all
+//! candidates is not detected. A method with a blind spot in the scene is excluded and reported. Where a picture has
+//! sampled too few of its contributions, a difference is indistinguishable from noise and counts as not shown. Light
+//! that reaches a whole picture by fewer than about ten samples in all may be missed by chance, without any trace in
+//! the error estimate. A method may then be reported as different from one that finds this light easily. A longer
+//! budget settles it. "No difference" is reported with the smallest difference that would have been detected.
 //!
-//! A candidate whose error is not to be trusted, since its samples have a heavy tail, is too dark as a rule and too certain. Where it is
-//! the darker one of a pair nothing is concluded: `verify` cannot tell, and says of whom. Brighter than others it is convicted.
+//! A candidate with an untrusted error has a heavy-tailed sample distribution. It usually underestimates mean and
+//! variance together. If it is the darker one of a pair, the pair is undecided, and `verify` names the candidate. If it
+//! is brighter than the others, the difference counts.
 
 mod candidate;
 mod lineup;
@@ -20,8 +23,8 @@ mod run;
 mod table;
 
 pub use candidate::{Candidate, REPLICATES};
-pub use lineup::{Lineup, Request, default_size};
-pub use odd::Odd;
+pub use lineup::{Lineup, VerifyRequest, default_size};
+pub use odd::Outlier;
 pub use pictures::write as write_pictures;
-pub use report::Report;
+pub use report::VerifyReport;
 pub use run::{Effort, Ran, affordable, run};

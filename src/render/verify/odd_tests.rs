@@ -1,16 +1,16 @@
 use super::*;
-use crate::render::same_mean::{Outcome, Pair, Worst};
+use crate::render::same_mean::{Outcome, PairJudgement, Worst};
 
 fn labels(methods: &[Method], backends: &[Backend]) -> Vec<Label> {
     let all = backends.iter().flat_map(|&b| methods.iter().map(move |&m| (m, b)));
     all.map(|(m, b)| (m, b, format!("{}/{}", crate::render::verify::lineup::name(m), b.name()))).collect()
 }
 
-/// A judgement in which the pairs differ that `differ` says.
+/// A judgement in which exactly the pairs selected by `differ` differ.
 fn judgement(count: usize, differ: impl Fn(usize, usize) -> bool) -> Judgement {
     let area = crate::film::Crop { x0: 0, y0: 0, x1: 8, y1: 8 };
     let image = Worst { area, channel: 0, a: 1.0, b: 1.0, relative: 0.0, interval: [0.0; 2], t: 0.0, p_value: 1.0 };
-    let pair = |a, b| Pair {
+    let pair = |a, b| PairJudgement {
         a,
         b,
         outcome: if differ(a, b) { Outcome::Differ } else { Outcome::Agree },
@@ -32,7 +32,7 @@ const BACKENDS: [Backend; 2] = [Backend::Embree, Backend::Obvhs];
 
 fn odd(differ: impl Fn(usize, usize) -> bool) -> Option<(String, bool)> {
     let labels = labels(&METHODS, &BACKENDS);
-    Odd::of(&labels, &judgement(6, differ)).map(|o| (o.who, o.from_all))
+    Outlier::of(&labels, &judgement(6, differ)).map(|o| (o.who, o.from_all))
 }
 
 #[test]
@@ -45,11 +45,11 @@ fn one_candidate_a_method_or_a_backend_is_named() {
 
 #[test]
 fn what_the_noise_hides_leaves_a_suspect_or_none() {
-    // Two of three pairs seen: all have candidate 2 in common, and so do those of its method.
+    // Two of three pairs differ. All involve candidate 2, but also its method.
     assert_eq!(odd(|a, b| b == 2 && a < 2), None);
     let three = labels(&METHODS, &BACKENDS[1..]);
-    assert_eq!(Odd::of(&three, &judgement(3, |a, b| a == 0 && b == 1)), None);
-    assert_eq!(Odd::of(&three, &judgement(3, |_, b| b == 2)).map(|o| o.who), Some("path/obvhs".into()));
-    assert_eq!(Odd::of(&three, &judgement(3, |_, _| true)), None);
-    assert_eq!(Odd::of(&three[..2], &judgement(2, |_, _| true)), None);
+    assert_eq!(Outlier::of(&three, &judgement(3, |a, b| a == 0 && b == 1)), None);
+    assert_eq!(Outlier::of(&three, &judgement(3, |_, b| b == 2)).map(|o| o.who), Some("path/obvhs".into()));
+    assert_eq!(Outlier::of(&three, &judgement(3, |_, _| true)), None);
+    assert_eq!(Outlier::of(&three[..2], &judgement(2, |_, _| true)), None);
 }

@@ -1,18 +1,18 @@
-//! What `verify` tells: one document for programs, and the table that is made of it for people.
+//! The report of `verify`: one JSON document, and the table derived from it.
 
 use super::lineup::Excluded;
-use super::{Candidate, Lineup, Odd, REPLICATES};
+use super::{Candidate, Lineup, Outlier, REPLICATES};
 use crate::integrator::{Guards, Method};
 use crate::render::Program;
-use crate::render::same_mean::{CHANNELS, Judgement, Outcome, Picture};
+use crate::render::same_mean::{CHANNELS, Judgement, Outcome, TestedPicture};
 use serde::Serialize;
 
 /// The result of a verification.
 #[derive(Debug, Clone, Serialize)]
-pub struct Report {
-    /// Whether no difference was found and every pair could be told.
+pub struct VerifyReport {
+    /// Whether every pair was decided and no difference was found.
     pub agree: bool,
-    /// What all pairs come to: a difference if one has it.
+    /// Outcome over all pairs: a difference if any pair differs.
     pub outcome: Outcome,
     /// The scene's file.
     pub scene: String,
@@ -23,15 +23,15 @@ pub struct Report {
     pub size: [u32; 2],
     /// Independent replicates of each candidate.
     pub replicates: u32,
-    /// Who was compared.
+    /// The compared candidates.
     pub candidates: Vec<Entry>,
-    /// Who was not.
+    /// The excluded methods.
     pub excluded: Vec<Excluded>,
-    /// What was found.
+    /// Verdict on all pairs.
     #[serde(flatten)]
     pub judgement: Judgement,
-    /// Whom all differences have in common.
-    pub odd: Option<Odd>,
+    /// The candidates involved in all differences.
+    pub odd: Option<Outlier>,
 }
 
 /// A candidate in the report.
@@ -43,7 +43,7 @@ pub struct Entry {
     pub method: Method,
     /// The backend.
     pub backend: crate::accel::Backend,
-    /// Its seed: `render` with it, the method, the backend and 32 replicates makes the same passes.
+    /// Its seed. `render` with this seed, the method, the backend and 32 replicates renders the same passes.
     pub seed: u64,
     /// Samples per pixel.
     pub spp: u64,
@@ -51,20 +51,25 @@ pub struct Entry {
     pub seconds: f64,
     /// Mean of each channel.
     pub mean: [f64; CHANNELS],
-    /// Its standard error.
+    /// Standard error of each mean.
     pub standard_error: [f64; CHANNELS],
-    /// Why that is not to be trusted, if it is not.
+    /// Reason to distrust the error, if there is one.
     pub doubt: Option<&'static str>,
-    /// How often guards changed a sample.
+    /// Number of samples changed by guards.
     pub guards: Guards,
 }
 
-impl Report {
-    /// The report on candidates with these pictures.
-    pub fn new(candidates: &[Candidate<'_>], pictures: &[Picture<'_, Method>], lineup: Lineup, judgement: Judgement) -> Report {
+impl VerifyReport {
+    /// Builds the report on candidates with these pictures.
+    pub fn new(
+        candidates: &[Candidate<'_>],
+        pictures: &[TestedPicture<'_, Method>],
+        lineup: Lineup,
+        judgement: Judgement,
+    ) -> VerifyReport {
         let entries: Vec<Entry> = candidates.iter().zip(pictures).map(|(c, p)| Entry::new(c, p)).collect();
         let provenance = &candidates[0].provenance;
-        Report {
+        VerifyReport {
             agree: judgement.outcome() == Outcome::Agree,
             outcome: judgement.outcome(),
             scene: candidates[0].stage.path.display().to_string(),
@@ -74,14 +79,14 @@ impl Report {
             replicates: REPLICATES,
             candidates: entries,
             excluded: lineup.excluded,
-            odd: Odd::among(candidates, &judgement),
+            odd: Outlier::among(candidates, &judgement),
             judgement,
         }
     }
 }
 
 impl Entry {
-    fn new(candidate: &Candidate<'_>, picture: &Picture<'_, Method>) -> Entry {
+    fn new(candidate: &Candidate<'_>, picture: &TestedPicture<'_, Method>) -> Entry {
         let settings = &candidate.provenance.settings;
         let image = std::array::from_fn::<_, CHANNELS, _>(|c| picture.pyramid.image_mean(c));
         Entry {

@@ -1,5 +1,5 @@
-//! Rendering by turns: always the candidate that has had the least, so that all have equal time and whatever else the machine does
-//! falls on all alike.
+//! Renders the candidates in turns. The next candidate is the one with the least time so far, or the fewest samples if
+//! their number is fixed. All get equal shares, and background load affects them alike.
 
 use super::Candidate;
 use crate::error::{Error, Kind, Result};
@@ -8,26 +8,31 @@ use crate::parallel::Cancel;
 use crate::render::machine::available_memory;
 use std::time::{Duration, Instant};
 
-/// How much is rendered.
+/// Amount of rendering.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
-    /// As much as this time allows for all candidates together; at least one sample in every pixel of every replicate.
+    /// Time for all candidates together; at least one sample per pixel in every replicate.
     Time(Duration),
-    /// So many samples per pixel of each candidate.
+    /// Samples per pixel of each candidate.
     Spp(u64),
 }
 
-/// How it ended.
+/// Reason for the end of the rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ran {
-    /// The effort was made.
+    /// The amount was rendered.
     Complete,
     /// A stop was requested.
     Interrupted,
 }
 
-/// Renders; `watch` is told the share that is done and the time that is left.
-pub fn run(candidates: &mut [Candidate<'_>], effort: Effort, cancel: &Cancel, watch: &mut dyn FnMut(f64, Duration)) -> Ran {
+/// Renders all candidates. `watch` receives the completed fraction and the remaining time.
+pub fn run(
+    candidates: &mut [Candidate<'_>],
+    effort: Effort,
+    cancel: &Cancel,
+    watch: &mut dyn FnMut(f64, Duration),
+) -> Ran {
     let start = Instant::now();
     loop {
         let Some(next) = next(candidates, effort, start.elapsed()) else { return Ran::Complete };
@@ -39,16 +44,22 @@ pub fn run(candidates: &mut [Candidate<'_>], effort: Effort, cancel: &Cancel, wa
     }
 }
 
-/// Whose turn it is.
-fn next<'b, 'a>(candidates: &'b mut [Candidate<'a>], effort: Effort, elapsed: Duration) -> Option<&'b mut Candidate<'a>> {
+/// Selects the next candidate.
+fn next<'b, 'a>(
+    candidates: &'b mut [Candidate<'a>],
+    effort: Effort,
+    elapsed: Duration,
+) -> Option<&'b mut Candidate<'a>> {
     let had = |c: &Candidate<'_>| match effort {
         Effort::Time(_) => c.seconds(),
         Effort::Spp(_) => c.spp() as f64,
     };
     let next = candidates.iter_mut().min_by(|a, b| had(a).total_cmp(&had(b)))?;
     let wanted = match effort {
-        // The middle of the block may be past the end: then half of the runs end a bit early and half a bit late.
-        Effort::Time(budget) => next.spp() == 0 || elapsed.as_secs_f64() + 0.5 * next.last_block() < budget.as_secs_f64(),
+        // A block starts if its midpoint is within the budget. Runs thus end early as often as late.
+        Effort::Time(budget) => {
+            next.spp() == 0 || elapsed.as_secs_f64() + 0.5 * next.last_block() < budget.as_secs_f64()
+        }
         Effort::Spp(spp) => next.spp() < spp,
     };
     wanted.then_some(next)
@@ -57,15 +68,17 @@ fn next<'b, 'a>(candidates: &'b mut [Candidate<'a>], effort: Effort, elapsed: Du
 fn fraction(candidates: &[Candidate<'_>], effort: Effort, elapsed: Duration) -> f64 {
     let done = match effort {
         Effort::Time(budget) => elapsed.as_secs_f64() / budget.as_secs_f64(),
-        Effort::Spp(spp) => candidates.iter().map(Candidate::spp).sum::<u64>() as f64 / (spp * candidates.len() as u64) as f64,
+        Effort::Spp(spp) => {
+            candidates.iter().map(Candidate::spp).sum::<u64>() as f64 / (spp * candidates.len() as u64) as f64
+        }
     };
     done.min(1.0)
 }
 
-/// Refuses films that would not fit into memory.
+/// Rejects films that do not fit into memory.
 ///
 /// # Errors
-/// Says how much they take.
+/// The memory they need.
 pub fn affordable(layout: &Layout, candidates: usize) -> Result<()> {
     let need = Candidate::bytes(layout, candidates);
     match available_memory() {

@@ -1,22 +1,30 @@
-//! The report as lines for people, at most some 90 columns wide.
+//! The report as lines of text, at most about 90 columns wide.
 
-use super::report::{Entry, Report};
-use crate::render::same_mean::{Outcome, Pair, Worst};
+use super::report::{Entry, VerifyReport};
+use crate::render::same_mean::{Outcome, PairJudgement, Worst};
 
-impl Report {
-    /// The candidates, the pairs and the verdict.
+impl VerifyReport {
+    /// Formats the candidates, the pairs and the verdict.
     pub fn lines(&self) -> Vec<String> {
         let [width, height] = self.size;
         let (replicates, level) = (self.replicates, self.judgement.level);
-        let mut lines =
-            vec![format!("{} at {width}x{height}, {replicates} replicates, level {level} for everything together", self.scene)];
+        let mut lines = vec![format!(
+            "{} at {width}x{height}, {replicates} replicates, level {level} for everything together",
+            self.scene
+        )];
         lines.push(String::new());
-        lines.push(format!("{:18} {:>8} {:>9}   {}", "candidate", "spp", "seconds", "mean of red, green, blue ± standard error"));
+        lines.push(format!(
+            "{:18} {:>8} {:>9}   {}",
+            "candidate", "spp", "seconds", "mean of red, green, blue ± standard error"
+        ));
         lines.extend(self.candidates.iter().map(Entry::line));
         lines.extend(self.excluded.iter().flat_map(|e| &e.reasons).map(|reason| format!("left out: {reason}")));
         lines.push(String::new());
         lines.push(format!("{:37} {:>10} {:>9}  {:>8} {:>14}", "", "image mean", "", "tiles", ""));
-        lines.push(format!("{:37} {:>10} {:>9}  {:>8} {:>14}", "pair", "differs by", "seen from", "different", "seen from"));
+        lines.push(format!(
+            "{:37} {:>10} {:>9}  {:>8} {:>14}",
+            "pair", "differs by", "seen from", "different", "seen from"
+        ));
         lines.extend(self.judgement.pairs.iter().map(|pair| self.pair_line(pair)));
         lines.push(String::new());
         lines.extend(self.judgement.pairs.iter().filter(|p| p.differs()).map(|pair| self.difference(pair)));
@@ -24,7 +32,7 @@ impl Report {
         lines
     }
 
-    /// The last line: what to make of it.
+    /// Returns the conclusion, which is the last line.
     pub fn verdict(&self) -> String {
         let (count, level) = (self.judgement.pairs.iter().filter(|p| p.differs()).count(), self.judgement.level);
         if self.outcome == Outcome::CannotTell {
@@ -33,7 +41,9 @@ impl Report {
         if count == 0 {
             let seen = self.judgement.pairs.iter().map(|p| p.detectable).collect::<Option<Vec<_>>>();
             let worth = match seen.map(|s| s.into_iter().fold(0.0, f64::max)) {
-                Some(seen) => format!("errors of {} in the image mean would have been seen nine times of ten", percent(seen)),
+                Some(seen) => {
+                    format!("errors of {} in the image mean would have been seen nine times of ten", percent(seen))
+                }
                 None => "but some pairs are too noisy to tell: give them a larger --budget".into(),
             };
             return format!("no difference between {} candidates; {worth}", self.candidates.len());
@@ -48,9 +58,10 @@ impl Report {
         }
     }
 
-    /// Whose error keeps pairs from being told, and why.
+    /// Names the candidates whose untrusted errors leave pairs undecided, with the reasons.
     fn untold(&self) -> String {
-        let untold: Vec<&Pair> = self.judgement.pairs.iter().filter(|p| p.outcome == Outcome::CannotTell).collect();
+        let untold: Vec<&PairJudgement> =
+            self.judgement.pairs.iter().filter(|p| p.outcome == Outcome::CannotTell).collect();
         let is_part = |i: usize| untold.iter().any(|pair| [pair.a, pair.b].contains(&i));
         let of = |(i, c): (usize, &Entry)| {
             let doubt = c.doubt.filter(|_| is_part(i))?;
@@ -61,11 +72,11 @@ impl Report {
         format!("cannot tell {count} of {all} pairs: {}; give them a larger --budget", who.join(", "))
     }
 
-    fn names(&self, pair: &Pair) -> String {
+    fn names(&self, pair: &PairJudgement) -> String {
         format!("{} - {}", self.candidates[pair.a].name, self.candidates[pair.b].name)
     }
 
-    fn pair_line(&self, pair: &Pair) -> String {
+    fn pair_line(&self, pair: &PairJudgement) -> String {
         let tile = match (pair.detectable_tile, pair.detectable_side) {
             (Some(seen), Some(side)) => format!("{} ({side} px)", percent(seen)),
             _ => "too noisy".into(),
@@ -77,11 +88,15 @@ impl Report {
             Outcome::Differ => "  DIFFERENT",
             Outcome::CannotTell => "  CANNOT TELL",
         };
-        format!("{:37} {:>10} {image:>9}  {different:>8} {tile:>14}{mark}", self.names(pair), signed(pair.image.relative))
+        format!(
+            "{:37} {:>10} {image:>9}  {different:>8} {tile:>14}{mark}",
+            self.names(pair),
+            signed(pair.image.relative)
+        )
     }
 
-    /// Where a pair differs and by how much.
-    fn difference(&self, pair: &Pair) -> String {
+    /// Describes position and size of a pair's difference.
+    fn difference(&self, pair: &PairJudgement) -> String {
         let significant = |w: &Worst| w.p_value < self.judgement.level;
         let mut parts = Vec::new();
         if significant(&pair.image) {
@@ -109,14 +124,14 @@ impl Entry {
     }
 }
 
-/// The channel, the difference, its interval and t.
+/// Formats the channel, the difference, its interval and t.
 fn amount(w: &Worst) -> String {
     let channel = ["red", "green", "blue"].get(w.channel).copied().unwrap_or("?");
     let [low, high] = w.interval.map(signed);
     format!("{channel} by {} [{low}, {high}], t {:.1}", signed(w.relative), w.t)
 }
 
-/// A share in per cent with two or three digits.
+/// Formats a fraction in per cent with two or three digits.
 fn percent(share: f64) -> String {
     let p = 100.0 * share;
     match p {

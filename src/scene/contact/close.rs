@@ -1,13 +1,13 @@
-//! Whether triangles are closer than a distance.
+//! Proximity of triangles.
 
 use crate::geometry::Triangle;
 use glam::{DVec3, Vec3};
 
-/// How much neighbours in a mesh are shrunk toward their centroids before they are compared: what they share is not a contact.
+/// Shrinking of adjacent triangles toward their centroids before the test: a shared vertex or edge is no contact.
 const SHRINK: f64 = 1.0 / 16.0;
 
-/// Whether two triangles come within `distance` of one another. Conservative: near corners a little beyond it too. Triangles of a mesh
-/// that share a vertex (`neighbours`) must do so away from it, as the sheets of a fold do.
+/// Returns whether two triangles are within `distance` of each other. Conservative: near corners also slightly beyond
+/// it. Triangles of a mesh that share a vertex (`neighbours`) must be close away from it, like the sheets of a fold.
 pub(super) fn are_close(a: &Triangle, b: &Triangle, neighbours: bool, distance: f32) -> bool {
     let shrink = if neighbours && a.shares_vertex(b) { SHRINK } else { 0.0 };
     let [a, b] = [a, b].map(|t| shrunk(t, shrink));
@@ -24,7 +24,8 @@ fn edges(t: &[DVec3; 3]) -> [DVec3; 3] {
     [t[1] - t[0], t[2] - t[1], t[0] - t[2]]
 }
 
-/// The axes that can separate two triangles: normals, products of edges, and normals of edges within each plane.
+/// Returns the axes that can separate two triangles: normals, products of edges, and normals of edges within each
+/// plane.
 fn axes(a: &[DVec3; 3], b: &[DVec3; 3]) -> impl Iterator<Item = DVec3> {
     let (ea, eb) = (edges(a), edges(b));
     let [na, nb] = [ea, eb].map(|e| e[0].cross(e[1]));
@@ -33,7 +34,7 @@ fn axes(a: &[DVec3; 3], b: &[DVec3; 3]) -> impl Iterator<Item = DVec3> {
     [na, nb].into_iter().chain(within).chain(across)
 }
 
-/// Whether the projections on `axis` are farther apart than `distance`.
+/// Returns whether the projections on `axis` are farther apart than `distance`.
 fn separates(axis: DVec3, a: &[DVec3; 3], b: &[DVec3; 3], distance: f64) -> bool {
     let Some(axis) = axis.try_normalize() else { return false };
     let span = |t: &[DVec3; 3]| {
@@ -44,7 +45,7 @@ fn separates(axis: DVec3, a: &[DVec3; 3], b: &[DVec3; 3], distance: f64) -> bool
     b0 - a1 > distance || a0 - b1 > distance
 }
 
-/// Whether the plane and the box of a triangle come within `distance` of `p`.
+/// Returns whether the plane and the bounding box of a triangle are within `distance` of `p`.
 pub(super) fn to_point(triangle: &Triangle, p: Vec3, distance: f32) -> bool {
     let [a, b, c] = triangle.vertices;
     let (min, max) = (a.min(b).min(c), a.max(b).max(c));
@@ -52,7 +53,7 @@ pub(super) fn to_point(triangle: &Triangle, p: Vec3, distance: f32) -> bool {
     in_box.all() && (triangle.project(p.as_dvec3()) - p.as_dvec3()).length() <= f64::from(distance)
 }
 
-/// Whether `p` lies over the triangle, seen along its normal.
+/// Returns whether the projection of `p` along the normal lies in the triangle.
 pub(super) fn over(triangle: &Triangle, p: Vec3) -> bool {
     let n = triangle.scaled_normal();
     let corners = triangle.vertices.map(Vec3::as_dvec3);

@@ -1,4 +1,5 @@
-//! Which triangles touch. Every placed triangle is held against a tree of those that let light pass; these against the ones so found.
+//! Detection of touching triangles. All placed triangles are tested against a tree of transmitting ones, and these
+//! against the triangles found.
 
 use super::{Contacts, close};
 use crate::geometry::{Bounds, BoxTree, Geometry, Hit, Leaf, Triangle};
@@ -6,38 +7,45 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::ControlFlow::{Break, Continue};
 
-/// Placed triangles that are looked at, at most: some ten seconds of work and 1 GB.
+/// Largest number of placed triangles that are tested: some ten seconds of work and 1 GB.
 const MOST: usize = 1 << 24;
 
-/// A ray leaves a point by up to √3 of its error bound, and the point and the sum are rounded: see tests/accel/spawned.rs.
+/// Largest ray offset in units of the error bound: √3, and the rounding of the point and of the sum. See
+/// tests/accel/spawned.rs.
 const JUMP: f32 = 4.0;
 
-/// Half-ulps of the distance to a vertex by which a backend's height over a plane may be wrong (see `geometry::triangle` and
-/// tests/accel/spawned.rs).
+/// Error bound of a backend's height over a plane, in half-ulps of the distance to a vertex (see `geometry::triangle`
+/// and tests/accel/spawned.rs).
 const SORTING: f32 = 16.0 * 0.5 * f32::EPSILON;
 
-/// Largest error bound of a point of a triangle over its largest coordinate: 4 half-ulps of that and 12 of two edges of twice it each
-/// (`Triangle::point`), and as much for a placement.
+/// Largest error bound of a point of a triangle, relative to its largest coordinate: 4 half-ulps of that and 12 of two
+/// edges of twice it each (`Triangle::point`), and as much for a placement.
 const WORST_ERROR: f32 = 2.0 * 52.0 * 0.5 * f32::EPSILON;
 
 impl Contacts {
-    /// Those of `geometry`, in which the objects with `passes` let light pass; the cameras are at `eyes`. `None` if nothing touches.
+    /// Finds the touching triangles of `geometry`. Objects with `passes` transmit light; the cameras are at `eyes`.
+    /// `None` if nothing touches.
     ///
     /// # Errors
-    /// The number of triangles to look at, if there are too many.
-    pub(in super::super) fn find(geometry: &Geometry, passes: &[bool], eyes: &[Vec3]) -> Result<Option<Contacts>, usize> {
+    /// The number of triangles to test, if it is too large.
+    pub(in super::super) fn find(
+        geometry: &Geometry,
+        passes: &[bool],
+        eyes: &[Vec3],
+    ) -> Result<Option<Contacts>, usize> {
         if !passes.contains(&true) {
             return Ok(None);
         }
         let boxes: Vec<Bounds> = (0..passes.len() as u32).map(|object| bounds(geometry, object)).collect();
         let all = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
         let far = eyes.iter().fold(all.min.abs().max(all.max.abs()), |most, eye| most.max(eye.abs())).max_element();
-        // A vertex is at most twice as far from a ray's origin as either is from the world's.
-        let mut contacts = Contacts { flags: Vec::new(), tree: BoxTree::default(), doubt: SORTING * 2.0 * far, most_reach: 0.0 };
+        // The distance of a vertex from a ray's origin is at most the sum of their distances from the world origin.
+        let mut contacts =
+            Contacts { flags: Vec::new(), tree: BoxTree::default(), doubt: SORTING * 2.0 * far, most_reach: 0.0 };
         let [passing, near] = contacts.candidates(geometry, passes, &boxes)?;
         let passing = BoxTree::new(passing);
         let mut found: Vec<Leaf> = near.into_par_iter().filter(|leaf| contacts.meets_any(leaf, &passing)).collect();
-        // What lets light pass and is touched by something opaque alone.
+        // Transmitting triangles that are touched only by opaque ones.
         let opaque = BoxTree::new(found.iter().filter(|leaf| !passes[leaf.hit.object as usize]).copied().collect());
         let touched = passing.leaves().par_iter().filter(|leaf| contacts.meets_any(leaf, &opaque));
         found.extend(touched.copied().collect::<Vec<_>>());
@@ -49,7 +57,7 @@ impl Contacts {
         Ok((!contacts.tree.leaves().is_empty()).then_some(contacts))
     }
 
-    /// The triangles that let light pass, and all of objects that come near these.
+    /// Returns the transmitting triangles, and all triangles of objects near them.
     fn candidates(&self, geometry: &Geometry, passes: &[bool], boxes: &[Bounds]) -> Result<[Vec<Leaf>; 2], usize> {
         let all = || 0..passes.len() as u32;
         let passing: Vec<u32> = all().filter(|&object| passes[object as usize]).collect();
@@ -63,13 +71,13 @@ impl Contacts {
         Ok([passing, near].map(|objects| objects.iter().flat_map(|&object| placed(geometry, object)).collect()))
     }
 
-    /// A triangle's part of the distance within which it touches another.
+    /// Returns a triangle's part of the distance within which it touches another.
     #[inline]
     pub(super) fn reach(&self, triangle: &Triangle) -> f32 {
         JUMP * triangle.most_error() + self.doubt
     }
 
-    /// Whether boxes come closer than any of their triangles may be and touch.
+    /// Returns whether the distance of two boxes is small enough for their triangles to touch.
     fn overlap(&self, a: &Bounds, b: &Bounds) -> bool {
         let most = [a.min, a.max, b.min, b.max].iter().fold(0.0f32, |most, p| most.max(p.abs().max_element()));
         let pad = 2.0 * (JUMP * WORST_ERROR * most + self.doubt);
@@ -83,7 +91,8 @@ impl Contacts {
             |other| {
                 let distance = self.reach(&leaf.triangle) + self.reach(&other.triangle);
                 let neighbours = other.hit.object == leaf.hit.object;
-                let touch = other.hit != leaf.hit && close::are_close(&leaf.triangle, &other.triangle, neighbours, distance);
+                let touch =
+                    other.hit != leaf.hit && close::are_close(&leaf.triangle, &other.triangle, neighbours, distance);
                 if touch { Break(()) } else { Continue(()) }
             },
         );
@@ -91,7 +100,7 @@ impl Contacts {
     }
 }
 
-/// The box around an object in the world.
+/// Returns the world-space bounding box of an object.
 fn bounds(geometry: &Geometry, object: u32) -> Bounds {
     let local = geometry.mesh_of(object).bounds();
     let Some(m) = &geometry.objects[object as usize].placement else { return local };
@@ -99,7 +108,7 @@ fn bounds(geometry: &Geometry, object: u32) -> Bounds {
     Bounds::around((0..8).map(|i| m.transform_point3(corner(i))))
 }
 
-/// The triangles of an object in the world.
+/// Returns the world-space triangles of an object.
 fn placed(geometry: &Geometry, object: u32) -> impl Iterator<Item = Leaf> + '_ {
     let count = geometry.mesh_of(object).triangles().len() as u32;
     (0..count).map(move |primitive| Hit { object, primitive }).map(|hit| Leaf { hit, triangle: geometry.triangle(hit) })

@@ -1,19 +1,19 @@
-//! Hash of what a description says, wherever its files lie and whatever their format: the bytes of its fields, each with its length
-//! where it has one, each choice with its number.
+//! Hash of the contents of a description, independent of the location and format of its files: the bytes of its fields,
+//! with the length of each array and the index of each enum variant.
 //!
-//! Every struct is taken apart without `..`, so that a new field does not compile until it has its line here: `field.feed(bytes)`, or
-//! `field: _` if no picture depends on it, as none does on names that nothing is chosen by.
+//! Every struct is destructured without `..`, so that a new field does not compile until it has its line here:
+//! `field.feed(bytes)`, or `field: _` if no image depends on it, such as names that nothing is selected by.
 
 use super::{
-    AlphaMode, Camera, Description, Environment, Instance, Material, Mesh, MetalFresnel, Primitive, Projection, PunctualKind,
-    PunctualLight, Volume,
+    AlphaMode, CameraDescription, Description, EnvironmentDescription, Instance, Material, Mesh, MetalFresnel,
+    Primitive, Projection, PunctualKind, PunctualLight, Volume,
 };
 use crate::spectrum::Spectrum;
-use crate::texture::{Encoding, Filter, Image, RadianceMap, Texture, Wrap};
+use crate::texture::{Encoding, Image, RadianceMap, Texture, TextureFilter, Wrap};
 use glam::{Affine2, DAffine3};
 use std::sync::Arc;
 
-/// Hexadecimal BLAKE3 of everything that can change a picture.
+/// Returns the hexadecimal BLAKE3 hash of everything that can affect an image.
 pub(in crate::scene) fn of(description: &Description) -> String {
     let mut bytes = Bytes::new();
     description.feed(&mut bytes);
@@ -22,15 +22,15 @@ pub(in crate::scene) fn of(description: &Description) -> String {
 
 type Bytes = blake3::Hasher;
 
-/// What has bytes for the hash.
+/// Hashed content.
 trait Content {
-    /// Adds them; no two values of a type have the same, nor does one begin with another's.
+    /// Feeds the content to the hash. The encoding is injective and prefix-free within a type.
     fn feed(&self, bytes: &mut Bytes);
 }
 
 impl Content for Description {
     fn feed(&self, bytes: &mut Bytes) {
-        // Images are hashed where textures use them; the rest is about the file and not about the picture.
+        // Images are hashed where textures use them; the other fields do not affect the image.
         let Description {
             meshes,
             instances,
@@ -58,14 +58,14 @@ impl Content for Description {
     }
 }
 
-impl Content for Environment {
+impl Content for EnvironmentDescription {
     fn feed(&self, bytes: &mut Bytes) {
         match self {
-            Environment::Uniform(radiance) => {
+            EnvironmentDescription::Uniform(radiance) => {
                 0_u8.feed(bytes);
                 radiance.feed(bytes);
             }
-            Environment::Map { map, scale, rotation } => {
+            EnvironmentDescription::Map { map, scale, rotation } => {
                 1_u8.feed(bytes);
                 map.feed(bytes);
                 scale.feed(bytes);
@@ -209,10 +209,10 @@ impl Content for PunctualKind {
     }
 }
 
-impl Content for Camera {
+impl Content for CameraDescription {
     fn feed(&self, bytes: &mut Bytes) {
-        // Cameras are chosen by name.
-        let Camera { name, projection, transform } = self;
+        // Cameras are selected by name.
+        let CameraDescription { name, projection, transform } = self;
         name.feed(bytes);
         projection.feed(bytes);
         transform.feed(bytes);
@@ -267,11 +267,11 @@ impl Content for Wrap {
     }
 }
 
-impl Content for Filter {
+impl Content for TextureFilter {
     fn feed(&self, bytes: &mut Bytes) {
         match self {
-            Filter::Nearest => 0_u8.feed(bytes),
-            Filter::Linear => 1_u8.feed(bytes),
+            TextureFilter::Nearest => 0_u8.feed(bytes),
+            TextureFilter::Linear => 1_u8.feed(bytes),
         }
     }
 }
@@ -290,7 +290,7 @@ impl Content for RadianceMap {
     }
 }
 
-/// Many plain numbers: their length, −1 if there are none, and their bytes as they lie in memory, little end first here.
+/// Arrays of plain values: their length (−1 if absent), then their bytes in memory order, which is little-endian here.
 fn array<T: bytemuck::Pod>(bytes: &mut Bytes, values: Option<&Vec<T>>) {
     values.map_or(-1, |values| values.len() as i64).feed(bytes);
     if let Some(values) = values {

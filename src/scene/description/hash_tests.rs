@@ -1,4 +1,4 @@
-//! Every field of a description is one that pictures depend on, or is named here as one that they do not.
+//! Every field of a description affects the image, or is listed here as irrelevant to it.
 
 use super::*;
 use crate::texture::Texels;
@@ -8,14 +8,15 @@ fn texture() -> Texture {
         image: Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[1; 4], [2; 4]].into()))),
         encoding: Encoding::Linear,
         wrap: [Wrap::Repeat; 2],
-        filter: Filter::Linear,
+        filter: TextureFilter::Linear,
         uv_set: 0,
         transform: Affine2::IDENTITY,
     }
 }
 
 fn description() -> Description {
-    let primitive = Primitive { positions: vec![glam::Vec3::ZERO; 3], triangles: vec![[0, 1, 2]], ..Primitive::default() };
+    let primitive =
+        Primitive { positions: vec![glam::Vec3::ZERO; 3], triangles: vec![[0, 1, 2]], ..Primitive::default() };
     Description {
         meshes: vec![Mesh { name: "mesh".into(), primitives: vec![primitive] }],
         instances: vec![Instance { name: "node".into(), mesh: 0, transform: DAffine3::IDENTITY }],
@@ -26,7 +27,7 @@ fn description() -> Description {
             intensity: Spectrum::ONE,
             transform: DAffine3::IDENTITY,
         }],
-        cameras: vec![Camera {
+        cameras: vec![CameraDescription {
             name: "camera".into(),
             projection: Projection::Perspective { yfov: 1.0, aspect: None },
             transform: DAffine3::IDENTITY,
@@ -37,7 +38,7 @@ fn description() -> Description {
 
 type Change = fn(&mut Description);
 
-/// Whether `change` changes the hash.
+/// Returns whether `change` changes the hash.
 fn changes(change: Change) -> bool {
     let mut changed = description();
     change(&mut changed);
@@ -72,12 +73,14 @@ fn whatever_a_picture_depends_on_changes_the_hash() {
             let image = Arc::new(Image::new(1, 2, Texels::Rgba8(vec![[1; 4], [2; 4]].into())));
             d.materials[0].base_color_texture = Some(Texture { image, ..texture() });
         }),
-        ("wrap", |d| d.materials[0].base_color_texture = Some(Texture { wrap: [Wrap::Repeat, Wrap::Clamp], ..texture() })),
+        ("wrap", |d| {
+            d.materials[0].base_color_texture = Some(Texture { wrap: [Wrap::Repeat, Wrap::Clamp], ..texture() })
+        }),
         ("intensity", |d| d.lights[0].intensity = Spectrum::ZERO),
         ("cone", |d| d.lights[0].kind = PunctualKind::Spot { inner: 0.1, outer: 0.3 }),
         ("projection", |d| d.cameras[0].projection = Projection::Orthographic { xmag: 1.0, ymag: 1.0 }),
         ("a camera's name", |d| d.cameras[0].name = "other".into()),
-        ("environment", |d| d.environment = Some(Environment::Uniform(Spectrum::ZERO))),
+        ("environment", |d| d.environment = Some(EnvironmentDescription::Uniform(Spectrum::ZERO))),
     ];
     for (what, change) in changed {
         assert!(changes(*change), "{what}");

@@ -1,4 +1,4 @@
-//! A scene as loaded: plain data in the file's own units, before anything is rebased or built.
+//! A scene as loaded: plain data in file units, before rebasing and construction.
 
 pub(in crate::scene) mod hash;
 
@@ -7,51 +7,51 @@ use crate::texture::{Image, RadianceMap, Texture};
 use glam::{DAffine3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
-/// Everything a scene file says, in its own coordinates (metres, Y up for glTF).
+/// Contents of a scene file, in its own coordinates (metres, Y up for glTF).
 #[derive(Debug, Default)]
 pub struct Description {
     /// Distinct meshes.
     pub meshes: Vec<Mesh>,
-    /// Where meshes stand.
+    /// Placed meshes.
     pub instances: Vec<Instance>,
-    /// Materials that primitives refer to.
+    /// Materials of the primitives.
     pub materials: Vec<Material>,
-    /// Decoded images that textures refer to; shared ones are decoded once.
+    /// Decoded images of the textures; shared images are decoded once.
     pub images: Vec<Arc<Image>>,
     /// Point, spot and directional lights.
     pub lights: Vec<PunctualLight>,
-    /// Whether the file has lights without extent, even if they are hidden now: see [`Description::lights`].
+    /// Whether the file has punctual lights, including hidden ones: see [`Description::lights`].
     pub has_punctual_lights: bool,
-    /// Whether some material of the file emits, even if what it is on is hidden now.
+    /// Whether any material of the file emits, including those of hidden objects.
     pub has_emission: bool,
-    /// Whether something of the file is hidden now, so that a scene without triangles is no error.
+    /// Whether any part of the file is hidden, so that a scene without triangles is not an error.
     pub hides: bool,
     /// Cameras in file order.
-    pub cameras: Vec<Camera>,
-    /// What arrives where nothing is hit.
-    pub environment: Option<Environment>,
-    /// Names of the file's animations, which is played or not.
+    pub cameras: Vec<CameraDescription>,
+    /// Light from infinity.
+    pub environment: Option<EnvironmentDescription>,
+    /// Names of all animations of the file, played or not.
     pub animations: Vec<String>,
-    /// The time in seconds at which nothing moves any more; `None` if nothing does, or no time was asked for.
+    /// Time in seconds after which nothing moves; `None` if nothing moves, or no time was requested.
     pub animation_end: Option<f64>,
-    /// What the file uses and étendue does not, one sentence each, without repeats.
+    /// Features of the file that étendue does not support, one sentence each, without repeats.
     pub ignored: Vec<String>,
-    /// What was changed or is doubtful, one sentence each.
+    /// Changes to the file's data and doubtful data, one sentence each.
     pub warnings: Vec<String>,
 }
 
 /// Light from outside the scene.
 #[derive(Debug, Clone)]
-pub enum Environment {
+pub enum EnvironmentDescription {
     /// The same radiance from every direction.
     Uniform(Spectrum),
-    /// A latitude-longitude map around the up axis, +y; see [`crate::light::LatLong`].
+    /// A latitude-longitude map around the up axis, +y; see [`crate::light::EnvironmentMap`].
     Map {
-        /// Its texels.
+        /// The texels.
         map: Arc<RadianceMap>,
-        /// What their radiance is multiplied by.
+        /// Multiplier of their radiance.
         scale: f32,
-        /// How far it is turned about the up axis, in degrees, counter-clockwise seen from above.
+        /// Rotation about the up axis in degrees, counter-clockwise seen from above.
         rotation: f64,
     },
 }
@@ -59,20 +59,20 @@ pub enum Environment {
 /// A mesh: one or more primitives.
 #[derive(Debug)]
 pub struct Mesh {
-    /// Its name, made up if the file gives none.
+    /// Name, generated if the file has none.
     pub name: String,
-    /// Its parts, one material each.
+    /// Its primitives, one material each.
     pub primitives: Vec<Primitive>,
 }
 
-/// Triangles of one material, in object space as the file stores them.
+/// Triangles of one material, in object space as stored in the file.
 #[derive(Debug, Default)]
 pub struct Primitive {
     /// Vertex positions.
     pub positions: Vec<Vec3>,
     /// Vertex indices, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// Unit normals. Where a file has none the spec wants flat ones: `None` here, and vertices stay shared.
+    /// Unit normals. glTF specifies flat normals where a file has none: `None` here, so that vertices stay shared.
     pub normals: Option<Vec<Vec3>>,
     /// Tangents with handedness in w.
     pub tangents: Option<Vec<Vec4>>,
@@ -84,10 +84,10 @@ pub struct Primitive {
     pub material: usize,
 }
 
-/// A mesh at a place.
+/// A placed mesh.
 #[derive(Debug)]
 pub struct Instance {
-    /// The node's name, made up if the file gives none.
+    /// Name of the node, generated if the file has none.
     pub name: String,
     /// Index into [`Description::meshes`].
     pub mesh: usize,
@@ -95,44 +95,44 @@ pub struct Instance {
     pub transform: DAffine3,
 }
 
-/// How alpha is used.
+/// Interpretation of alpha.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum AlphaMode {
     /// Alpha is ignored.
     #[default]
     Opaque,
-    /// The surface is there where alpha reaches the cutoff.
+    /// The surface exists where alpha reaches the cutoff.
     Mask {
         /// The cutoff.
         cutoff: f32,
     },
-    /// The surface is there with probability alpha.
+    /// The surface exists with probability alpha.
     Blend,
 }
 
-/// What Fresnel reflectance a metal has.
+/// Fresnel reflectance of metals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MetalFresnel {
-    /// Schlick's approximation up to white at grazing angles, as glTF says.
+    /// Schlick's approximation, rising to white at grazing angles, as specified by glTF.
     #[default]
     Schlick,
     /// The base colour at every angle (`extras.etendue.fresnel = "constant"`).
     Constant,
 }
 
-/// Transmission through the surface.
+/// Attenuation inside a solid (KHR_materials_volume).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Volume {
-    /// Distance after which white light has the attenuation colour; infinite for none. In file units.
+    /// Distance at which white light takes the attenuation colour, in file units; infinite without attenuation.
     pub attenuation_distance: f64,
     /// The attenuation colour.
     pub attenuation_color: Spectrum,
 }
 
-/// A metallic-roughness material with its extensions. Textures multiply the factors beside them.
+/// A metallic-roughness material with its extensions. Each texture multiplies its factor.
 #[derive(Debug, Clone)]
 pub struct Material {
-    /// Its name, made up if the file gives none.
+    /// Name, generated if the file has none.
     pub name: String,
     /// Base colour factor, linear.
     pub base_color: Spectrum,
@@ -152,36 +152,36 @@ pub struct Material {
     pub emission: Spectrum,
     /// Emission (sRGB) texture.
     pub emission_texture: Option<Texture>,
-    /// Use of alpha.
+    /// Interpretation of alpha.
     pub alpha_mode: AlphaMode,
-    /// Whether the back emits too, and the camera sees it; both sides always scatter.
+    /// Whether the back emits and is visible to the camera; both sides always scatter.
     pub double_sided: bool,
-    /// KHR_materials_specular's strength; 0 is exactly Lambert.
+    /// Strength of KHR_materials_specular; 0 is exactly Lambertian.
     pub specular: f32,
-    /// Strength in the texture's alpha.
+    /// Strength in the texture's alpha channel.
     pub specular_texture: Option<Texture>,
-    /// KHR_materials_specular's colour at normal incidence.
+    /// Colour of KHR_materials_specular at normal incidence.
     pub specular_color: Spectrum,
     /// Specular colour (sRGB) texture.
     pub specular_color_texture: Option<Texture>,
-    /// Refractive index, 1 or more; or 0, with which Schlick's formula gives reflectance 1 (KHR_materials_ior).
+    /// Refractive index, at least 1; or 0, for which Schlick's formula gives reflectance 1 (KHR_materials_ior).
     pub ior: f32,
-    /// KHR_materials_transmission's share of light that goes through.
+    /// Transmitted fraction of light (KHR_materials_transmission).
     pub transmission: f32,
-    /// Share in the texture's red.
+    /// Transmitted fraction in the texture's red channel.
     pub transmission_texture: Option<Texture>,
     /// `Some` for solid glass (KHR_materials_volume with a thickness above 0), `None` for a thin wall.
     pub volume: Option<Volume>,
-    /// Which of the bodies that share a place has it: those of higher priority (`extras.etendue.priority`), then smaller ones.
+    /// Precedence of overlapping bodies: higher priority first (`extras.etendue.priority`), then smaller bodies.
     pub priority: i32,
-    /// Fresnel of the metallic part.
+    /// Fresnel reflectance of the metallic part.
     pub metal_fresnel: MetalFresnel,
-    /// KHR_materials_unlit: emits its base colour and scatters nothing.
+    /// KHR_materials_unlit: emits its base colour and does not scatter.
     pub unlit: bool,
 }
 
 impl Default for Material {
-    /// glTF's default material.
+    /// The default material of glTF.
     fn default() -> Self {
         Material {
             name: "default".into(),
@@ -211,28 +211,28 @@ impl Default for Material {
     }
 }
 
-/// What a punctual light does; it shines along −z of its transform.
+/// Type of a punctual light; it shines along −z of its transform.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PunctualKind {
-    /// Intensity in watts per steradian and lane.
+    /// Intensity in watts per steradian and channel.
     Point,
-    /// Intensity on the axis in watts per steradian and lane, falling off between the angles (radians).
+    /// Axial intensity in watts per steradian and channel, with a fall-off between the angles (radians).
     Spot {
-        /// Where the fall-off begins.
+        /// Angle at which the fall-off begins.
         inner: f32,
-        /// Where it reaches zero.
+        /// Angle at which the intensity reaches zero.
         outer: f32,
     },
-    /// Irradiance on a perpendicular surface in watts per square metre and lane.
+    /// Irradiance on a perpendicular surface in watts per square metre and channel.
     Directional,
 }
 
-/// A light without extent.
+/// A punctual light.
 #[derive(Debug)]
 pub struct PunctualLight {
     /// Its name.
     pub name: String,
-    /// Its shape.
+    /// Its type.
     pub kind: PunctualKind,
     /// Colour times intensity.
     pub intensity: Spectrum,
@@ -240,29 +240,29 @@ pub struct PunctualLight {
     pub transform: DAffine3,
 }
 
-/// How a camera projects.
+/// Projection of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
     /// A pinhole.
     Perspective {
         /// Vertical field of view in radians.
         yfov: f64,
-        /// Width over height, if the file says so.
+        /// Aspect ratio (width over height), if the file gives one.
         aspect: Option<f64>,
     },
     /// Parallel rays.
     Orthographic {
         /// Half the width of the view in scene units.
         xmag: f64,
-        /// Half its height.
+        /// Half the height of the view in scene units.
         ymag: f64,
     },
 }
 
 /// A camera, looking along −z of its transform with +y up.
 #[derive(Debug, Clone)]
-pub struct Camera {
-    /// Its name, made up if the file gives none.
+pub struct CameraDescription {
+    /// Name, generated if the file has none.
     pub name: String,
     /// Its projection.
     pub projection: Projection,

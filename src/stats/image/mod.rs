@@ -1,17 +1,18 @@
-//! How far an image is from a reference: figures over all channel values, which lie interleaved (`RGBRGB…`) or in any other
-//! order that both share. Each figure is a mean over the values that are finite in both images; [`non_finite`] counts the
-//! others, and a figure without any values is NaN. Sums are f64 in a fixed order, the same for any number of threads.
+//! Image metrics against a reference, over all channel values. These are interleaved (`RGBRGB…`) or in any other order
+//! common to both images. Each metric is a mean over the values that are finite in both images; [`non_finite`] counts
+//! the others. Without any such values a metric is NaN. Sums are f64 in a fixed order, independent of the number of
+//! threads.
 //!
-//! A reference has noise too: its own MSE adds to the one measured here.
+//! The noise of the reference is included: its own MSE adds to the measured one.
 
 pub mod flip;
 
 use rayon::prelude::*;
 
-/// Values that are summed in one go, so that the order of additions does not depend on the threads.
+/// Number of values per parallel chunk, fixed so that the order of additions does not depend on the threads.
 const CHUNK: usize = 1 << 14;
 
-/// Mean squared error, mean (I − R)².
+/// Returns the mean squared error, mean (I − R)².
 ///
 /// # Panics
 /// Unless both have the same length.
@@ -19,7 +20,7 @@ pub fn mse(image: &[f32], reference: &[f32]) -> f64 {
     mean(image, reference, |i, r| (i - r) * (i - r))
 }
 
-/// Mean absolute error, mean |I − R|.
+/// Returns the mean absolute error, mean |I − R|.
 ///
 /// # Panics
 /// Unless both have the same length.
@@ -27,8 +28,8 @@ pub fn mae(image: &[f32], reference: &[f32]) -> f64 {
     mean(image, reference, |i, r| (i - r).abs())
 }
 
-/// Mean squared error relative to the squared reference, mean (I − R)² / (R² + ε) [Rousselle11]. ε is in squared units of
-/// the image; with ε = 0 a pixel that is black in the reference alone makes it infinite.
+/// Returns the mean squared error relative to the squared reference, mean (I − R)² / (R² + ε) [Rousselle11]. ε is in
+/// squared units of the image. With ε = 0 the result is infinite if a pixel is black in the reference only.
 ///
 /// # Panics
 /// Unless both have the same length and ε ≥ 0.
@@ -37,8 +38,8 @@ pub fn relmse(image: &[f32], reference: &[f32], epsilon: f64) -> f64 {
     mean(image, reference, |i, r| ratio((i - r) * (i - r), r * r + epsilon))
 }
 
-/// Symmetric mean absolute error as a share, mean |I − R| / (|I| + |R|), from 0 to 1 (others double it); a value that is 0 in
-/// both counts as no error [Vogels18].
+/// Returns the symmetric mean absolute error, mean |I − R| / (|I| + |R|), from 0 to 1 (other authors use twice this
+/// value). A value of 0 in both images counts as no error [Vogels18].
 ///
 /// # Panics
 /// Unless both have the same length.
@@ -46,8 +47,8 @@ pub fn smape(image: &[f32], reference: &[f32]) -> f64 {
     mean(image, reference, |i, r| ratio((i - r).abs(), i.abs() + r.abs()))
 }
 
-/// Peak signal-to-noise ratio in decibels, 10 log₁₀(peak² / MSE): infinite for equal images. `peak` is the largest value that
-/// the signal takes: 1 for display values; high dynamic range has no natural one.
+/// Returns the peak signal-to-noise ratio in decibels, 10 log₁₀(peak² / MSE): infinite for equal images. `peak` is the
+/// largest signal value: 1 for display values; high dynamic range images have no natural peak.
 ///
 /// # Panics
 /// Unless both have the same length and `peak` is positive.
@@ -56,7 +57,7 @@ pub fn psnr(image: &[f32], reference: &[f32], peak: f64) -> f64 {
     10.0 * (peak * peak / mse(image, reference)).log10()
 }
 
-/// How many values are infinite or NaN in either image; the figures leave them out.
+/// Returns the number of values that are infinite or NaN in either image; the metrics exclude them.
 ///
 /// # Panics
 /// Unless both have the same length.
@@ -65,7 +66,7 @@ pub fn non_finite(image: &[f32], reference: &[f32]) -> usize {
     image.iter().zip(reference).filter(|(i, r)| !(i.is_finite() && r.is_finite())).count()
 }
 
-/// Mean of `term` over the values that are finite in both.
+/// Returns the mean of `term` over the values that are finite in both images.
 fn mean(image: &[f32], reference: &[f32], term: impl Fn(f64, f64) -> f64 + Sync) -> f64 {
     assert_eq!(image.len(), reference.len());
     let chunk_sum = |(image, reference): (&[f32], &[f32])| {
@@ -77,7 +78,7 @@ fn mean(image: &[f32], reference: &[f32], term: impl Fn(f64, f64) -> f64 + Sync)
     sum / n as f64
 }
 
-/// An error relative to a size, where no error is none even of nothing.
+/// Returns `error` / `size`; 0 for a zero error, even if `size` is 0.
 fn ratio(error: f64, size: f64) -> f64 {
     if error > 0.0 { error / size } else { 0.0 }
 }
@@ -120,8 +121,8 @@ mod tests {
         assert!(mse(&[f32::NAN], &[0.0]).is_nan() && mae(&[], &[]).is_nan());
     }
 
-    /// For uniform I and R the expectations are: MSE 1/6, MAE 1/3, SMAPE 2 ln 2 − 1. Two-sided z test of each at level 1e-6
-    /// (4.9 σ), σ below 0.3 for each term.
+    /// For uniform I and R the expectations are: MSE 1/6, MAE 1/3, SMAPE 2 ln 2 − 1. Two-sided z test of each at level
+    /// 1e-6 (4.9 σ), σ below 0.3 for each term.
     #[test]
     fn means_run_over_all_chunks() {
         let mut random = Random::new(11);

@@ -1,26 +1,26 @@
-//! The bidirectional mutation: vertices of a path are deleted and others put in their place, by walks from both sides and an edge that
-//! joins them [Veach97 §11.4.2]. It alone reaches every path.
+//! Bidirectional mutation: deletes vertices of a path and inserts new ones, by subpaths from both sides and a
+//! connecting edge [Veach97 §11.4.2]. It is the only mutation that can reach every path.
 
-use super::super::Common;
-use super::extend::{Part, Walker};
-use super::state::{Draft, PathState};
+use super::super::ChainContext;
+use super::extend::{SubpathBuffer, SubpathSampler};
+use super::state::{PathState, Proposal};
 use crate::defects::{Defect, planted};
 use crate::mcmc::{Kernel, Numbers};
 use std::ops::RangeInclusive;
 
-/// Most vertices that a mutation adds beyond those that it deletes.
+/// Maximum number of vertices that a mutation adds beyond those that it deletes.
 const MOST_MORE: usize = 6;
 
 /// The mutation.
 pub(super) struct Bidirectional<'c, 'a> {
-    common: &'c Common<'a>,
+    common: &'c ChainContext<'a>,
     weight: f64,
-    /// Edges that paths may have.
+    /// Numbers of edges of valid paths.
     edges: RangeInclusive<usize>,
 }
 
-/// Vertices a … a + count − 1 of a path of k edges; those before a begin with the light, those after end with the camera. With a = 0 the
-/// light itself is among them; it is never kept without the vertex that it shines on.
+/// Vertices a … a + count − 1 of a path of k edges. Those before a belong to the light side, those after to the camera
+/// side. With a = 0 the range contains x₀. x₀ is never kept without x₁.
 #[derive(Debug, Clone, Copy)]
 struct Range {
     a: usize,
@@ -28,8 +28,8 @@ struct Range {
     k: usize,
 }
 
-/// How gladly `count` vertices are deleted.
-fn gladness(count: usize) -> f64 {
+/// Deletion probability p_d,1 [Veach97 §11.4.2.1], unnormalised.
+fn deletion_weight(count: usize) -> f64 {
     match count {
         0 => 0.25,
         1 => 0.5,
@@ -37,8 +37,8 @@ fn gladness(count: usize) -> f64 {
     }
 }
 
-/// The same for putting `new` in the place of `old`.
-fn likeness(old: usize, new: usize) -> f64 {
+/// Unnormalised probability of replacing `old` vertices by `new`.
+fn insertion_weight(old: usize, new: usize) -> f64 {
     match old.abs_diff(new) {
         0 => 0.5,
         1 => 0.15,
@@ -46,16 +46,16 @@ fn likeness(old: usize, new: usize) -> f64 {
     }
 }
 
-/// How many ranges of `count` vertices a path of `k` edges has.
-fn places(k: usize, count: usize) -> usize {
+/// Returns the number of ranges of `count` vertices in a path of `k` edges.
+fn range_count(k: usize, count: usize) -> usize {
     usize::from((1..=k).contains(&count)) + (k - 1).saturating_sub(count)
 }
 
 impl Range {
-    /// One of them.
+    /// Samples a range.
     fn choose(k: usize, numbers: &mut Numbers) -> Option<Self> {
-        let count = numbers.choose((0..=k).map(|count| gladness(count) * places(k, count) as f64))?;
-        let place = numbers.below(places(k, count));
+        let count = numbers.choose((0..=k).map(|count| deletion_weight(count) * range_count(k, count) as f64))?;
+        let place = numbers.below(range_count(k, count));
         let a = match (count > 0, place) {
             (true, 0) => 0,
             (true, place) => place + 1,
@@ -64,31 +64,31 @@ impl Range {
         Some(Range { a, count, k })
     }
 
-    /// Past its last vertex.
+    /// One past the last vertex.
     fn b(&self) -> usize {
         self.a + self.count
     }
 
-    /// Logarithm of the probability of being chosen.
+    /// Returns the logarithm of the probability of this range.
     fn log_pmf(&self) -> f64 {
-        let sum: f64 = (0..=self.k).map(|count| gladness(count) * places(self.k, count) as f64).sum();
-        (gladness(self.count) / sum).ln()
+        let sum: f64 = (0..=self.k).map(|count| deletion_weight(count) * range_count(self.k, count) as f64).sum();
+        (deletion_weight(self.count) / sum).ln()
     }
 
-    /// How gladly it is replaced by so many vertices: not at all where paths would be too short or too long, or the same.
+    /// Unnormalised probability of `new` replacement vertices; 0 if the path would be too short, too long or unchanged.
     fn replacement(&self, new: usize, edges: &RangeInclusive<usize>) -> f64 {
         let k = self.k - self.count + new;
         let needed = usize::from(self.a == 0);
         let is_change = self.count > 0 || new > 0;
-        if edges.contains(&k) && new >= needed && is_change { likeness(self.count, new) } else { 0.0 }
+        if edges.contains(&k) && new >= needed && is_change { insertion_weight(self.count, new) } else { 0.0 }
     }
 
-    /// Numbers of vertices that may replace it, and beyond.
+    /// Enumerates [`Range::replacement`] for 0 vertices up to the maximum.
     fn replacements<'r>(&'r self, edges: &'r RangeInclusive<usize>) -> impl Iterator<Item = f64> + Clone + 'r {
         (0..=self.count + MOST_MORE).map(|new| self.replacement(new, edges))
     }
 
-    /// Logarithm of the probability of `new`, and of one of the ways to make them.
+    /// Returns the logarithm of the probability of `new` vertices, times that of one split between the two sides.
     fn log_pmf_of(&self, new: usize, edges: &RangeInclusive<usize>) -> f64 {
         if new > self.count + MOST_MORE {
             return f64::NEG_INFINITY;
@@ -99,35 +99,35 @@ impl Range {
 }
 
 impl<'c, 'a> Bidirectional<'c, 'a> {
-    pub(super) fn new(common: &'c Common<'a>, weight: f64) -> Self {
+    pub(super) fn new(common: &'c ChainContext<'a>, weight: f64) -> Self {
         Bidirectional { common, weight, edges: common.edges() }
     }
 
-    /// A path with `from_light` + `from_camera` vertices in the place of `range`.
+    /// Builds the path with `from_light` + `from_camera` vertices in place of `range`.
     fn mutate(
         &self,
         x: &PathState<'a>,
         range: Range,
         [from_light, from_camera]: [usize; 2],
-        walker: &mut Walker,
-    ) -> Option<Draft> {
-        let mut camera = Part::from_camera(x, range.b());
+        walker: &mut SubpathSampler,
+    ) -> Option<Proposal> {
+        let mut camera = SubpathBuffer::from_camera(x, range.b());
         let finds_light = range.a == 0 && from_light == 0;
         for i in 0..from_camera {
             let is_surface = walker.lengthen(&mut camera)?;
             if finds_light && i + 1 == from_camera {
                 let (emitter, w) = camera.found_light(self.common.scene, is_surface)?;
-                return Some(Part::join(emitter, Part::default(), w, camera));
+                return Some(SubpathBuffer::join(emitter, SubpathBuffer::default(), w, camera));
             }
             is_surface.then_some(())?;
         }
         let (emitter, light, across) = match (range.a, from_light) {
             (0, 1) => {
                 let (emitter, w) = walker.sample_light(camera.nodes.last()?)?;
-                (emitter, Part::default(), w)
+                (emitter, SubpathBuffer::default(), w)
             }
             (0, _) => {
-                let (emitter, mut part) = walker.emit()?;
+                let (emitter, mut part) = walker.sample_le()?;
                 for _ in 2..from_light {
                     walker.lengthen_light(&mut part)?;
                 }
@@ -135,7 +135,7 @@ impl<'c, 'a> Bidirectional<'c, 'a> {
                 (emitter, part, last)
             }
             (a, _) => {
-                let mut part = Part::from_light(x, a);
+                let mut part = SubpathBuffer::from_light(x, a);
                 for _ in 0..from_light {
                     walker.lengthen_light(&mut part)?;
                 }
@@ -144,7 +144,7 @@ impl<'c, 'a> Bidirectional<'c, 'a> {
             }
         };
         let joint = light.nodes.len();
-        let mut draft = Part::join(emitter, light, across, camera);
+        let mut draft = SubpathBuffer::join(emitter, light, across, camera);
         if joint > 0 {
             draft.smoothed(joint)?;
         }
@@ -155,9 +155,9 @@ impl<'c, 'a> Bidirectional<'c, 'a> {
         Some(draft)
     }
 
-    /// Logarithm of the density with which the vertices a … b − 1 of a path are made between those around them, by all splits together.
+    /// Returns the logarithm of the density of the vertices a … b − 1 given the others, summed over all splits.
     fn log_made(&self, y: &PathState, a: usize, b: usize) -> f64 {
-        // A walk from the camera begins anywhere on the film; densities are per pixel.
+        // Camera subpaths start uniformly on the film; densities are per pixel.
         let film = if b == y.k() { f64::from(self.common.region.area()).ln() } else { 0.0 };
         let of = |s: usize| y.steps.log_split(a, b, s) - if s < b { film } else { 0.0 };
         let logs = (a..=b).filter(|&s| y.steps.connects[s]).map(of);
@@ -176,8 +176,12 @@ impl<'a> Kernel<PathState<'a>> for Bidirectional<'_, 'a> {
         let new = numbers.choose(range.replacements(&self.edges))?;
         let from_light = numbers.below(new + 1);
         let common = self.common;
-        let draft =
-            self.mutate(x, range, [from_light, new - from_light], &mut Walker { common, numbers, tally: &mut y.tally })?;
+        let draft = self.mutate(
+            x,
+            range,
+            [from_light, new - from_light],
+            &mut SubpathSampler { common, numbers, tally: &mut y.tally },
+        )?;
         y.set(self.common, draft)?;
         let back = Range { count: new, k: y.k(), ..range };
         let there = range.log_pmf() + range.log_pmf_of(new, &self.edges) + self.log_made(y, range.a, back.b());

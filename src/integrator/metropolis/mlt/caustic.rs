@@ -1,70 +1,72 @@
-//! The caustic perturbation: the direction in which light leaves the last smooth vertex before mirrors and glass is turned a little, the
-//! light followed through the same components to the smooth vertex that the camera sees, and that joined with it [Veach97 §11.4.3.2].
+//! Caustic perturbation: perturbs the direction of light at the last smooth vertex before mirrors and glass, traces it
+//! through the same components to the smooth vertex that the camera sees, and connects this to the camera
+//! [Veach97 §11.4.3.2].
 
-use super::super::Common;
-use super::extend::{Met, Part, Walker};
+use super::super::ChainContext;
+use super::extend::{RayEnd, SubpathBuffer, SubpathSampler};
 use super::eye::{log_uniform, turned};
-use super::state::{Draft, PathState};
+use super::state::{PathState, Proposal};
 use crate::defects::{Defect, planted};
 use crate::geometry::{Ray, leave};
-use crate::light::End;
+use crate::light::EmitterPoint;
 use crate::mcmc::{Kernel, Numbers};
 
-/// Shortest step on the film in pixels, and the longest as a share of its longer side, roughly.
+/// Minimum raster displacement in pixels, and maximum as a share of the longer film side, approximately.
 const PIXELS: f64 = 0.1;
 const SHARE_OF_SIDE: f64 = 0.1;
-/// No direction turns by more, in radians.
+/// Maximum angle in radians.
 const MOST: f64 = 1.0;
 
 /// The perturbation.
 pub(super) struct Caustic<'c, 'a> {
-    pub(super) common: &'c Common<'a>,
+    pub(super) common: &'c ChainContext<'a>,
     pub(super) weight: f64,
 }
 
 impl<'a> Caustic<'_, 'a> {
-    /// The vertex whose direction is turned; `None` where the camera sees no smooth vertex behind mirrors or glass.
+    /// Returns the vertex whose direction is perturbed; `None` if no Dirac chain leads from it to a smooth vertex seen
+    /// by the camera.
     fn begin(x: &PathState) -> Option<usize> {
         let seen = x.k() - 1;
         let begin = (0..seen).rev().find(|&i| x.is_smooth(i))?;
-        let turns = begin > 0 || !matches!(x.path().emitter().end, End::Infinity);
+        let turns = begin > 0 || !matches!(x.path().emitter().end, EmitterPoint::Distant);
         (x.is_smooth(seen) && begin + 1 < seen && turns).then_some(begin)
     }
 
-    /// The angles by which it turns: those that move the seen vertex by so many pixels, were all mirrors flat.
+    /// Returns the range of angles. They displace the visible vertex by the raster range, if all mirrors were flat.
     fn angles(&self, x: &PathState, begin: usize) -> [f64; 2] {
         let seen = x.k() - 1;
         let way: f64 = (begin..seen).map(|i| x.path().length(i)).sum();
         let point = x.node(seen).point.p;
-        let pixels = self.common.camera.seen(point).map_or(1.0, |seen| f64::from(seen.magnification).sqrt());
+        let pixels = self.common.camera.sample_wi(point).map_or(1.0, |seen| f64::from(seen.importance).sqrt());
         let most = (SHARE_OF_SIDE * f64::from(self.common.region.side())).max(2.0 * PIXELS);
         let angles = [PIXELS, most].map(|r| (r / (pixels * way)).min(MOST));
         [angles[0].min(0.5 * angles[1]), angles[1]]
     }
 
-    /// Logarithm of the density per solid angle of a turn by `angle`, which is within the range.
+    /// Returns the logarithm of the density per solid angle of a perturbation by `angle`, which is within the range.
     fn log_turn([least, most]: [f64; 2], angle: f64) -> f64 {
         -(angle * (most / least).ln() * std::f64::consts::TAU * angle.sin()).ln()
     }
 
-    fn perturb(&self, x: &PathState<'a>, begin: usize, angle: f64, walker: &mut Walker) -> Option<Draft> {
+    fn perturb(&self, x: &PathState<'a>, begin: usize, angle: f64, walker: &mut SubpathSampler) -> Option<Proposal> {
         let (path, seen) = (x.path(), x.k() - 1);
         let mut w = turned(path.directions()[begin].as_vec3(), angle, walker.numbers.uniform());
-        let (mut emitter, mut part) = (*path.emitter(), Part::default());
+        let (mut emitter, mut part) = (*path.emitter(), SubpathBuffer::default());
         let mut met = if begin > 0 {
-            part = Part::from_light(x, begin + 1);
+            part = SubpathBuffer::from_light(x, begin + 1);
             walker.leave(part.nodes.last()?, w)?
         } else {
             let (ray, at) = match emitter.end {
-                End::Surface { p, error, ng, touched } => (leave(p, error, ng, touched, w), p + w),
-                End::Point(p) => (Ray::new(p, w), p + w),
-                End::Infinity => return None,
+                EmitterPoint::Surface { p, error, ng, touched } => (leave(p, error, ng, touched, w), p + w),
+                EmitterPoint::Point(p) => (Ray::new(p, w), p + w),
+                EmitterPoint::Distant => return None,
             };
             emitter = emitter.turned(self.common.scene, path.directions()[0], w.as_dvec3(), at)?;
             walker.along(Ray { bodies: self.common.scene.bodies_of_light(&emitter.end, &ray), ..ray })?
         };
         for i in begin + 1..=seen {
-            let Met::Surface(mut node) = met else { return None };
+            let RayEnd::Surface(mut node) = met else { return None };
             part.directions.push(w.as_dvec3());
             if i == seen {
                 part.nodes.push(node);
@@ -74,18 +76,18 @@ impl<'a> Caustic<'_, 'a> {
             part.nodes.push(node);
             (w, met) = (next, beyond);
         }
-        let mut draft = Part::join(emitter, part, path.directions()[seen], Part::default());
+        let mut draft = SubpathBuffer::join(emitter, part, path.directions()[seen], SubpathBuffer::default());
         draft.smoothed(seen)?;
         draft.connect(self.common, seen, walker.tally)?;
         Some(draft)
     }
 
-    /// Logarithm of the density of the vertices after `begin`, that of the turn apart.
+    /// Returns the logarithm of the density of the vertices after `begin`, without that of the perturbed direction.
     fn log_made(x: &PathState, begin: usize) -> f64 {
         if planted(Defect::JacobianDropped) {
             return 0.0;
         }
-        let made = if planted(Defect::CopiedLobesWeighed) { &x.steps.light } else { &x.steps.copied[0] };
+        let made = if planted(Defect::CopiedLobesWeighed) { &x.steps.light } else { &x.steps.perturbation[0] };
         made[begin + 1..].iter().map(|density| density.ln()).sum()
     }
 }
@@ -98,10 +100,11 @@ impl<'a> Kernel<PathState<'a>> for Caustic<'_, 'a> {
     fn propose(&self, x: &PathState<'a>, y: &mut PathState<'a>, numbers: &mut Numbers) -> Option<f64> {
         let begin = Self::begin(x)?;
         let angle = log_uniform(self.angles(x, begin), numbers.uniform());
-        let draft = self.perturb(x, begin, angle, &mut Walker { common: self.common, numbers, tally: &mut y.tally })?;
+        let draft =
+            self.perturb(x, begin, angle, &mut SubpathSampler { common: self.common, numbers, tally: &mut y.tally })?;
         y.set(self.common, draft)?;
         let [there, again] = [self.angles(x, begin), self.angles(y, begin)];
-        // The same turn back must be within the range that the new path asks for.
+        // The reverse perturbation must be within the range of the new path.
         if !(again[0]..=again[1]).contains(&angle) {
             return None;
         }

@@ -1,20 +1,20 @@
-//! Walks that lengthen part of a path, and what is joined of them.
+//! Subpath extension and joining for path mutations.
 
-use super::super::Common;
-use super::state::{Draft, PathState};
+use super::super::ChainContext;
+use super::state::{PathState, Proposal};
 use crate::bsdf::shading::folds;
 use crate::bsdf::{Folds, Lobes, Shading};
 use crate::geometry::Ray;
-use crate::light::EmissionNumbers;
+use crate::light::LeRandom;
 use crate::mcmc::Numbers;
-use crate::path::{Emitter, Node, Tally, Walk};
-use crate::sampling::{Independent, unit_f32};
+use crate::path::{Emitter, PathVertex, RandomWalk, TraceStats};
+use crate::sampling::{IndependentSampler, unit_f32};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
-use crate::transport::Transport;
+use crate::transport::TransportMode;
 use glam::{DVec3, Vec3};
 
-/// A number for what takes f32.
+/// Returns a random number in f32.
 pub(super) fn single(numbers: &mut Numbers) -> f32 {
     unit_f32((numbers.bits() >> 32) as u32)
 }
@@ -23,113 +23,136 @@ fn pair(numbers: &mut Numbers) -> [f32; 2] {
     [single(numbers), single(numbers)]
 }
 
-/// What is needed to go on.
-pub(super) struct Walker<'w, 'a> {
-    pub(super) common: &'w Common<'a>,
+/// State for sampling further vertices.
+pub(super) struct SubpathSampler<'w, 'a> {
+    pub(super) common: &'w ChainContext<'a>,
     pub(super) numbers: &'w mut Numbers,
-    pub(super) tally: &'w mut Tally,
+    pub(super) tally: &'w mut TraceStats,
 }
 
-/// Vertices and edges of a path from one of its ends on.
+/// Vertices and edges of a path, from one of its ends.
 #[derive(Default)]
-pub(super) struct Part {
-    /// From the end inward, the end not among them.
-    pub(super) nodes: Vec<Node>,
-    /// One to each node, as light flows.
+pub(super) struct SubpathBuffer {
+    /// Vertices from the endpoint inward, without the endpoint.
+    pub(super) nodes: Vec<PathVertex>,
+    /// One direction per vertex, in the direction of light flow.
     pub(super) directions: Vec<DVec3>,
 }
 
-/// Where an edge leads. It is taken apart where it is made, so that it need not be small.
+/// End of a traced edge. Callers destructure it at once, so that its size does not matter.
 #[allow(clippy::large_enum_variant)]
-pub(super) enum Met {
-    Surface(Node),
+pub(super) enum RayEnd {
+    Surface(PathVertex),
     Outside,
 }
 
-impl Part {
-    /// x_{k−1} … x_b.
+impl SubpathBuffer {
+    /// Copies x_{k−1} … x_b.
     pub(super) fn from_camera(x: &PathState, b: usize) -> Self {
         let (path, k) = (x.path(), x.k());
         let nodes = path.nodes()[b - 1..].iter().rev().cloned().collect();
-        Part { nodes, directions: path.directions()[b..k].iter().rev().copied().collect() }
+        SubpathBuffer { nodes, directions: path.directions()[b..k].iter().rev().copied().collect() }
     }
 
-    /// x₁ … x_{a−1}.
+    /// Copies x₁ … x_{a−1}.
     pub(super) fn from_light(x: &PathState, a: usize) -> Self {
         let path = x.path();
-        Part { nodes: path.nodes()[..a - 1].to_vec(), directions: path.directions()[..a - 1].to_vec() }
+        SubpathBuffer { nodes: path.nodes()[..a - 1].to_vec(), directions: path.directions()[..a - 1].to_vec() }
     }
 
-    /// The path of `light`, one edge in the direction `across`, and `camera`.
-    pub(super) fn join(emitter: Emitter, light: Part, across: DVec3, camera: Part) -> Draft {
+    /// Joins `light`, one edge in the direction `across`, and `camera` into a path.
+    pub(super) fn join(emitter: Emitter, light: SubpathBuffer, across: DVec3, camera: SubpathBuffer) -> Proposal {
         let (mut nodes, mut directions) = (light.nodes, light.directions);
         nodes.extend(camera.nodes.into_iter().rev());
         directions.push(across);
         directions.extend(camera.directions.into_iter().rev());
-        Draft { emitter, nodes, directions }
+        Proposal { emitter, nodes, directions }
     }
 }
 
-impl Walker<'_, '_> {
-    /// Where `ray` of the camera or of anything else leads.
-    fn follow(&mut self, mut walk: Walk) -> Option<Met> {
-        let mut sampler = Independent::new(self.numbers.address());
-        let Some(mut point) = walk.arrive(&mut sampler, self.tally) else { return Some(Met::Outside) };
+impl SubpathSampler<'_, '_> {
+    /// Traces the current edge of `walk` to its end.
+    fn follow(&mut self, mut walk: RandomWalk) -> Option<RayEnd> {
+        let mut sampler = IndependentSampler::new(self.numbers.address());
+        let Some(mut point) = walk.arrive(&mut sampler, self.tally) else { return Some(RayEnd::Outside) };
         let surface = self.common.scene.surface(&mut point, walk.ray.bodies).into_owned();
-        point.consistent.then_some(Met::Surface(Node { point, bodies: walk.ray.bodies, surface, lobe: Lobes::SMOOTH }))
+        point.consistent.then_some(RayEnd::Surface(PathVertex {
+            point,
+            bodies: walk.ray.bodies,
+            surface,
+            lobe: Lobes::SMOOTH,
+        }))
     }
 
-    /// Along a ray that is not the camera's.
-    pub(super) fn along(&mut self, ray: Ray) -> Option<Met> {
-        self.follow(Walk::from_light(self.common.scene, ray, Spectrum::ONE))
+    /// Traces a ray that does not start at the camera.
+    pub(super) fn along(&mut self, ray: Ray) -> Option<RayEnd> {
+        self.follow(RandomWalk::from_light(self.common.scene, ray, Spectrum::ONE))
     }
 
-    /// From `node` in the direction `w`.
-    pub(super) fn leave(&mut self, node: &Node, w: Vec3) -> Option<Met> {
+    /// Traces the edge from `node` in the direction `w`.
+    pub(super) fn leave(&mut self, node: &PathVertex, w: Vec3) -> Option<RayEnd> {
         let bodies = self.common.scene.bodies_toward(&node.point, node.bodies, w);
         self.along(Ray { bodies, ..node.point.spawn(w) })
     }
 
-    /// Through a film position.
-    pub(super) fn through_film(&mut self, film: [f32; 2]) -> Option<(DVec3, Met)> {
+    /// Traces the camera ray through a raster position.
+    pub(super) fn through_film(&mut self, film: [f32; 2]) -> Option<(DVec3, RayEnd)> {
         let ray = self.common.camera.ray(film);
-        Some((-ray.direction.as_dvec3(), self.follow(Walk::new(self.common.scene, ray))?))
+        Some((-ray.direction.as_dvec3(), self.follow(RandomWalk::new(self.common.scene, ray))?))
     }
 
-    /// Anywhere on the film.
+    /// Samples a raster position uniformly.
     pub(super) fn film(&mut self) -> [f32; 2] {
         let u = pair(self.numbers);
         self.common.region.at(u)
     }
 
-    /// Leaves `node` by its own choice, which it keeps; `known` leads to where the walk came from.
-    pub(super) fn scatter(&mut self, node: &mut Node, known: Vec3, toward: Transport) -> Option<(Vec3, Met)> {
-        let shading = Shading::new(&node.point, &node.surface, known, toward)?;
+    /// Samples the BSDF at `node` and stores the component in it; `known` points to the previous vertex.
+    pub(super) fn scatter(
+        &mut self,
+        node: &mut PathVertex,
+        known: Vec3,
+        mode: TransportMode,
+    ) -> Option<(Vec3, RayEnd)> {
+        let shading = Shading::new(&node.point, &node.surface, known, mode)?;
         let [u, v] = pair(self.numbers);
         let scatter = shading.sample([single(self.numbers), u, v])?;
         node.lobe = if scatter.density.is_delta() { scatter.lobe } else { Lobes::SMOOTH };
         Some((scatter.direction, self.leave(node, scatter.direction)?))
     }
 
-    /// Leaves `node` toward the light through the Dirac component `lobe`; `None` if it has none.
-    pub(super) fn back_through(&mut self, node: &mut Node, known: Vec3, lobe: Lobes) -> Option<(Vec3, Met)> {
-        self.through(node, known, Transport::Light, lobe, Folds { source: false, view: false })
+    /// Leaves `node` toward the light through the Dirac component `lobe`; `None` if the surface lacks it.
+    pub(super) fn back_through(&mut self, node: &mut PathVertex, known: Vec3, lobe: Lobes) -> Option<(Vec3, RayEnd)> {
+        self.through(node, known, TransportMode::Radiance, lobe, Folds { source: false, view: false })
     }
 
     /// Leaves `node` toward the camera through the Dirac component by which light leaves `like` along `wo`.
-    pub(super) fn through_like(&mut self, node: &mut Node, known: Vec3, like: &Node, wo: Vec3) -> Option<(Vec3, Met)> {
+    pub(super) fn through_like(
+        &mut self,
+        node: &mut PathVertex,
+        known: Vec3,
+        like: &PathVertex,
+        wo: Vec3,
+    ) -> Option<(Vec3, RayEnd)> {
         let folds = folds(&like.point, &like.surface, wo, like.lobe)?;
-        self.through(node, known, Transport::Camera, like.lobe, folds)
+        self.through(node, known, TransportMode::Importance, like.lobe, folds)
     }
 
-    fn through(&mut self, node: &mut Node, known: Vec3, toward: Transport, lobe: Lobes, folds: Folds) -> Option<(Vec3, Met)> {
-        let direction = Shading::new(&node.point, &node.surface, known, toward)?.dirac(lobe, folds)?;
+    fn through(
+        &mut self,
+        node: &mut PathVertex,
+        known: Vec3,
+        mode: TransportMode,
+        lobe: Lobes,
+        folds: Folds,
+    ) -> Option<(Vec3, RayEnd)> {
+        let direction = Shading::new(&node.point, &node.surface, known, mode)?.dirac(lobe, folds)?;
         node.lobe = lobe;
         Some((direction, self.leave(node, direction)?))
     }
 
-    /// One vertex more toward the light; where that leads outside the scene only the edge is added, and `false` returned.
-    pub(super) fn lengthen(&mut self, part: &mut Part) -> Option<bool> {
+    /// Adds a vertex toward the light. Outside the scene only the edge is added, and `false` returned.
+    pub(super) fn lengthen(&mut self, part: &mut SubpathBuffer) -> Option<bool> {
         let (w, met) = match part.nodes.last_mut() {
             None => {
                 let film = self.film();
@@ -137,7 +160,7 @@ impl Walker<'_, '_> {
             }
             Some(node) => {
                 let known = part.directions.last()?.as_vec3();
-                let (w, met) = self.scatter(node, known, Transport::Light)?;
+                let (w, met) = self.scatter(node, known, TransportMode::Radiance)?;
                 (-w.as_dvec3(), met)
             }
         };
@@ -145,47 +168,49 @@ impl Walker<'_, '_> {
         Some(part.add(met))
     }
 
-    /// One vertex more toward the camera.
-    pub(super) fn lengthen_light(&mut self, part: &mut Part) -> Option<()> {
+    /// Adds a vertex toward the camera.
+    pub(super) fn lengthen_light(&mut self, part: &mut SubpathBuffer) -> Option<()> {
         let known = -part.directions.last()?.as_vec3();
-        let (w, met) = self.scatter(part.nodes.last_mut()?, known, Transport::Camera)?;
+        let (w, met) = self.scatter(part.nodes.last_mut()?, known, TransportMode::Importance)?;
         part.directions.push(w.as_dvec3());
         part.add(met).then_some(())
     }
 
-    /// A light as it emits, and the first vertex that it falls on.
-    pub(super) fn emit(&mut self) -> Option<(Emitter, Part)> {
+    /// Samples emission, and returns the endpoint with the first vertex hit.
+    pub(super) fn sample_le(&mut self) -> Option<(Emitter, SubpathBuffer)> {
         let scene = self.common.scene;
         let (index, _) = scene.lights().choose_emitter(single(self.numbers))?;
         let light = &scene.lights().all()[index];
-        let numbers = EmissionNumbers { side: single(self.numbers), position: pair(self.numbers), direction: pair(self.numbers) };
-        let emitted = light.emit(scene.ball(), &numbers)?;
-        let density = light.emission_density(scene.ball(), emitted.ray.direction);
+        let numbers =
+            LeRandom { side: single(self.numbers), position: pair(self.numbers), direction: pair(self.numbers) };
+        let emitted = light.sample_le(scene.ball(), &numbers)?;
+        let density = light.pdf_le(scene.ball(), emitted.ray.direction);
         let emitter = Emitter::of_emission(index, &emitted, &density);
-        let mut part = Part { nodes: Vec::new(), directions: vec![emitted.ray.direction.as_dvec3()] };
+        let mut part = SubpathBuffer { nodes: Vec::new(), directions: vec![emitted.ray.direction.as_dvec3()] };
         let met = self.along(Emitter::ray(scene, &emitted))?;
         part.add(met).then_some((emitter, part))
     }
 
-    /// A light as `node` chooses it, and the direction in which it shines.
-    pub(super) fn sample_light(&mut self, node: &Node) -> Option<(Emitter, DVec3)> {
+    /// Samples a light from `node`, and returns the endpoint with its emission direction.
+    pub(super) fn sample_light(&mut self, node: &PathVertex) -> Option<(Emitter, DVec3)> {
         Emitter::chosen(self.common.scene, &node.point, single(self.numbers), pair(self.numbers))
     }
 }
 
-impl Part {
-    /// Adds what an edge met; whether that is a surface.
-    pub(super) fn add(&mut self, met: Met) -> bool {
+impl SubpathBuffer {
+    /// Adds the end of an edge. Returns whether it is on a surface.
+    pub(super) fn add(&mut self, met: RayEnd) -> bool {
         match met {
-            Met::Surface(node) => {
+            RayEnd::Surface(node) => {
                 self.nodes.push(node);
                 true
             }
-            Met::Outside => false,
+            RayEnd::Outside => false,
         }
     }
 
-    /// The light that its last edge found, at a surface or outside the scene; it is taken away together with that edge's direction.
+    /// Returns the emitter hit by the last edge, on a surface or on the environment, and removes it together with the
+    /// direction of this edge.
     pub(super) fn found_light(&mut self, scene: &Scene, is_surface: bool) -> Option<(Emitter, DVec3)> {
         let w = self.directions.pop()?;
         let emitter = if is_surface {

@@ -1,36 +1,36 @@
-//! Perturbations from the camera: the film position moves a little, and what the camera sees there takes the place of what it saw. Dirac
-//! vertices keep their component. At the first edge between smooth vertices the rest of the path is joined [Veach97 §11.4.3]. Where a
-//! smooth vertex is followed by mirrors or glass, the lens perturbation has nothing to join; the multi-chain perturbation moves the
-//! direction there as well, and goes on [Veach97 §11.4.3.3].
+//! Perturbations from the camera: a small change of the raster position replaces the vertices seen from the camera.
+//! Dirac vertices keep their component. The rest of the path is connected at the first edge between smooth vertices
+//! [Veach97 §11.4.3]. The lens perturbation fails where a smooth vertex is followed by mirrors or glass. The
+//! multi-chain perturbation also perturbs the direction at such a vertex, and continues [Veach97 §11.4.3.3].
 
-use super::super::Common;
-use super::extend::{Met, Part, Walker};
-use super::state::{Draft, PathState};
+use super::super::ChainContext;
+use super::extend::{RayEnd, SubpathBuffer, SubpathSampler};
+use super::state::{PathState, Proposal};
 use crate::defects::{Defect, planted};
 use crate::geometry::Frame;
 use crate::mcmc::{Kernel, Numbers};
 use glam::{DVec3, Vec3};
 
-/// Shortest step on the film in pixels, and the longest as a share of its longer side.
+/// Minimum raster displacement in pixels, and maximum as a share of the longer film side.
 const PIXELS: f64 = 0.1;
 const SHARE_OF_SIDE: f64 = 0.1;
-/// Shortest and longest turn of a direction, in radians.
+/// Minimum and maximum angle by which a direction is perturbed, in radians.
 const TURNS: [f64; 2] = [1e-4, 0.1];
 
-/// Both perturbations: which of them it is decides what paths it takes.
+/// Both perturbations. They differ in the paths to which they apply.
 pub(super) struct Eye<'c, 'a> {
-    common: &'c Common<'a>,
+    common: &'c ChainContext<'a>,
     weight: f64,
-    /// Whether directions of smooth vertices are turned.
+    /// Whether directions at smooth vertices are perturbed.
     turns: bool,
 }
 
-/// A number between both, its logarithm uniform.
+/// Samples a log-uniform value between both bounds.
 pub(super) fn log_uniform([least, most]: [f64; 2], u: f64) -> f64 {
     most * ((least / most).ln() * u).exp()
 }
 
-/// `w` turned by `angle`, in the direction that `u` chooses.
+/// Rotates `w` by `angle`, with an azimuth from `u`.
 pub(super) fn turned(w: Vec3, angle: f64, u: f64) -> Vec3 {
     let (frame, phi) = (Frame::around(w), std::f64::consts::TAU * u);
     let [s, t, n] = [frame.s, frame.t, frame.n].map(Vec3::as_dvec3);
@@ -39,15 +39,16 @@ pub(super) fn turned(w: Vec3, angle: f64, u: f64) -> Vec3 {
 }
 
 impl<'c, 'a> Eye<'c, 'a> {
-    pub(super) fn lens(common: &'c Common<'a>, weight: f64) -> Self {
+    pub(super) fn lens(common: &'c ChainContext<'a>, weight: f64) -> Self {
         Eye { common, weight, turns: false }
     }
 
-    pub(super) fn multi_chain(common: &'c Common<'a>, weight: f64) -> Self {
+    pub(super) fn multi_chain(common: &'c ChainContext<'a>, weight: f64) -> Self {
         Eye { common, weight, turns: true }
     }
 
-    /// The number of the last vertex that is moved, and how many directions of smooth vertices are turned on the way.
+    /// Returns the index of the last vertex that moves, and the number of smooth vertices with a perturbed direction
+    /// before it.
     fn reach(x: &PathState) -> (usize, usize) {
         let mut turned = 0;
         for i in (1..x.k()).rev() {
@@ -61,7 +62,7 @@ impl<'c, 'a> Eye<'c, 'a> {
         (0, turned)
     }
 
-    /// A film position near `from`; `None` off the film.
+    /// Samples a raster position near `from`; `None` off the film.
     fn moved(&self, from: [f32; 2], numbers: &mut Numbers) -> Option<[f32; 2]> {
         let most = (SHARE_OF_SIDE * f64::from(self.common.region.side())).max(2.0 * PIXELS);
         let r = log_uniform([PIXELS, most], numbers.uniform());
@@ -70,18 +71,23 @@ impl<'c, 'a> Eye<'c, 'a> {
         self.common.region.contains(film).then_some(film)
     }
 
-    /// The path with its vertices from the camera to number `last` moved.
-    fn perturb(&self, x: &PathState<'a>, last: usize, walker: &mut Walker) -> Option<Draft> {
+    /// Builds the path with the vertices from the camera to number `last` moved.
+    fn perturb(&self, x: &PathState<'a>, last: usize, walker: &mut SubpathSampler) -> Option<Proposal> {
         let film = self.moved(x.film, walker.numbers)?;
-        let mut part = Part::default();
+        let mut part = SubpathBuffer::default();
         let (w, mut met) = walker.through_film(film)?;
         part.directions.push(w);
         for i in (last.max(1)..x.k()).rev() {
-            let Met::Surface(mut node) = met else { return None };
+            let RayEnd::Surface(mut node) = met else { return None };
             let known = part.directions.last()?.as_vec3();
             if i == last {
                 part.nodes.push(node);
-                let mut draft = Part::join(*x.path().emitter(), Part::from_light(x, i), x.path().directions()[i - 1], part);
+                let mut draft = SubpathBuffer::join(
+                    *x.path().emitter(),
+                    SubpathBuffer::from_light(x, i),
+                    x.path().directions()[i - 1],
+                    part,
+                );
                 draft.smoothed(i)?;
                 draft.connect(self.common, i - 1, walker.tally)?;
                 return Some(draft);
@@ -102,15 +108,15 @@ impl<'c, 'a> Eye<'c, 'a> {
         }
         let is_surface = part.add(met);
         let (emitter, w) = part.found_light(self.common.scene, is_surface)?;
-        Some(Part::join(emitter, Part::default(), w, part))
+        Some(SubpathBuffer::join(emitter, SubpathBuffer::default(), w, part))
     }
 
-    /// Logarithm of the density of the vertices `last` … k − 1, but for what is the same both ways.
+    /// Returns the logarithm of the density of the vertices `last` … k − 1, without factors that are equal both ways.
     fn log_made(x: &PathState, last: usize) -> f64 {
         if planted(Defect::JacobianDropped) {
             return 0.0;
         }
-        let made = if planted(Defect::CopiedLobesWeighed) { &x.steps.camera } else { &x.steps.copied[1] };
+        let made = if planted(Defect::CopiedLobesWeighed) { &x.steps.camera } else { &x.steps.perturbation[1] };
         made[last..].iter().map(|density| density.ln()).sum()
     }
 }
@@ -124,7 +130,7 @@ impl<'a> Kernel<PathState<'a>> for Eye<'_, 'a> {
 
     fn propose(&self, x: &PathState<'a>, y: &mut PathState<'a>, numbers: &mut Numbers) -> Option<f64> {
         let (last, _) = Self::reach(x);
-        let draft = self.perturb(x, last, &mut Walker { common: self.common, numbers, tally: &mut y.tally })?;
+        let draft = self.perturb(x, last, &mut SubpathSampler { common: self.common, numbers, tally: &mut y.tally })?;
         y.set(self.common, draft)?;
         Some(Self::log_made(x, last) - Self::log_made(y, last))
     }

@@ -1,47 +1,48 @@
-//! The lens-subpath mutation: what the camera sees, up to the first edge between smooth vertices, is replaced by a new walk from anywhere
-//! on the film [Veach97 §11.4.4].
+//! Lens-subpath mutation: replaces the vertices seen from the camera, up to the first edge between smooth vertices, by
+//! a new subpath from a uniform raster position [Veach97 §11.4.4].
 
-use super::super::Common;
-use super::extend::{Part, Walker};
-use super::state::{Draft, PathState};
+use super::super::ChainContext;
+use super::extend::{SubpathBuffer, SubpathSampler};
+use super::state::{PathState, Proposal};
 use crate::bsdf::{Lobes, Shading};
 use crate::mcmc::{Kernel, Numbers};
-use crate::path::Node;
-use crate::transport::Transport;
+use crate::path::PathVertex;
+use crate::transport::TransportMode;
 use glam::Vec3;
 
-/// Components through which the walk goes on.
+/// Components through which the subpath continues.
 const PASSAGES: [Lobes; 2] = [Lobes::DIRAC_REFLECT, Lobes::DIRAC_TRANSMIT];
 
-/// With which probabilities it does at `node`, seen from the direction `known`. Elsewhere it ends, and is connected.
-fn passages(node: &Node, known: Vec3) -> [f64; 2] {
-    let shading = Shading::new(&node.point, &node.surface, known, Transport::Light);
+/// Continuation probability of each component at `node` for the direction `known`. Otherwise the subpath ends and is
+/// connected.
+fn passages(node: &PathVertex, known: Vec3) -> [f64; 2] {
+    let shading = Shading::new(&node.point, &node.surface, known, TransportMode::Radiance);
     PASSAGES.map(|lobe| shading.map_or(0.0, |shading| shading.probability(lobe)))
 }
 
 /// The mutation.
 pub(super) struct LensSubpath<'c, 'a> {
-    pub(super) common: &'c Common<'a>,
+    pub(super) common: &'c ChainContext<'a>,
     pub(super) weight: f64,
 }
 
 impl<'a> LensSubpath<'_, 'a> {
-    /// The first smooth vertex that the camera sees, if what is before it is smooth.
+    /// Returns the first smooth vertex seen from the camera, if the vertex before it is smooth.
     fn last(x: &PathState) -> Option<usize> {
         let last = (1..x.k()).rev().find(|&i| x.is_smooth(i))?;
         x.is_smooth(last - 1).then_some(last)
     }
 
-    /// The path with a new walk in the place of its vertices from number `last` on.
-    fn mutate(&self, x: &PathState<'a>, last: usize, walker: &mut Walker) -> Option<Draft> {
+    /// Builds the path with a new subpath in place of its vertices from number `last` on.
+    fn mutate(&self, x: &PathState<'a>, last: usize, walker: &mut SubpathSampler) -> Option<Proposal> {
         let longest = self.common.edges().end().saturating_sub(last);
-        let mut part = Part::default();
+        let mut part = SubpathBuffer::default();
         walker.lengthen(&mut part)?.then_some(())?;
         while part.nodes.len() <= longest {
             let (known, node) = (part.directions.last()?.as_vec3(), part.nodes.last_mut()?);
             let chances = passages(node, known);
-            let Some(lobe) =
-                PASSAGES.get(walker.numbers.choose([chances[0], chances[1], 1.0 - chances[0] - chances[1]].into_iter())?)
+            let Some(lobe) = PASSAGES
+                .get(walker.numbers.choose([chances[0], chances[1], 1.0 - chances[0] - chances[1]].into_iter())?)
             else {
                 break;
             };
@@ -54,13 +55,14 @@ impl<'a> LensSubpath<'_, 'a> {
             return None;
         }
         let across = x.path().directions()[last - 1];
-        let mut draft = Part::join(*x.path().emitter(), Part::from_light(x, last), across, part);
+        let mut draft = SubpathBuffer::join(*x.path().emitter(), SubpathBuffer::from_light(x, last), across, part);
         draft.smoothed(last)?;
         draft.connect(self.common, last - 1, walker.tally)?;
         Some(draft)
     }
 
-    /// Logarithm of the density of the vertices from number `last` on, film and end of the walk included.
+    /// Returns the logarithm of the density of the vertices from number `last` on, including the raster position and
+    /// the end of the subpath.
     fn log_made(x: &PathState, last: usize) -> f64 {
         let goes_on: f64 = passages(x.node(last), x.path().directions()[last].as_vec3()).iter().sum();
         (1.0 - goes_on).ln() + x.steps.camera[last..].iter().map(|density| density.ln()).sum::<f64>()
@@ -74,7 +76,7 @@ impl<'a> Kernel<PathState<'a>> for LensSubpath<'_, 'a> {
 
     fn propose(&self, x: &PathState<'a>, y: &mut PathState<'a>, numbers: &mut Numbers) -> Option<f64> {
         let last = Self::last(x)?;
-        let draft = self.mutate(x, last, &mut Walker { common: self.common, numbers, tally: &mut y.tally })?;
+        let draft = self.mutate(x, last, &mut SubpathSampler { common: self.common, numbers, tally: &mut y.tally })?;
         y.set(self.common, draft)?;
         Some(Self::log_made(x, last) - Self::log_made(y, last))
     }

@@ -1,9 +1,10 @@
-//! Metropolis light transport in path space: chains of paths that mutations change, with the density of every change written down by
-//! the explicit evaluator [Veach97 §11.4].
+//! Path space Metropolis light transport: chains of paths under mutations, with transition densities computed by the
+//! explicit evaluator [Veach97 §11.4].
 //!
-//! Densities are in the product area measure of [`crate::path::notation`], in which a chain of Dirac vertices leaves the same factor out of
-//! f and of all densities. Acceptances are of f(x̄) and of densities that are functions of the two paths, whatever made them: a
-//! mutation that makes a path in several ways sums over them. Blended surfaces are not known to it.
+//! Densities are in the product area measure of [`crate::path::notation`], in which a chain of Dirac vertices
+//! contributes the same factor to f and to all densities; it is left out. Acceptance probabilities depend on f(x̄) and
+//! on densities that are functions of the two paths alone: a mutation that can produce a path in several ways sums over
+//! them. Alpha-blended surfaces are not supported.
 
 mod bidirectional;
 mod caustic;
@@ -14,9 +15,9 @@ mod seed;
 mod state;
 
 use super::seeds::Candidate;
-use super::{Chains, Common, Mutations};
+use super::{ChainContext, MarkovMethod, Mutations};
 use crate::mcmc::{Kernel, Mixture};
-use crate::path::Tally;
+use crate::path::TraceStats;
 use crate::sampling::Address;
 use bidirectional::Bidirectional;
 use caustic::Caustic;
@@ -24,15 +25,15 @@ use eye::Eye;
 use lens_subpath::LensSubpath;
 use state::PathState;
 
-/// The chains.
+/// The method.
 pub(super) struct PathSpace<'a> {
-    pub(super) common: Common<'a>,
+    pub(super) common: ChainContext<'a>,
 }
 
-impl<'a> Chains for PathSpace<'a> {
+impl<'a> MarkovMethod for PathSpace<'a> {
     type State = PathState<'a>;
 
-    fn common(&self) -> &Common<'_> {
+    fn common(&self) -> &ChainContext<'_> {
         &self.common
     }
 
@@ -44,7 +45,7 @@ impl<'a> Chains for PathSpace<'a> {
         0
     }
 
-    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut Tally) {
+    fn candidates(&self, address: Address, found: &mut Vec<Candidate>, tally: &mut TraceStats) {
         Candidate::of_techniques(&self.common, address, found, tally);
     }
 

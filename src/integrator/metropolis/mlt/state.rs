@@ -1,37 +1,37 @@
 //! A path as the state of a chain.
 
 use super::super::contribution::Contribution;
-use super::super::limit::Limit;
-use super::super::{Common, Lit};
+use super::super::limit::SampleThreshold;
+use super::super::{ChainContext, ImageState};
 use crate::bsdf::{Bsdf, Lobes};
 use crate::geometry::{Hit, Ray, SurfacePoint};
-use crate::light::End;
+use crate::light::EmitterPoint;
 use crate::mcmc::State;
-use crate::path::{Emitter, FullPath, Node, Steps, Tally, toward_end};
+use crate::path::{Emitter, FullPath, PathVertex, TraceStats, VertexPdfs, toward_end};
 use crate::spectrum::Spectrum;
 use glam::DVec3;
 
-/// What a path is made of, before it is known what it is worth.
+/// A proposed path before evaluation.
 #[derive(Clone)]
-pub(super) struct Draft {
+pub(super) struct Proposal {
     pub(super) emitter: Emitter,
     /// x₁ … x_{k−1}.
-    pub(super) nodes: Vec<Node>,
-    /// Of the k edges, as light flows.
+    pub(super) nodes: Vec<PathVertex>,
+    /// Directions of the k edges, in the direction of light flow.
     pub(super) directions: Vec<DVec3>,
 }
 
-/// A path and what is known of it; nothing before the first is set.
+/// An evaluated path; empty until first set.
 #[derive(Default)]
 pub(in super::super) struct PathState<'a> {
     path: Option<FullPath<'a>>,
-    pub(super) steps: Steps,
-    /// Scaled to a largest lane of 1: f may be beyond f32.
+    pub(super) steps: VertexPdfs,
+    /// Contribution scaled to a largest lane of 1, since f may exceed the range of f32.
     found: Contribution,
     log_target: f64,
-    /// Where it is seen.
+    /// Raster position.
     pub(super) film: [f32; 2],
-    pub(super) tally: Tally,
+    pub(super) tally: TraceStats,
 }
 
 impl State for PathState<'_> {
@@ -40,24 +40,24 @@ impl State for PathState<'_> {
     }
 }
 
-impl Lit for PathState<'_> {
+impl ImageState for PathState<'_> {
     fn contribution(&self) -> &Contribution {
         &self.found
     }
 
-    fn tally(&mut self) -> &mut Tally {
+    fn tally(&mut self) -> &mut TraceStats {
         &mut self.tally
     }
 }
 
 impl<'a> PathState<'a> {
-    /// The path of a state that has one: all but fresh ones.
+    /// Path of the state. Every state except a new one has a path.
     pub(super) fn path(&self) -> &FullPath<'a> {
         self.path.as_ref().expect("a chain's state has a path")
     }
 
     /// x_i, 0 < i < k.
-    pub(super) fn node(&self, i: usize) -> &Node {
+    pub(super) fn node(&self, i: usize) -> &PathVertex {
         &self.path().nodes()[i - 1]
     }
 
@@ -66,18 +66,18 @@ impl<'a> PathState<'a> {
         self.path().k()
     }
 
-    /// Whether x_i is an end or scatters smoothly.
+    /// Whether x_i is an endpoint or scatters smoothly.
     pub(super) fn is_smooth(&self, i: usize) -> bool {
         i == 0 || i == self.k() || !self.node(i).is_dirac()
     }
 
-    /// Becomes `draft`, whose edges are free; `None` if that carries no light to the image.
-    pub(super) fn set(&mut self, common: &Common<'a>, draft: Draft) -> Option<()> {
+    /// Sets the state to `draft`, whose edges are unoccluded; `None` if it contributes nothing to the image.
+    pub(super) fn set(&mut self, common: &ChainContext<'a>, draft: Proposal) -> Option<()> {
         if !draft.is_consistent() {
             return None;
         }
         let last = draft.nodes.last()?;
-        let film = common.camera.seen(last.point.p)?.film;
+        let film = common.camera.sample_wi(last.point.p)?.film;
         if !common.region.contains(film) {
             return None;
         }
@@ -101,8 +101,14 @@ impl<'a> PathState<'a> {
     }
 }
 
-/// What chains have of a path: of each technique's part what is above the limit. See [`super::super::limit`].
-fn share_of_chains(common: &Common, film: [f32; 2], path: &FullPath, steps: &Steps, f: &Spectrum<f64>) -> f64 {
+/// Returns the chains' share of a path: the excess of each technique above the threshold. See [`super::super::limit`].
+fn share_of_chains(
+    common: &ChainContext,
+    film: [f32; 2],
+    path: &FullPath,
+    steps: &VertexPdfs,
+    f: &Spectrum<f64>,
+) -> f64 {
     if common.limit.is_none() {
         return 1.0;
     }
@@ -111,26 +117,26 @@ fn share_of_chains(common: &Common, film: [f32; 2], path: &FullPath, steps: &Ste
     let log_mean = f.mean().ln();
     let of = |s: usize| {
         let weight = densities.weight(weights, s);
-        // Its sample is worth weight f / p.
+        // A sample of this technique contributes weight f / p.
         let log = densities.log[s].filter(|_| weight > 0.0)?;
-        Some(weight * Limit::above(limit, weight * (log_mean - log).exp()))
+        Some(weight * SampleThreshold::above(limit, weight * (log_mean - log).exp()))
     };
     (0..=path.k()).filter_map(of).sum()
 }
 
-/// What is on the edges of a path, which are known to be free: see [`crate::scene::Passage`].
+/// Transmittance and null events on the edges of an unoccluded path: see [`crate::scene::Passage`].
 struct Content {
-    /// Share of light that they carry together.
+    /// Transmittance of all edges together.
     through: Spectrum,
-    /// Probability with which a walk passes what is on each.
+    /// Probability of passing all null events, for each edge.
     passed: Vec<f64>,
-    /// Probability with which walks from the light and from the camera scatter at each vertex and do not pass it.
+    /// Probability of scattering rather than passing at each vertex, for light and camera subpaths.
     met: [Vec<f64>; 2],
 }
 
 impl Content {
-    /// That of `draft`; `None` where there is nothing of the kind in the scene.
-    fn of(common: &Common, draft: &Draft, tally: &mut Tally) -> Option<Self> {
+    /// Evaluates the edges of `draft`; `None` if the scene has neither null events nor media.
+    fn of(common: &ChainContext, draft: &Proposal, tally: &mut TraceStats) -> Option<Self> {
         let scene = common.scene;
         if !(scene.features().content() || scene.features().media) {
             return None;
@@ -155,34 +161,36 @@ impl Content {
         Some(found)
     }
 
-    /// `steps` of walks that pass what is on the edges by chance.
-    fn weigh(&self, steps: &mut Steps) {
+    /// Multiplies `steps` by the probabilities of null events.
+    fn weigh(&self, steps: &mut VertexPdfs) {
         let [light, camera] = &self.met;
-        let (k, Steps { light: from_light, camera: from_camera, copied, .. }) = (self.passed.len(), steps);
-        for made in [from_light, &mut copied[0]] {
+        let (k, VertexPdfs { light: from_light, camera: from_camera, perturbation, .. }) = (self.passed.len(), steps);
+        for made in [from_light, &mut perturbation[0]] {
             (1..k).for_each(|i| made[i] *= self.passed[i - 1] * light[i - 1]);
         }
-        for made in [from_camera, &mut copied[1]] {
+        for made in [from_camera, &mut perturbation[1]] {
             (0..k).for_each(|i| made[i] *= self.passed[i] * if i > 0 { camera[i - 1] } else { 1.0 });
         }
     }
 }
 
-impl Draft {
-    /// x_i as something that connections may end at; `None` if it scatters in no other way than a mirror.
+impl Proposal {
+    /// Marks x_i as connectible; `None` if it has Dirac components alone.
     pub(super) fn smoothed(&mut self, i: usize) -> Option<()> {
         let node = &mut self.nodes[i - 1];
         node.lobe = Lobes::SMOOTH;
         node.surface.lobes().intersects(Lobes::SMOOTH).then_some(())
     }
 
-    /// The segment of edge `i`, from the end that is nearer to the camera but for the last; `None` where the camera does not see it.
-    fn segment(&self, common: &Common, i: usize) -> Option<Ray> {
+    /// Returns the segment of edge `i`, starting at the end nearer to the camera except for the last edge; `None` if
+    /// the camera does not see the vertex.
+    fn segment(&self, common: &ChainContext, i: usize) -> Option<Ray> {
         let to_camera = i + 1 == self.directions.len();
-        let (node, w) = if to_camera { (&self.nodes[i - 1], self.directions[i]) } else { (&self.nodes[i], -self.directions[i]) };
+        let (node, w) =
+            if to_camera { (&self.nodes[i - 1], self.directions[i]) } else { (&self.nodes[i], -self.directions[i]) };
         let bodies = common.scene.bodies_toward(&node.point, node.bodies, w.as_vec3());
         let segment = if to_camera {
-            node.point.segment(common.camera.seen(node.point.p)?.eye, 0.0, node.point.ng, Hit::NONE)
+            node.point.segment(common.camera.sample_wi(node.point.p)?.eye, 0.0, node.point.ng, Hit::NONE)
         } else if i == 0 {
             toward_end(&node.point, &self.emitter.end, w.as_vec3())
         } else {
@@ -191,25 +199,27 @@ impl Draft {
         Some(Ray { bodies, ..segment })
     }
 
-    /// Connects x_i and x_{i+1}, both smooth, with a straight edge that is free, wherever it leads.
-    pub(super) fn connect(&mut self, common: &Common, i: usize, tally: &mut Tally) -> Option<()> {
+    /// Connects x_i and x_{i+1}, both smooth, by a straight edge; `None` if it is occluded.
+    pub(super) fn connect(&mut self, common: &ChainContext, i: usize, tally: &mut TraceStats) -> Option<()> {
         let (scene, k) = (common.scene, self.directions.len());
         let shadows = &mut tally.shadows;
         if i + 1 == k {
             let y = &self.nodes[i - 1].point;
-            let seen = common.camera.seen(y.p)?;
-            if scene.culled(y, -seen.toward) || !common.region.contains(seen.film) {
+            let seen = common.camera.sample_wi(y.p)?;
+            if scene.culled(y, -seen.wi) || !common.region.contains(seen.film) {
                 return None;
             }
-            self.directions[i] = seen.toward.as_dvec3();
+            self.directions[i] = seen.wi.as_dvec3();
             self.scatters(i)?;
             return (!scene.transmittance_to_camera(&self.segment(common, i)?, shadows).is_black()).then_some(());
         }
         if i == 0 {
             let (z, before) = (&self.nodes[0].point, self.directions[0]);
             let w = match self.emitter.end {
-                End::Surface { p, .. } | End::Point(p) => (z.p.as_dvec3() - p.as_dvec3()).try_normalize()?,
-                End::Infinity => before,
+                EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p) => {
+                    (z.p.as_dvec3() - p.as_dvec3()).try_normalize()?
+                }
+                EmitterPoint::Distant => before,
             };
             self.emitter = self.emitter.turned(scene, before, w, z.p)?;
             self.directions[0] = w;
@@ -223,13 +233,14 @@ impl Draft {
         (!scene.transmittance(&self.segment(common, i)?, shadows).is_black()).then_some(())
     }
 
-    /// Whether x_i may scatter light at all from where it comes: on one side of both normals. Asked before rays are traced.
+    /// Whether x_i can scatter incident light at all: its direction must lie on the same side of both normals. Tested
+    /// before rays are traced.
     fn scatters(&self, i: usize) -> Option<()> {
         let (point, w) = (&self.nodes[i - 1].point, self.directions[i - 1]);
         (point.ng.as_dvec3().dot(w) * point.frame.n.as_dvec3().dot(w) > 0.0).then_some(())
     }
 
-    /// See [`Draft::scatters`], for every vertex.
+    /// Applies [`Proposal::scatters`] to every vertex.
     fn is_consistent(&self) -> bool {
         (1..=self.nodes.len()).all(|i| self.scatters(i).is_some())
     }

@@ -1,20 +1,20 @@
-//! The piece of a curve between two keys [glTF20 appendix C].
+//! Interpolation between two keys [glTF20 appendix C].
 
 use std::ops::{Add, Mul};
 
-/// What is between two keys, and how far the time is from one to the other, 0 to 1.
+/// The curve between two keys. `way` is the relative time from one to the other, 0 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Piece<T> {
-    /// The same at all times.
+    /// Constant value.
     Constant(T),
-    /// The shortest way.
+    /// Linear interpolation; for rotations along the shortest arc.
     Line { from: T, to: T, way: f64 },
-    /// A cubic with these slopes, each a second, at its ends; it takes `length` seconds.
+    /// Cubic with these end slopes per second, over `length` seconds.
     Cubic { from: T, leaving: T, arriving: T, to: T, way: f64, length: f64 },
 }
 
 impl<T> Piece<T> {
-    /// The same in other terms.
+    /// Applies `f` to all values.
     pub(super) fn map<U>(self, f: impl Fn(T) -> U) -> Piece<U> {
         match self {
             Piece::Constant(value) => Piece::Constant(f(value)),
@@ -27,7 +27,7 @@ impl<T> Piece<T> {
 }
 
 impl<T: Add<Output = T> + Mul<f64, Output = T>> Piece<T> {
-    /// The value at the time; `line` goes the shortest way, if there is one.
+    /// Evaluates the piece. `line` interpolates linearly and may fail.
     pub(super) fn blend(self, line: impl Fn(T, T, f64) -> Option<T>) -> Option<T> {
         match self {
             Piece::Constant(value) => Some(value),
@@ -40,7 +40,7 @@ impl<T: Add<Output = T> + Mul<f64, Output = T>> Piece<T> {
     }
 }
 
-/// Hermite's polynomials: the weights of the first value, its slope, the last slope and the last value.
+/// Hermite basis: the weights of the first value, the first slope, the last slope and the last value.
 fn hermite(t: f64) -> [f64; 4] {
     let to = t * t * (3.0 - 2.0 * t);
     [1.0 - to, t * (1.0 - t) * (1.0 - t), t * t * (t - 1.0), to]
@@ -68,14 +68,14 @@ mod tests {
         }
     }
 
-    /// A cubic is its own spline: t³ − 2t² + 5 from 1 to 4 seconds, whose slope is 3t² − 4t.
+    /// A cubic is reproduced by its own spline: t³ − 2t² + 5 from 1 to 4 seconds, with slope 3t² − 4t.
     #[test]
     fn slopes_are_those_of_a_second() {
         let (value, slope) = (|t: f64| t * t * t - 2.0 * t * t + 5.0, |t: f64| 3.0 * t * t - 4.0 * t);
         for way in [0.0, 0.2, 0.5, 0.7, 1.0] {
             let got = cubic([1.0, 4.0].map(value), [1.0, 4.0].map(slope), way, 3.0);
             let want = value(1.0 + 3.0 * way);
-            // The largest term is 37, a slope of 32 times 3 s has a weight of at most 4/27.
+            // The largest term is 37; a slope of 32 times 3 s has a weight of at most 4/27.
             assert!((got - want).abs() <= 100.0 * ROUNDING, "{way}: {got} is not {want}");
         }
     }

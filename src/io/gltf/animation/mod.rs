@@ -1,8 +1,10 @@
-//! Nodes at one time of the file's animations: translations, rotations and scales in place of their own [glTF20 §3.11].
+//! Node transforms at one time of the file's animations. Animated translations, rotations and scales replace the node's
+//! own [glTF20 §3.11].
 //!
-//! One animation is played if it was chosen. Else all are together, since exporters write one for each object; where two move the
-//! same part of a node the later one does, which is noted. Before the first key and after the last one nothing moves. Morph targets are not read, so neither
-//! are animations of their weights; KHR_animation_pointer is not read.
+//! If an animation was chosen, only this one is played. Otherwise all are played together, since exporters write one
+//! per object. If two animate the same property of a node, the later one wins, and a note says so. Before the first key
+//! and after the last one the pose is held. Morph targets are not read, and neither are animations of their weights.
+//! KHR_animation_pointer is not read.
 
 mod curve;
 mod sampler;
@@ -15,15 +17,15 @@ use sampler::{Moments, Sampler};
 use serde::Deserialize;
 use std::collections::HashMap;
 
-/// What moves, where it is at the time.
+/// Transforms of the animated nodes at the time.
 #[derive(Default)]
 pub(super) struct Pose {
     nodes: HashMap<usize, Moved>,
-    /// The last key's time in seconds; `None` if no node is animated.
+    /// Time of the last key in seconds; `None` if no node is animated.
     pub(super) end: Option<f64>,
 }
 
-/// What stands in place of a node's own translation, rotation and scale.
+/// Values that replace a node's own translation, rotation and scale.
 #[derive(Default)]
 pub(super) struct Moved {
     pub(super) translation: Option<DVec3>,
@@ -48,7 +50,7 @@ struct Channel {
 
 #[derive(Deserialize)]
 struct Target {
-    /// Extensions may have other targets.
+    /// Absent if an extension defines another target.
     node: Option<usize>,
     path: Property,
 }
@@ -57,11 +59,11 @@ struct Target {
 #[serde(untagged)]
 enum Property {
     Own(Part),
-    /// Weights of morph targets, and what extensions animate.
+    /// Weights of morph targets, and properties animated by extensions.
     Other(String),
 }
 
-/// A part of a node's transform.
+/// A property of a node's transform.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Part {
@@ -70,34 +72,39 @@ enum Part {
     Scale,
 }
 
-/// Names of the file's animations in their order, made up where they have none.
+/// Returns the names of the file's animations in order, with generated names for unnamed ones.
 pub(super) fn names(document: &Document) -> Vec<String> {
     let animations = document.animations.as_array().into_iter().flatten();
     let name = |a: &serde_json::Value| a["name"].as_str().map(str::to_owned);
     animations.enumerate().map(|(index, animation)| name_or(&name(animation), "animation", index)).collect()
 }
 
-/// The file's animations at a time in seconds, or the one with the name or number `only`.
+/// Evaluates the file's animations at a time in seconds, or the one with the name or number `only`.
 ///
 /// # Errors
-/// A scene error that names the animation if one is not valid; a usage error that names all if there is no such one.
+/// A scene error that names the animation if it is not valid. A usage error that lists all animations if there is no
+/// such one.
 pub(super) fn pose(document: &Document, seconds: f64, only: Option<&str>, notes: &mut Notes) -> Result<Pose> {
     let only = only.map(|wanted| choose(&names(document), wanted)).transpose()?;
     let animations = Option::<Vec<Animation>>::deserialize(&document.animations);
     let animations = animations.map_err(|e| Error::scene("the animations are not valid").because(e))?;
     let (moments, moved_by) = (Moments::at(seconds), HashMap::new());
     let mut player = Player { document, moments, pose: Pose::default(), moved_by, conflict: None };
-    for (index, animation) in animations.into_iter().flatten().enumerate().filter(|(i, _)| only.is_none_or(|only| only == *i)) {
+    for (index, animation) in
+        animations.into_iter().flatten().enumerate().filter(|(i, _)| only.is_none_or(|only| only == *i))
+    {
         let name = name_or(&animation.name, "animation", index);
         for channel in &animation.channels {
-            player.play(channel, &animation.samplers, &name, notes).map_err(|e| e.context(format!("animation '{name}'")))?;
+            player
+                .play(channel, &animation.samplers, &name, notes)
+                .map_err(|e| e.context(format!("animation '{name}'")))?;
         }
     }
     player.conflict.into_iter().for_each(|conflict| notes.add(conflict));
     Ok(player.pose)
 }
 
-/// The place of the animation that is called `wanted`, else of that number.
+/// Returns the index of the animation with the name `wanted`, else with that number.
 fn choose(names: &[String], wanted: &str) -> Result<usize> {
     let by_number = || wanted.parse().ok().filter(|&i: &usize| i < names.len());
     names.iter().position(|name| name == wanted).or_else(by_number).ok_or_else(|| {
@@ -108,7 +115,7 @@ fn choose(names: &[String], wanted: &str) -> Result<usize> {
 }
 
 impl Pose {
-    /// What is moved of a node.
+    /// Returns the animated values of a node.
     pub(super) fn of(&self, node: usize) -> Option<&Moved> {
         self.nodes.get(&node)
     }
@@ -118,9 +125,9 @@ struct Player<'a> {
     document: &'a Document,
     moments: Moments,
     pose: Pose,
-    /// Which animation moves each part of each node.
+    /// The animation of each property of each node.
     moved_by: HashMap<(usize, Part), String>,
-    /// What is said where two move the same.
+    /// Note about two animations of the same property.
     conflict: Option<String>,
 }
 
@@ -138,16 +145,21 @@ impl Player<'_> {
             }
         };
         let source = self.document.root.nodes.get(node);
-        let source = source.ok_or_else(|| Error::scene(format!("a channel moves node {node}, which does not exist")))?;
+        let source =
+            source.ok_or_else(|| Error::scene(format!("a channel moves node {node}, which does not exist")))?;
         let name = name_or(&source.name, "node", node);
         if source.matrix.is_some() {
-            return Err(Error::scene(format!("it moves node '{name}', which has a matrix, and the two exclude each other")));
+            return Err(Error::scene(format!(
+                "it moves node '{name}', which has a matrix, and the two exclude each other"
+            )));
         }
         let sampler = samplers.get(channel.sampler);
         let sampler = sampler.ok_or_else(|| Error::scene(format!("there is no sampler {}", channel.sampler)))?;
         if let Some(earlier) = self.moved_by.insert((node, part), animation.to_owned()) {
-            let what = format!("animations '{earlier}' and '{animation}' both move the {} of node '{name}'", part.name());
-            self.conflict.get_or_insert_with(|| format!("{what}, where the later one is played: --animation plays one alone"));
+            let what =
+                format!("animations '{earlier}' and '{animation}' both move the {} of node '{name}'", part.name());
+            self.conflict
+                .get_or_insert_with(|| format!("{what}, where the later one is played: --animation plays one alone"));
         }
         self.put(node, part, sampler).map_err(|e| e.context(format!("{} of node '{name}'", part.name())))
     }

@@ -1,4 +1,4 @@
-//! Samplers: keys, each a time with its value. Only the keys around the one time that is wanted are read.
+//! Animation samplers: keys, each a time with its value. Only the keys around the wanted time are read.
 
 use super::super::accessor::Wanted;
 use super::super::document::Document;
@@ -11,12 +11,12 @@ use glam::{DQuat, DVec3, DVec4};
 use serde::Deserialize;
 use std::collections::HashMap;
 
-/// A curve as the file describes it.
+/// An animation curve as stored in the file.
 #[derive(Deserialize)]
 pub(super) struct Sampler {
-    /// The accessor of the keys' times.
+    /// Accessor of the key times.
     pub(super) input: usize,
-    /// The accessor of their values.
+    /// Accessor of the key values.
     output: usize,
     #[serde(default)]
     interpolation: Interpolation,
@@ -28,49 +28,49 @@ enum Interpolation {
     #[default]
     Linear,
     Step,
-    /// Each key has three values: the tangent on its left, itself, and the tangent on its right.
+    /// Each key has three values: the left tangent, the value, and the right tangent.
     CubicSpline,
 }
 
-/// Where a time lies among keys.
+/// Position of a time among the keys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Moment {
-    /// How many keys there are.
+    /// Number of keys.
     keys: usize,
-    /// The last one that is not later, or the first.
+    /// The last key at or before the time, else the first.
     key: usize,
-    /// What is between that one and the next; `None` before the first key and from the last one on.
+    /// The interval to the next key; `None` before the first key and from the last one on.
     gap: Option<Gap>,
-    /// The last key's time in seconds.
+    /// Time of the last key in seconds.
     pub(super) end: f64,
 }
 
-/// The time between two keys.
+/// The interval between two keys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Gap {
-    /// How far it has gone, 0 to 1.
+    /// Relative time in the interval, 0 to 1.
     way: f64,
-    /// Seconds from key to key.
+    /// Length of the interval in seconds.
     length: f64,
 }
 
-/// One time among the keys of all samplers, which often share their times.
+/// One time, located among the keys of all samplers. Samplers often share their key times.
 pub(super) struct Moments {
-    /// Rounded as files round their keys: a frame is at the key that was set at it, not just before.
+    /// Rounded to f32 like the keys in files, so that a frame coincides with its own key and does not precede it.
     seconds: f32,
     known: HashMap<usize, Moment>,
 }
 
 impl Moments {
-    /// At that time in seconds. Not-a-number is before all keys.
+    /// Sets the time in seconds. NaN precedes all keys.
     pub(super) fn at(seconds: f64) -> Self {
         Moments { seconds: seconds as f32, known: HashMap::new() }
     }
 
-    /// Where it lies among the times in accessor `input`.
+    /// Locates the time among the keys in accessor `input`.
     ///
     /// # Errors
-    /// A scene error that names the accessor if its elements are no times, or do not ascend.
+    /// A scene error that names the accessor if its elements are not times, or do not ascend.
     pub(super) fn of(&mut self, document: &Document, input: usize) -> Result<Moment> {
         if let Some(known) = self.known.get(&input) {
             return Ok(*known);
@@ -100,19 +100,19 @@ fn moment(times: &[f32], seconds: f32) -> Result<Moment> {
 }
 
 impl Sampler {
-    /// A translation or scale.
+    /// Evaluates a translation or scale.
     ///
     /// # Errors
-    /// A scene error if the values are of another kind, not as many as the keys, or not finite.
+    /// A scene error if the values have another type, do not match the number of keys, or are not finite.
     pub(super) fn vector(&self, document: &Document, moment: Moment) -> Result<DVec3> {
         check_kind(document, self.output, false)?;
         Ok(self.piece(document, moment)?.map(DVec3::from).blend(|a, b, way| Some(a.lerp(b, way))).unwrap_or_default())
     }
 
-    /// A rotation, which is taken the shorter way.
+    /// Evaluates a rotation along the shorter arc.
     ///
     /// # Errors
-    /// As [`Sampler::vector`], or if the rotation has no direction.
+    /// As [`Sampler::vector`], or if the rotation is not normalisable.
     pub(super) fn rotation(&self, document: &Document, moment: Moment) -> Result<DQuat> {
         check_kind(document, self.output, true)?;
         let turn = |a: DVec4, b: DVec4, way| {
@@ -124,7 +124,7 @@ impl Sampler {
         unit.ok_or_else(|| Error::scene(format!("accessor {}: it is not a unit quaternion", self.output)))
     }
 
-    /// The piece of the curve that holds the moment.
+    /// Returns the piece of the curve that contains the moment.
     fn piece<const N: usize>(&self, document: &Document, moment: Moment) -> Result<Piece<[f64; N]>> {
         let named = |e: Error| e.context(format!("accessor {}", self.output));
         let (has, keys) = (document.elements_of::<N>(self.output)?, moment.keys);
@@ -154,7 +154,7 @@ impl Sampler {
     }
 }
 
-/// Times, translations and scales are floats; rotations may be normalised integers [glTF20 §3.11].
+/// Times, translations and scales must be floats; rotations may be normalised integers [glTF20 §3.11].
 fn check_kind(document: &Document, index: usize, rotation: bool) -> Result<()> {
     let named = |e: Error| e.context(format!("accessor {index}"));
     let accessor = document.accessor(index).map_err(named)?;

@@ -1,6 +1,7 @@
-//! The colour spaces of ꟻLIP: opponent colours in which the eye's filters work, and CIELAB in which colours are compared.
+//! Colour spaces of ꟻLIP: opponent colours for the contrast sensitivity filters, and CIELAB for colour differences.
 
-/// Linear Rec. 709 to CIE XYZ with a white point of D65: chromaticities as in BT.709, to the precision of the authors' tool.
+/// Linear Rec. 709 to CIE XYZ with a white point of D65: chromaticities as in BT.709, to the precision of the authors'
+/// tool.
 const TO_XYZ: [[f32; 3]; 3] = [
     [0.412_386_56, 0.357_591_48, 0.180_450_49],
     [0.212_636_82, 0.715_182_96, 0.072_180_2],
@@ -25,7 +26,7 @@ impl YCxCz {
         YCxCz([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
     }
 
-    /// The display's colour nearest to it: clipped to what it can show.
+    /// Returns the displayable colour: linear RGB, clipped to the gamut.
     fn displayed(self) -> [f32; 3] {
         let YCxCz([y, cx, cz]) = self;
         let y = (y + 16.0) / 116.0;
@@ -39,7 +40,7 @@ impl YCxCz {
 pub(super) struct Lab([f32; 3]);
 
 impl Lab {
-    /// As displayed.
+    /// Converts a colour as displayed.
     pub(super) fn of(color: YCxCz) -> Self {
         Lab::of_rgb(color.displayed())
     }
@@ -50,19 +51,19 @@ impl Lab {
         Lab([l, 0.01 * l * 500.0 * (x - y), 0.01 * l * 200.0 * (y - z)])
     }
 
-    /// The HyAB distance: that of lightness and that of chroma added [Andersson20 §4.1].
+    /// Returns the HyAB distance: the sum of the lightness and chroma distances [Andersson20 §4.1].
     pub(super) fn difference(self, other: Lab) -> f32 {
         let (Lab([l, a, b]), Lab([m, c, d])) = (self, other);
         (l - m).abs() + (a - c).hypot(b - d)
     }
 }
 
-/// The largest difference a display can show: that of its green and its blue [Andersson20 §4.1].
+/// Returns the largest displayable difference, that of green and blue [Andersson20 §4.1].
 pub(super) fn largest_difference() -> f32 {
     Lab::of_rgb([0.0, 1.0, 0.0]).difference(Lab::of_rgb([0.0, 0.0, 1.0]))
 }
 
-/// CIE's curve: a cube root, linear near black.
+/// The CIE lightness function: a cube root, linear near black.
 fn lightness(t: f32) -> f32 {
     const DELTA: f32 = 6.0 / 29.0;
     if t > DELTA * DELTA * DELTA { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
@@ -98,6 +99,8 @@ mod tests {
     #[test]
     fn red_is_where_tables_have_it() {
         let Lab([l, a, b]) = Lab::of_rgb([1.0, 0.0, 0.0]);
-        assert!((l - 53.24).abs() < 0.01 && (a / (0.01 * l) - 80.09).abs() < 0.05 && (b / (0.01 * l) - 67.20).abs() < 0.05);
+        assert!(
+            (l - 53.24).abs() < 0.01 && (a / (0.01 * l) - 80.09).abs() < 0.05 && (b / (0.01 * l) - 67.20).abs() < 0.05
+        );
     }
 }

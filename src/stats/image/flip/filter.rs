@@ -1,5 +1,5 @@
-//! The filters of ꟻLIP, all separable: Gaussians by which the eye blurs each opponent channel, and derivatives of Gaussians that
-//! find edges and points. Beyond the border the image goes on as its last pixel.
+//! Filters of ꟻLIP, all separable: Gaussian contrast sensitivity functions for each opponent channel, and derivatives
+//! of Gaussians for edge and point detection. Border pixels are replicated outwards.
 
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -15,12 +15,12 @@ impl Plane {
         Plane { size, values }
     }
 
-    /// Filtered along both axes.
+    /// Filters along both axes.
     fn filtered(&self, across: &Kernel, down: &Kernel) -> Plane {
         self.across(across).down(down)
     }
 
-    /// Filtered along rows.
+    /// Filters along rows.
     fn across(&self, kernel: &Kernel) -> Plane {
         let (width, radius) = (self.size[0], kernel.radius());
         let mut values = vec![0.0; self.values.len()];
@@ -39,7 +39,7 @@ impl Plane {
         Plane { size: self.size, values }
     }
 
-    /// Filtered along columns.
+    /// Filters along columns.
     fn down(&self, kernel: &Kernel) -> Plane {
         let [width, height] = self.size;
         let radius = kernel.radius();
@@ -58,16 +58,21 @@ fn add(out: &mut [f32], weight: f32, row: &[f32]) {
     out.iter_mut().zip(row).for_each(|(sum, v)| *sum += weight * v);
 }
 
-/// Weights at −radius ..= radius; the filter is the correlation with them.
+/// Weights at −radius ..= radius, applied by correlation.
 pub(super) struct Kernel(Vec<f32>);
 
 impl Kernel {
-    /// `weight` at every offset, scaled so that the positive weights sum to 1 and the negative ones to −1.
+    /// Tabulates `weight` at every offset, scaled so that the positive weights sum to 1 and the negative ones to −1.
     fn new(radius: usize, weight: impl Fn(f64) -> f64) -> Self {
         let weights: Vec<f64> = (0..=2 * radius).map(|tap| weight(tap as f64 - radius as f64)).collect();
         let positive: f64 = weights.iter().filter(|w| **w > 0.0).sum();
         let negative: f64 = -weights.iter().filter(|w| **w < 0.0).sum::<f64>();
-        Kernel(weights.iter().map(|&w| if w > 0.0 { w / positive } else { w / negative.max(f64::MIN_POSITIVE) } as f32).collect())
+        Kernel(
+            weights
+                .iter()
+                .map(|&w| if w > 0.0 { w / positive } else { w / negative.max(f64::MIN_POSITIVE) } as f32)
+                .collect(),
+        )
     }
 
     fn radius(&self) -> usize {
@@ -75,7 +80,7 @@ impl Kernel {
     }
 }
 
-/// A Gaussian by its amplitude a and width b as contrast sensitivity is fitted: a √(π/b) exp(−π² x²/b), x in degrees
+/// Gaussian of the contrast sensitivity fit with amplitude a and width b: a √(π/b) exp(−π² x²/b), x in degrees
 /// [Andersson20 §4.1].
 #[derive(Clone, Copy)]
 struct Sensitivity {
@@ -87,18 +92,18 @@ const LUMINANCE: Sensitivity = Sensitivity { a: 1.0, b: 0.0047 };
 const RED_GREEN: Sensitivity = Sensitivity { a: 1.0, b: 0.0053 };
 const BLUE_YELLOW: [Sensitivity; 2] = [Sensitivity { a: 34.1, b: 0.04 }, Sensitivity { a: 13.5, b: 0.025 }];
 
-/// The eye's blur of each channel.
+/// Contrast sensitivity filter of each channel.
 pub(super) struct Spatial {
     luminance: Kernel,
     red_green: Kernel,
-    /// A sum of two Gaussians, which is not separable, is taken as two filters, each with its share.
+    /// A sum of two Gaussians, which is not separable: two filters with their weights.
     blue_yellow: [(Kernel, f32); 2],
 }
 
 impl Spatial {
     pub(super) fn new(pixels_per_degree: f32) -> Self {
         let density = f64::from(pixels_per_degree);
-        // Three standard deviations of the widest, for all.
+        // Three standard deviations of the widest Gaussian, for all channels.
         let radius = (3.0 * (BLUE_YELLOW[0].b / (2.0 * PI * PI)).sqrt() * density).ceil() as usize;
         let value = |s: Sensitivity, x: f64| (-PI * PI * (x / density).powi(2) / s.b).exp();
         let kernel = |s: Sensitivity| Kernel::new(radius, |x| value(s, x));
@@ -115,7 +120,7 @@ impl Spatial {
         }
     }
 
-    /// The blurred colour of each pixel.
+    /// Returns the filtered colour of each pixel.
     pub(super) fn apply(&self, [y, cx, cz]: &[Plane; 3]) -> impl ParallelIterator<Item = [f32; 3]> + use<> {
         let y = y.filtered(&self.luminance, &self.luminance).values;
         let cx = cx.filtered(&self.red_green, &self.red_green).values;
@@ -127,7 +132,7 @@ impl Spatial {
     }
 }
 
-/// The width of the features that the eye finds, in degrees [Andersson20 §4.2].
+/// Width of the detected features, in degrees [Andersson20 §4.2].
 const FEATURE_WIDTH: f64 = 0.082;
 
 /// Detectors of edges and points.
@@ -149,13 +154,14 @@ impl Feature {
         }
     }
 
-    /// The size of the first and of the second derivative at each pixel of a luminance plane.
+    /// Returns the magnitudes of the first and second derivative at each pixel of a luminance plane.
     pub(super) fn apply(&self, luminance: &Plane) -> Vec<[f32; 2]> {
         let values = luminance.values.iter().map(|y| (y + 16.0) / 116.0).collect();
         let plane = Plane::new(luminance.size, values);
         let across = |kernel| plane.filtered(kernel, &self.gaussian).values;
         let down = |kernel| plane.filtered(&self.gaussian, kernel).values;
-        let size = |kernel| -> Vec<f32> { across(kernel).into_iter().zip(down(kernel)).map(|(x, y)| x.hypot(y)).collect() };
+        let size =
+            |kernel| -> Vec<f32> { across(kernel).into_iter().zip(down(kernel)).map(|(x, y)| x.hypot(y)).collect() };
         size(&self.first).into_iter().zip(size(&self.second)).map(|(edge, point)| [edge, point]).collect()
     }
 }

@@ -1,10 +1,9 @@
-//! ꟻLIP: how different two images look to a person who flips between them on a screen, per pixel from 0 to 1 [Andersson20],
-//! and its extension to high dynamic range, the largest of such differences over a range of exposures [Andersson21]. Written from
-//! the papers and held against the authors' tool (tests below; the script that makes their numbers is
-//! `tests/support/flip_golden.py`).
+//! ꟻLIP: the perceived difference of two images when alternated on a screen, per pixel from 0 to 1 [Andersson20]. Its
+//! HDR extension is the largest such difference over a range of exposures [Andersson21]. Written from the papers and
+//! validated against the authors' tool (tests below; `tests/support/flip_golden.py` generates the expected values).
 //!
-//! Use it where it matters whether an error shows. It is no error of an estimate: it does not fall as 1/n, and it hides what no
-//! one would see. Images are linear Rec. 709, `RGBRGB…`, row by row. What is negative or NaN counts as black.
+//! It measures the visibility of errors. It is not an estimator's error: it does not decrease as 1/n, and it ignores
+//! invisible errors. Images are linear Rec. 709, `RGBRGB…`, row by row. Negative values and NaN count as black.
 
 mod color;
 mod filter;
@@ -13,7 +12,7 @@ use color::{Lab, YCxCz};
 use filter::Plane;
 use rayon::prelude::*;
 
-/// The usual distance of the eye: 0.7 m before a screen 0.7 m and 3840 pixels wide, 67.02 pixels in a degree [Andersson20].
+/// Standard viewing condition: 0.7 m from a screen 0.7 m and 3840 pixels wide, 67.02 pixels per degree [Andersson20].
 pub const PIXELS_PER_DEGREE: f32 = 3840.0 * std::f32::consts::PI / 180.0;
 
 /// Exponents and ranges of the two differences [Andersson20 §4].
@@ -21,30 +20,30 @@ const COLOR_EXPONENT: f32 = 0.7;
 const COLOR_KNEE: f32 = 0.4;
 const BELOW_KNEE: f32 = 0.95;
 const FEATURE_EXPONENT: f32 = 0.5;
-/// The display value up to which the brightest and the median pixel are exposed [Andersson21].
+/// Display value of the brightest and of the median pixel at the exposure limits [Andersson21].
 const EXPOSED: f64 = 0.85;
 
-/// A map of differences.
+/// A map of perceived differences.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flip {
     /// The difference at each pixel, 0 to 1, row by row.
     pub map: Vec<f32>,
-    /// Their mean.
+    /// Mean of the map.
     pub mean: f64,
 }
 
-/// A map of the largest differences over exposures.
+/// A map of the largest perceived differences over exposures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HdrFlip {
     /// The differences.
     pub flip: Flip,
     /// The lowest and highest exposure in stops, from the reference's brightest and median luminance.
     pub exposures: [f32; 2],
-    /// How many exposures were looked at, at even distances.
+    /// Number of exposures, evenly spaced.
     pub steps: u32,
 }
 
-/// The difference as displayed, values above 1 clipped.
+/// Computes the difference of images as displayed; values above 1 are clipped.
 ///
 /// # Panics
 /// Unless both images have 3 × width × height values and `pixels_per_degree` is positive.
@@ -54,9 +53,10 @@ pub fn ldr(image: &[f32], reference: &[f32], size: [usize; 2], pixels_per_degree
     Flip::of(observer.differences(image, reference, clip))
 }
 
-/// The difference at any exposure: the tone mapping is Narkowicz's fit of ACES without its pre-exposure [Narkowicz15], the
-/// exposures reach from where the reference's brightest pixel is displayed at 0.85 to where its median pixel is (the median of
-/// what is not black, if that is less than half), in steps of at most two stops and usually one [Andersson21].
+/// Computes the largest difference over exposures. Tone mapping is Narkowicz's fit of ACES without its pre-exposure
+/// [Narkowicz15]. The exposures range from the brightest reference pixel displayed at 0.85 to the median pixel at 0.85
+/// (the median of non-black pixels, if more than half of the image is black). Steps are at most two stops, usually one
+/// [Andersson21].
 ///
 /// # Panics
 /// As [`ldr`].
@@ -81,18 +81,19 @@ impl Flip {
     }
 }
 
-/// Coefficients of the tone mapping curve (a x² + b x) / (c x² + d x + e), for values that 0.6 is not multiplied to.
+/// Coefficients of the tone mapping curve (a x² + b x) / (c x² + d x + e), with the factor 0.6 of its input multiplied
+/// in.
 const TONE: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 
 /// The display value, 0 to 1, of a linear value.
 fn tone(value: f32, gain: f32) -> f32 {
     let [a, b, c, d, e] = TONE.map(|c| c as f32);
-    // Beyond 1e6 the curve is clipped at 1 and its squares would overflow; the minimum also turns NaN into a number.
+    // Beyond 1e6 the curve is clipped at 1, and its squares would overflow. The minimum also replaces NaN.
     let x = (value.max(0.0) * gain).min(1e6);
     ((x * (a * x + b)) / (x * (c * x + d) + e)).min(1.0)
 }
 
-/// The exposures that show the reference's brightest and its median pixel at [`EXPOSED`].
+/// Returns the exposures that map the brightest and the median reference pixel to [`EXPOSED`].
 fn exposures(reference: &[f32]) -> [f32; 2] {
     let luminance = |c: &[f32]| 0.2126 * c[0].max(0.0) + 0.7152 * c[1].max(0.0) + 0.0722 * c[2].max(0.0);
     let mut luminances: Vec<f32> = reference.chunks_exact(3).map(luminance).filter(|l| l.is_finite()).collect();
@@ -112,7 +113,7 @@ fn exposures(reference: &[f32]) -> [f32; 2] {
     [most, middle].map(|l| (exposed / f64::from(l)).log2() as f32)
 }
 
-/// The upper median; 0 of nothing.
+/// Returns the upper median; 0 for no values.
 fn median(values: &mut [f32]) -> f32 {
     if values.is_empty() {
         return 0.0;
@@ -121,7 +122,7 @@ fn median(values: &mut [f32]) -> f32 {
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// The filters of an eye at a distance, for images of one size.
+/// Filters at a viewing distance, for images of one size.
 struct Observer {
     size: [usize; 2],
     spatial: filter::Spatial,
@@ -131,12 +132,22 @@ struct Observer {
 impl Observer {
     fn new(image: &[f32], reference: &[f32], size: [usize; 2], pixels_per_degree: f32) -> Self {
         let values = 3 * size[0] * size[1];
-        assert!(image.len() == values && reference.len() == values, "{} and {} values of {size:?}", image.len(), reference.len());
+        assert!(
+            image.len() == values && reference.len() == values,
+            "{} and {} values of {size:?}",
+            image.len(),
+            reference.len()
+        );
         assert!(pixels_per_degree > 0.0, "{pixels_per_degree} pixels per degree");
-        Observer { size, spatial: filter::Spatial::new(pixels_per_degree), feature: filter::Feature::new(pixels_per_degree) }
+        Observer {
+            size,
+            spatial: filter::Spatial::new(pixels_per_degree),
+            feature: filter::Feature::new(pixels_per_degree),
+        }
     }
 
-    /// The map of differences between the images after `display` [Andersson20 §4.3]: the colour's, raised by the features'.
+    /// Returns the map of differences between the images after `display` [Andersson20 §4.3]: the colour difference,
+    /// amplified by the feature difference.
     fn differences(&self, image: &[f32], reference: &[f32], display: impl Fn(f32) -> f32 + Sync) -> Vec<f32> {
         let (a, b) = (self.see(image, &display), self.see(reference, &display));
         let largest = color::largest_difference().powf(COLOR_EXPONENT);
@@ -159,13 +170,13 @@ impl Observer {
     }
 }
 
-/// What an eye makes of an image: the colour of each pixel, and how much of an edge and of a point it is.
+/// Filtered image: the colour of each pixel, and its edge and point responses.
 struct Seen {
     colors: Vec<Lab>,
     features: Vec<[f32; 2]>,
 }
 
-/// Colour differences become 0 to 1, the large ones compressed into the last part [Andersson20 §4.1].
+/// Maps colour differences to 0 to 1, with large ones compressed into the last part [Andersson20 §4.1].
 fn compress(difference: f32, largest: f32) -> f32 {
     let knee = COLOR_KNEE * largest;
     if difference < knee {

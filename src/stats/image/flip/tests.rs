@@ -1,10 +1,11 @@
-//! Against the authors' tool, flip-evaluator 1.7; `tests/support/flip_golden.py` prints its numbers and explains the images.
+//! Comparison with the authors' tool, flip-evaluator 1.7; `tests/support/flip_golden.py` prints its results and
+//! explains the images.
 
 use super::*;
 
-/// Means agree to this with the tool, which adds in f32 and stores its constants there.
+/// Tolerance of means; the tool sums in f32 and stores its constants in f32.
 const AGREEMENT: f64 = 1e-5;
-/// Single pixels agree to this: powers of small differences magnify rounding errors.
+/// Tolerance of single pixels: powers of small differences amplify rounding errors.
 const PIXEL_AGREEMENT: f32 = 1e-4;
 
 /// Reference and test image of the script.
@@ -66,7 +67,11 @@ fn hdr_agrees_with_the_tool() {
         let flip = &result.flip;
         assert!((flip.mean - mean).abs() < AGREEMENT, "{size:?} {ppd}: {} {mean}", flip.mean);
         assert!((middle(flip, size) - at).abs() < PIXEL_AGREEMENT, "{size:?} {ppd}: {} {at}", middle(flip, size));
-        assert!(result.exposures.iter().zip(exposures).all(|(a, b): (&f32, f32)| (a - b).abs() < 2e-5), "{:?}", result.exposures);
+        assert!(
+            result.exposures.iter().zip(exposures).all(|(a, b): (&f32, f32)| (a - b).abs() < 2e-5),
+            "{:?}",
+            result.exposures
+        );
         assert_eq!(result.steps, steps);
     }
 }
@@ -96,12 +101,14 @@ fn nothing_breaks_it() {
     let black = vec![0.0; 24];
     let mut sparse = black.clone();
     sparse[4] = 2.0;
-    for (a, b) in [(&image, &black), (&black, &image), (&image, &image), (&black, &black), (&image, &sparse), (&black, &sparse)] {
+    for (a, b) in
+        [(&image, &black), (&black, &image), (&image, &image), (&black, &black), (&image, &sparse), (&black, &sparse)]
+    {
         for flip in [ldr(a, b, size, 30.0), hdr(a, b, size, 30.0).flip] {
             assert!(flip.map.iter().all(|v| (0.0..=1.0).contains(v)), "{flip:?}");
         }
     }
     assert_eq!(hdr(&black, &black, size, 30.0).exposures, [0.0; 2]);
-    // The median of what is not black: one pixel.
+    // The median of the non-black pixels: one pixel.
     assert_eq!(hdr(&black, &sparse, size, 30.0).steps, 2);
 }

@@ -1,37 +1,37 @@
-//! What a film is of, apart from its sums.
+//! Metadata of a film.
 
 use super::{Layout, PassSet, Units};
 use crate::error::{Error, Result};
 
-/// What a film is of and which passes it holds: everything but its sums.
+/// Metadata of a film: everything but its sums.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Head {
-    /// Which pixels and planes.
+pub struct FilmHeader {
+    /// Pixels and planes.
     pub layout: Layout,
-    /// How many replicates passes are dealt to.
+    /// Number of replicates.
     pub replicates: u32,
-    /// The render's seed.
+    /// Seed of the render.
     pub seed: u64,
-    /// The units of the sums.
+    /// Units of the sums.
     pub units: Units,
-    /// Which passes.
+    /// Passes in the film.
     pub passes: PassSet,
-    /// How many values were not finite or too large, and count as zero.
+    /// Number of values that were not finite or too large; they count as zero.
     pub dropped: u64,
 }
 
-impl Head {
-    /// How many sums a replicate has.
+impl FilmHeader {
+    /// Returns the number of sums of a replicate.
     pub(crate) fn values(&self) -> usize {
         self.layout.pixels() * self.layout.channels()
     }
 
-    /// Whether the passes of `other` can be added to those of this film.
+    /// Checks that the passes of `other` can be added to this film.
     ///
     /// # Errors
-    /// If the films differ in layout, replicates, seed or units, or hold a pass in common.
-    pub fn admits(&self, other: &Head) -> Result<()> {
+    /// If the films differ in layout, replicates, seed or units, or share a pass.
+    pub fn admits(&self, other: &FilmHeader) -> Result<()> {
         let refuse = |what: String| Err(Error::scene(format!("the films cannot be merged: {what}")));
         if self.layout != other.layout {
             return refuse("they differ in image size, crop or planes".into());
@@ -51,11 +51,11 @@ impl Head {
         Ok(())
     }
 
-    /// Counts the passes of another film of the same render as held.
+    /// Adds the passes of another film of the same render to the set of passes.
     ///
     /// # Errors
-    /// See [`Head::admits`]; this one is then unchanged.
-    pub(crate) fn absorb(&mut self, other: &Head) -> Result<()> {
+    /// See [`FilmHeader::admits`]; this header is then unchanged.
+    pub(crate) fn absorb(&mut self, other: &FilmHeader) -> Result<()> {
         self.admits(other)?;
         self.passes.union(&other.passes);
         self.dropped += other.dropped;

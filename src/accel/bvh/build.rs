@@ -1,11 +1,11 @@
-//! Builds trees: obvhs makes a binary one, which is then made four-wide.
+//! Tree construction: obvhs builds a binary tree, which is collapsed to a four-wide one.
 
 use super::block::{Block, Corners, LANES};
 use super::cwbvh::triangle;
 use super::tree::{LEAF, Node, Tree};
 use crate::accel::Build;
 use crate::geometry::Bounds;
-use crate::pages::Pages;
+use crate::pages::HugeVec;
 use glam::{Vec3A, Vec4};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -19,12 +19,12 @@ use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
 
-/// What the tests of a node cost in tests of a block: makes leaves fuller than they would be if triangles were tested one by
-/// one.
+/// Cost of a node's box tests relative to a block's triangle tests. It makes leaves fuller than the cost of single
+/// triangles would.
 const TRAVERSAL_COST: f32 = 3.0;
 
-/// A tree over `triangles`, of which there is at least one, and its leaves.
-pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, Pages<Block>) {
+/// Builds a tree over `triangles`, of which there is at least one, with its leaves.
+pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, HugeVec<Block>) {
     let effort = effort(build);
     let bvh = if effort.pre_split {
         let (boxes, indices) = split(triangles);
@@ -41,14 +41,15 @@ pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, Page
     (tree, blocks.into())
 }
 
-/// A tree over `boxes`, of which there is at least one; the leaves are their indices.
+/// Builds a tree over `boxes`, of which there is at least one; the leaves are their indices.
 pub(super) fn over_boxes(boxes: &[Bounds], build: Build) -> Tree {
     let boxes: Vec<Aabb> = boxes.iter().map(|b| Aabb::new(b.min.into(), b.max.into())).collect();
     let bvh = binary(&boxes, every(&boxes), effort(build), 1);
     widen(&bvh, |prims| prims[0] as usize)
 }
 
-/// obvhs's eight-wide compressed tree over `triangles`, of which there is at least one, made as obvhs makes it.
+/// Builds the eight-wide compressed tree of obvhs over `triangles`, of which there is at least one, by its default
+/// procedure.
 pub(super) fn compressed(triangles: &[Corners]) -> CwBvh {
     let effort = effort(Build::Robust);
     let bvh = binary(triangles, every(triangles), effort, 1);
@@ -69,12 +70,12 @@ impl Boundable for Corners {
     }
 }
 
-/// The indices of all of `items`.
+/// Returns the indices of all `items`.
 fn every<T>(items: &[T]) -> Vec<u32> {
     (0..items.len() as u32).collect()
 }
 
-/// Boxes around parts of large triangles.
+/// Splits large triangles and returns boxes around the parts.
 fn split(triangles: &[Corners]) -> (Vec<Aabb>, Vec<u32>) {
     let (mut boxes, mut indices): (Vec<Aabb>, _) = (triangles.iter().map(Boundable::aabb).collect(), every(triangles));
     let areas = boxes.iter().map(Aabb::half_area);
@@ -87,8 +88,13 @@ fn split(triangles: &[Corners]) -> (Vec<Aabb>, Vec<u32>) {
 
 fn binary<B: Boundable>(boxes: &[B], indices: Vec<u32>, effort: BvhBuildParams, most_in_leaf: u32) -> Bvh2 {
     let mut builder = PlocBuilder::with_capacity(boxes.len());
-    let mut bvh =
-        builder.build(effort.ploc_search_distance, boxes, indices, effort.sort_precision, effort.search_depth_threshold);
+    let mut bvh = builder.build(
+        effort.ploc_search_distance,
+        boxes,
+        indices,
+        effort.sort_precision,
+        effort.search_depth_threshold,
+    );
     bvh.uses_spatial_splits = effort.pre_split;
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut bvh, effort.reinsertion_batch_ratio, None);
@@ -100,7 +106,7 @@ fn binary<B: Boundable>(boxes: &[B], indices: Vec<u32>, effort: BvhBuildParams, 
     bvh
 }
 
-/// The four-wide tree of `bvh`; `leaf` is given the primitives of each leaf and names it.
+/// Collapses `bvh` to a four-wide tree; `leaf` stores the primitives of a leaf and returns its index.
 fn widen(bvh: &Bvh2, mut leaf: impl FnMut(&[u32]) -> usize) -> Tree {
     let mut name = |node: &Bvh2Node| {
         let first = node.first_index as usize;
@@ -112,7 +118,7 @@ fn widen(bvh: &Bvh2, mut leaf: impl FnMut(&[u32]) -> usize) -> Tree {
         return Tree::new(Vec::new(), name(root), extent);
     }
     let mut nodes = vec![EMPTY];
-    // Binary inner nodes that become wide ones, and where to.
+    // Binary inner nodes that become wide nodes, with their parent slots.
     let mut open = vec![(root, 0)];
     while let Some((binary, slot)) = open.pop() {
         for (lane, child) in descendants(bvh, binary).into_iter().flatten().enumerate() {
@@ -129,7 +135,8 @@ fn widen(bvh: &Bvh2, mut leaf: impl FnMut(&[u32]) -> usize) -> Tree {
     Tree::new(nodes, 0, extent)
 }
 
-/// Two to four descendants of an inner node that together hold what it does: its children, the largest opened in turn.
+/// Returns two to four descendants of an inner node that cover it: its children, with the largest replaced by its
+/// children in turn.
 fn descendants<'a>(bvh: &'a Bvh2, node: &Bvh2Node) -> [Option<&'a Bvh2Node>; 4] {
     let children = |node: &Bvh2Node| [0, 1].map(|i| &bvh.nodes[node.first_index as usize + i]);
     let [left, right] = children(node);
@@ -145,7 +152,7 @@ fn descendants<'a>(bvh: &'a Bvh2, node: &Bvh2Node) -> [Option<&'a Bvh2Node>; 4] 
     found
 }
 
-/// A node with no children yet.
+/// A node without children.
 const EMPTY: Node = {
     let (least, most) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
     Node { planes: [least, most, least, most, least, most], children: [LEAF; 4] }

@@ -1,29 +1,30 @@
-//! The largest sample of every pixel and the pass that it came from: a firefly can be traced again, and the tail of the
-//! samples be judged. Which ones are kept does not depend on the order of passes and merges.
+//! The largest sample of every pixel with its pass. Fireflies can thus be traced again, and the tail of the samples
+//! estimated. The result does not depend on the order of passes and merges.
 
 use rayon::prelude::*;
 
-/// The largest sample of each pixel, packed so that the larger number is the one to keep: above the bits of its value as
-/// f32, which order like numbers since it is not negative, below 2³² − 1 − pass, so that of equals the earliest stays.
+/// The largest sample of each pixel, packed so that the larger integer is kept. The upper half holds the f32 bits,
+/// which order like the value since it is not negative. The lower half holds 2³² − 1 − pass, so that the earliest of
+/// equal samples is kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Peaks(Vec<u64>);
 
 /// The largest sample of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Peak {
-    /// The mean of its lanes, above zero.
+    /// Mean of the colour channels, above zero.
     pub(crate) value: f32,
-    /// The pass it belongs to; 2³² − 1 for all passes from there on.
+    /// Pass of the sample; 2³² − 1 stands for that pass and all later ones.
     pub(crate) pass: u32,
 }
 
 impl Peaks {
-    /// None yet, for so many pixels.
+    /// Returns an empty set for `pixels` pixels.
     pub(crate) fn new(pixels: usize) -> Self {
         Peaks(vec![0; pixels])
     }
 
-    /// Takes in a pass whose pixels have `channels` values each, the first three of them colour.
+    /// Adds a pass of `channels` values per pixel; the first three are colour.
     pub(crate) fn add(&mut self, pass: u64, values: &[f32], channels: usize) {
         let age = u64::from(u32::MAX - u32::try_from(pass).unwrap_or(u32::MAX));
         let pixels = self.0.par_iter_mut().zip(values.par_chunks_exact(channels));
@@ -35,30 +36,31 @@ impl Peaks {
         });
     }
 
-    /// Takes in all passes of another film of the same size.
+    /// Merges the samples of another film of the same size.
     pub(crate) fn merge(&mut self, other: &Peaks) {
         keep_largest(&mut self.0, &other.0);
     }
 
-    /// The largest sample of a pixel; `None` where none was above zero.
+    /// Returns the largest sample of a pixel, or `None` if no sample was above zero.
     pub(crate) fn at(&self, pixel: usize) -> Option<Peak> {
         let packed = self.0[pixel];
         let value = f32::from_bits((packed >> 32) as u32);
         (packed != 0).then_some(Peak { value, pass: u32::MAX - packed as u32 })
     }
 
-    /// As they are packed, pixel by pixel.
+    /// Returns the packed samples, pixel by pixel.
     pub(crate) fn packed(&self) -> &[u64] {
         &self.0
     }
 
-    /// The same, for [`keep_largest`].
+    /// Returns the packed samples for [`keep_largest`].
     pub(crate) fn packed_mut(&mut self) -> &mut [u64] {
         &mut self.0
     }
 }
 
-/// Takes the larger of each two packed samples; whether all of `others` are none or finite ones above zero.
+/// Keeps the larger of each pair of packed samples. Returns whether every entry of `others` is empty or finite and
+/// above zero.
 pub(crate) fn keep_largest(peaks: &mut [u64], others: &[u64]) -> bool {
     let is_valid = |packed: u64| packed == 0 || (1..f32::INFINITY.to_bits()).contains(&((packed >> 32) as u32));
     peaks.iter_mut().zip(others).for_each(|(peak, &other)| *peak = (*peak).max(other));

@@ -1,35 +1,37 @@
-//! What the largest samples of an image say. Each pixel gives its largest sample over the mean of its others, so that bright parts
-//! of a picture do not pass for a tail; the shape of the tail of these maxima is that of the samples. Over the number of passes the
-//! same is what that one sample did to its pixel, its influence.
+//! Tail of the samples, from the largest sample of each pixel. It is divided by the mean of the pixel's other samples,
+//! so that bright image regions do not count as a tail. The tail shape of these ratios is that of the samples. Divided
+//! by the number of passes, a ratio is the relative effect of that sample on its pixel: its influence.
 
 use super::{Film, Plane};
 use crate::stats::pareto::{Tail, tail_shape};
 use rayon::prelude::*;
 
-/// An influence above this is not resolved: the pixel's denominator is the sample's own, and its relative error too small.
+/// Influences above this are unresolved: the sample dominates the pixel's denominator, and the relative error is
+/// underestimated.
 const RESOLVED: f64 = 0.25;
 
-/// The largest samples of an image, one a pixel.
+/// Statistics of the largest samples of an image, one per pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Peakedness {
-    /// Mean over pixels of the squared influence: what the largest samples alone bring to relMSE.
+    /// Mean over pixels of the squared influence: the contribution of the largest samples alone to relMSE.
     pub squares: f64,
-    /// The part of `squares` that comes of influences that are not resolved.
+    /// Part of `squares` from unresolved influences.
     pub unresolved: f64,
-    /// How many pixels with the same influence would have the same noise: (Σ e²)² / Σ e⁴.
+    /// Number of pixels of equal influence with the same noise: (Σ e²)² / Σ e⁴.
     pub effective_pixels: f64,
-    /// The largest influence.
+    /// Largest influence.
     pub largest: f64,
 }
 
-/// The influences of the largest samples of `film` and the tail of their ratios; `floor` is added to the mean of a pixel's
-/// other samples. `None` where there are too few pixels or passes to tell.
+/// Returns the influences of the largest samples of `film` and the tail of their ratios. `floor` is added to the mean
+/// of a pixel's other samples. The tail is `None` with too few pixels or passes.
 pub(super) fn look(film: &Film, floor: f64) -> (Peakedness, Option<Tail>) {
     let passes = film.passes().len();
     if passes < 2 {
         return (Peakedness::default(), None);
     }
-    let mut ratios: Vec<f64> = (0..film.layout().pixels()).into_par_iter().filter_map(|p| ratio(film, p, floor)).collect();
+    let mut ratios: Vec<f64> =
+        (0..film.layout().pixels()).into_par_iter().filter_map(|p| ratio(film, p, floor)).collect();
     (Peakedness::of(&ratios, passes as f64, film.layout().pixels() as f64), tail_shape(&mut ratios))
 }
 

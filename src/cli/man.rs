@@ -1,4 +1,4 @@
-//! `etendue completions` and `etendue man`: the command line for shells and for `man`.
+//! `etendue completions` and `etendue man`: shell completions and manual pages.
 
 use super::{Console, command};
 use crate::error::{Error, Result};
@@ -18,20 +18,20 @@ pub(super) struct CompletionArgs {
 /// Arguments of `man`.
 #[derive(Debug, clap::Args)]
 pub(super) struct ManArgs {
-    /// The folder that the pages go into
+    /// Folder of the pages
     folder: PathBuf,
     #[command(flatten)]
     console: Console,
 }
 
-/// Prints what a shell must know to complete commands.
+/// Prints the completion script of a shell.
 pub(super) fn completions(args: &CompletionArgs) -> Result<()> {
     let mut text = Vec::new();
     generate(args.shell, &mut command(), "etendue", &mut text);
     super::console::print(&String::from_utf8_lossy(&text))
 }
 
-/// Writes a page for the program and for each of its commands.
+/// Writes a manual page for the program and for each of its commands.
 pub(super) fn man(args: &ManArgs) -> Result<()> {
     std::fs::create_dir_all(&args.folder).map_err(|cause| Error::write(&args.folder, cause))?;
     let mut program = command();
@@ -45,7 +45,7 @@ pub(super) fn man(args: &ManArgs) -> Result<()> {
 
 fn page(command: &clap::Command, name: &str, folder: &Path) -> Result<()> {
     let path = folder.join(format!("{name}.1"));
-    // The name of a page is leaked, once for each: clap keeps names for as long as the program runs.
+    // The page name is leaked once per page, since clap requires `'static` names.
     let name: &'static str = String::leak(name.to_owned());
     let man = Man::new(command.clone().name(name));
     write_atomically(&path, |file| man.render(&mut std::io::BufWriter::new(file as &mut dyn Write)))
