@@ -3,8 +3,8 @@
 //!
 //! Without arguments, as `cargo test --features defects` runs it, it takes the sixth of the defects whose turn it is
 //! today, or the one of `ETENDUE_KILL_PART` (0 to 5), each until one killer kills, the fastest first; `--all` takes
-//! all, `--defect NAME …` those, `--list` says what they are. It fails if a defect survives, if a killer fails without
-//! a defect, is not there, or takes more than [`run::LIMIT`] seconds of a processor.
+//! all, `--defect NAME …` those, `--list` says what they are. It fails if a defect survives, or if a killer fails
+//! without a defect or is not there; `--all` also fails if one takes more than [`run::LIMIT`] seconds of a processor.
 
 // What it prints is what it is for.
 #![allow(clippy::print_stdout)]
@@ -95,5 +95,9 @@ fn judge(defects: Vec<Defect>, until: Until) -> Result<(), String> {
         start.elapsed().as_secs_f64(),
         matrix::processor_seconds(&healthy, &rows)
     );
-    matrix::verdict(&defects, &rows)
+    matrix::verdict(&defects, &rows)?;
+    match until {
+        Until::All => matrix::check_budget(&killers, &healthy),
+        Until::Killed => Ok(()),
+    }
 }

@@ -6,7 +6,8 @@ use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Processor seconds that a killer may take.
+/// Processor seconds that a killer may take on the developers' machine. `--all` fails where one takes longer. Slower or
+/// shared machines take longer for the same work, so elsewhere only [`SCRIPT`]'s limit holds.
 pub(crate) const LIMIT: f64 = 5.0;
 
 /// How a killer ended.
@@ -16,7 +17,7 @@ pub(crate) enum Ending {
     Passed,
     /// One test ran and failed.
     Failed,
-    /// Neither: it does not exist, was stopped at three times the limit, or died without a verdict. No kill.
+    /// Neither: it does not exist, was stopped by [`SCRIPT`], or died without a verdict. No kill.
     Unclear(String),
     /// It did not run, since another had killed before.
     NotRun,
@@ -31,9 +32,8 @@ pub(crate) struct Outcome {
 }
 
 impl Outcome {
-    /// Whether it is a kill in time.
     pub(crate) fn is_kill(&self) -> bool {
-        self.ending == Ending::Failed && self.seconds <= LIMIT
+        self.ending == Ending::Failed
     }
 }
 
@@ -72,7 +72,7 @@ fn in_order(
     done.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The shell stops what hangs and knows how much processor time its children took.
+/// The shell stops what takes more than three times [`LIMIT`], and knows how much processor time its children took.
 const SCRIPT: &str = r#"ulimit -t 15; "$0" --exact "$1" --test-threads=1; times"#;
 
 fn one(planted: Option<Defect>, located: &Located) -> Outcome {
