@@ -17,8 +17,8 @@ mod studio;
 // floor 1
 pub mod defects;
 pub mod error;
+pub mod huge_vec;
 pub mod numeric;
-pub mod pages;
 pub mod parallel;
 // floor 2
 pub mod sampling;
@@ -44,8 +44,11 @@ pub mod path;
 pub mod integrator;
 pub mod io;
 // floor 9
-pub mod render;
+pub mod session;
 // floor 10
+pub mod batch;
+pub mod lab;
+// floor 11
 pub mod cli;
 
 #[doc = include_str!("references.md")]

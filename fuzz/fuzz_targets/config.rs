@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use etendue::render::SettingsPatch;
+use etendue::session::SettingsPatch;
 use etendue_fuzz::check;
 use libfuzzer_sys::fuzz_target;
 

@@ -12,7 +12,7 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn read(bytes: &[u8]) {
-    if let Err(error) = etendue::render::film_file::read(&file("a.film", bytes)) {
+    if let Err(error) = etendue::session::film_file::read(&file("a.film", bytes)) {
         check(&error);
     }
 }

@@ -12,7 +12,7 @@ fuzz_target!(|bytes: &[u8]| {
 });
 
 fn read(bytes: &[u8]) {
-    if let Err(error) = etendue::render::ray_bench::stream_file::read(&file("a.rays", bytes)) {
+    if let Err(error) = etendue::lab::bench_rays::stream_file::read(&file("a.rays", bytes)) {
         check(&error);
     }
 }

@@ -14,14 +14,13 @@
 
 mod block;
 mod build;
-pub mod cwbvh;
 mod ray;
 mod tree;
 
 use crate::accel::{Build, Intersector, placed};
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray, placement_error};
-use crate::pages::HugeVec;
+use crate::huge_vec::HugeVec;
 use block::{Block, Corners};
 use glam::{Affine3A, Vec3};
 use ray::{Query, Slabs};
@@ -52,7 +51,6 @@ pub struct BvhScene {
     /// By object: whether the filter applies.
     filtered: Box<[bool]>,
     any_filtered: bool,
-    bounds: Bounds,
 }
 
 /// The nearest hit so far, or the end of the ray.
@@ -93,7 +91,6 @@ impl BvhScene {
             instances: instances.into(),
             any_filtered: filtered.contains(&true),
             filtered,
-            bounds: bounds.into_iter().fold(Bounds::EMPTY, Bounds::union),
         })
     }
 
@@ -163,10 +160,6 @@ impl Intersector for BvhScene {
             })
         });
         walked.is_break()
-    }
-
-    fn bounds(&self) -> Bounds {
-        self.bounds
     }
 }
 

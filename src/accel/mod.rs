@@ -1,20 +1,18 @@
 //! Ray intersection: one trait, one enum of backends. To add a backend, implement [`Intersector`] in a new file, and
-//! add a variant to [`Backend`] and to [`Accel`].
+//! add a variant to [`Backend`] and to [`Accel`]. An intersector of the caller's own is a [`CustomIntersector`].
 
 pub mod bvh;
+mod custom;
 #[cfg(feature = "embree")]
 pub mod embree;
-pub mod equivalence;
-pub mod hard_cases;
 mod placed;
 mod ray_class;
-mod recorder;
 
+pub use custom::{CustomIntersector, FilterFn, HitFilter};
 pub use ray_class::RayClass;
-pub use recorder::{Query, RayQuery, Recorder};
 
 use crate::error::Result;
-use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
+use crate::geometry::{AnyHit, Geometry, Hit, Ray};
 
 /// Ray queries against committed geometry.
 pub trait Intersector: Send + Sync {
@@ -22,8 +20,6 @@ pub trait Intersector: Send + Sync {
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit>;
     /// Returns whether the ray has any hit that `any` accepts.
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool;
-    /// Returns the bounding box of all geometry.
-    fn bounds(&self) -> Bounds;
 }
 
 /// Build quality of the acceleration structure.
@@ -99,8 +95,8 @@ pub enum Accel {
     Embree(embree::EmbreeScene),
     /// Pure Rust.
     Obvhs(bvh::BvhScene),
-    /// Another variant, with its queries recorded.
-    Recorded(Box<Recorder<Accel>>),
+    /// The caller's own.
+    Custom(Box<dyn CustomIntersector>),
 }
 
 impl Accel {
@@ -128,7 +124,7 @@ impl Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.bytes(),
             Accel::Obvhs(scene) => scene.bytes(),
-            Accel::Recorded(recorder) => recorder.inner().bytes(),
+            Accel::Custom(custom) => custom.bytes(),
         }
     }
 
@@ -138,30 +134,15 @@ impl Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(_) => Backend::Embree,
             Accel::Obvhs(_) => Backend::Obvhs,
-            Accel::Recorded(recorder) => recorder.inner().backend(),
+            Accel::Custom(custom) => custom.backend(),
         }
     }
 
-    /// Sets the class of the next rays for a recording backend; no effect on others.
+    /// Tells an intersector of the caller's own the class of this thread's next rays.
     #[inline]
     pub fn announce(&self, class: RayClass) {
-        if let Accel::Recorded(recorder) = self {
-            recorder.announce(class);
-        }
-    }
-
-    /// Wraps the backend in a recorder of its queries.
-    #[must_use]
-    pub fn recorded(self) -> Accel {
-        Accel::Recorded(Box::new(Recorder::new(self)))
-    }
-
-    /// Returns the backend that [`Accel::recorded`] was called on, and its queries.
-    #[must_use]
-    pub fn questions(self) -> (Accel, Vec<RayQuery>) {
-        match self {
-            Accel::Recorded(recorder) => recorder.finish(),
-            silent => (silent, Vec::new()),
+        if let Accel::Custom(custom) = self {
+            custom.announce(class);
         }
     }
 }
@@ -173,7 +154,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.closest(ray, any),
             Accel::Obvhs(scene) => scene.closest(ray, any),
-            Accel::Recorded(recorder) => recorder.closest(ray, any),
+            Accel::Custom(scene) => scene.closest(ray, custom::filter(any).as_deref()),
         }
     }
 
@@ -183,16 +164,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.occluded(ray, any),
             Accel::Obvhs(scene) => scene.occluded(ray, any),
-            Accel::Recorded(recorder) => recorder.occluded(ray, any),
-        }
-    }
-
-    fn bounds(&self) -> Bounds {
-        match self {
-            #[cfg(feature = "embree")]
-            Accel::Embree(scene) => scene.bounds(),
-            Accel::Obvhs(scene) => scene.bounds(),
-            Accel::Recorded(recorder) => recorder.bounds(),
+            Accel::Custom(scene) => scene.occluded(ray, custom::filter(any).as_deref()),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::Console;
 use super::progress::ProgressArgs;
 use super::task::Task;
 use crate::error::{Error, Result};
-use crate::render::{Budget, Bytes, LoadedScene, Outputs, PassPlan, PassSelection, RenderSettings, SettingsPatch};
+use crate::session::{Budget, Bytes, LoadedScene, Outputs, PassPlan, PassSelection, RenderSettings, SettingsPatch};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -96,7 +96,7 @@ impl OutputArgs {
     /// Checks that all outputs can be written, before the work begins.
     pub(super) fn check(&self, outputs: &Outputs) -> Result<()> {
         let paths = outputs.paths().map(Path::to_owned).chain(self.report.clone());
-        paths.into_iter().try_for_each(|path| crate::render::writable(&path))
+        paths.into_iter().try_for_each(|path| crate::session::writable(&path))
     }
 }
 

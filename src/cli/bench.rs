@@ -4,7 +4,7 @@ mod methods;
 mod rays;
 
 use crate::error::Result;
-use crate::render::picture_name;
+use crate::session::picture_name;
 use std::path::PathBuf;
 
 /// Available measurements.

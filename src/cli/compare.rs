@@ -3,9 +3,9 @@
 use super::args::ThreadArgs;
 use super::{Console, startup};
 use crate::error::Result;
-use crate::render::compare::maps::{self, Map};
-use crate::render::compare::{CompareOutcome, Comparison, ImagePair, MeanDifference, Metrics, Origin, Rejection};
-use crate::render::writable;
+use crate::lab::compare::maps::{self, Map};
+use crate::lab::compare::{CompareOutcome, Comparison, ImagePair, MeanDifference, Metrics, Origin, Rejection};
+use crate::session::writable;
 use std::path::PathBuf;
 
 /// Default family-wise level: the probability that images of the same mean are reported as different.

@@ -4,7 +4,7 @@ use super::args::ThreadArgs;
 use super::{Console, startup};
 use crate::accel::{self, Backend};
 use crate::error::{Error, Kind, Result};
-use crate::render::{Program, machine, megabytes};
+use crate::session::{Program, machine, megabytes};
 use serde::Serialize;
 
 /// Arguments of `doctor`.

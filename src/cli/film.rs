@@ -4,7 +4,7 @@ use super::args::ThreadArgs;
 use super::{Console, startup};
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::render::{Budget, Provenance, checkpoint, images};
+use crate::session::{Budget, Provenance, checkpoint, images};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -75,7 +75,7 @@ pub(super) fn watch(args: &WatchArgs) -> Result<()> {
     if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
         return Err(Error::usage(format!("{}: what is watched is written as .png", path.display())));
     }
-    crate::render::writable(&path)?;
+    crate::session::writable(&path)?;
     let mut seen = None;
     loop {
         let changed = changed(&args.film_file);

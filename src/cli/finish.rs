@@ -5,7 +5,7 @@ use super::{Console, console};
 use crate::error::{Error, Kind, Result};
 use crate::film::ImageError;
 use crate::io::atomic::write_atomically;
-use crate::render::{Ended, Outputs, RenderReport, Rendered, checkpoint, picture_name};
+use crate::session::{Ended, Outputs, RenderReport, Rendered, checkpoint, picture_name};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

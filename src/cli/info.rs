@@ -5,8 +5,8 @@ use super::{Console, startup};
 use crate::error::Result;
 use crate::film::Film;
 use crate::integrator;
-use crate::render::{RenderSettings, megabytes};
 use crate::scene::SceneInfo;
+use crate::session::{RenderSettings, megabytes};
 use serde::Serialize;
 
 /// Arguments of `info`.

@@ -3,7 +3,7 @@
 use super::Console;
 use crate::error::{Error, Result};
 use crate::io::atomic::write_atomically;
-use crate::render::SettingsPatch;
+use crate::session::SettingsPatch;
 use clap::{Args as _, Command};
 use std::io::Write;
 use std::path::PathBuf;

@@ -3,8 +3,8 @@
 use super::args::{OutputArgs, ThreadArgs};
 use super::{Console, finish, startup};
 use crate::error::{Error, Result};
-use crate::render::merge::{Gaps, merge};
-use crate::render::{LoadedScene, PassSelection, Provenance, Rendered, images, picture_name};
+use crate::session::merge::{Gaps, merge};
+use crate::session::{LoadedScene, PassSelection, Provenance, Rendered, images, picture_name};
 use std::path::PathBuf;
 
 /// Arguments of `merge`.

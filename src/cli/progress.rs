@@ -6,7 +6,7 @@ use super::{Console, console};
 use crate::error::{Error, Result};
 use crate::film::ImageError;
 use crate::parallel::Cancel;
-use crate::render::{Checkpoint, Ended, Observer, Progress, Session};
+use crate::session::{Checkpoint, Ended, Observer, Progress, Session};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::net::SocketAddr;

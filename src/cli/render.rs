@@ -6,9 +6,9 @@ use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::techniques::TechniqueArgs;
 use super::{Console, startup, task};
+use crate::batch::{Frames, Job, JobRequest};
 use crate::error::Result;
-use crate::render::job::{Job, JobRequest};
-use crate::render::{Ended, Frames, PassPlan, PassSelection, Provenance, SettingsPatch, picture_name};
+use crate::session::{Ended, PassPlan, PassSelection, Provenance, SettingsPatch, picture_name};
 use std::path::Path;
 
 /// Arguments of `render`.

@@ -5,7 +5,7 @@ use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::{Console, startup};
 use crate::error::{Error, Result};
-use crate::render::{
+use crate::session::{
     Budget, EnvironmentChoice, LoadedScene, Outputs, PassPlan, PassSelection, Session, SettingsPatch, Surroundings,
     checkpoint,
 };

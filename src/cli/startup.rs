@@ -2,8 +2,8 @@
 
 use super::args::ThreadArgs;
 use crate::error::{Error, Kind, Result};
-use crate::render::Program;
-use crate::render::machine::{Processor, limit_memory, threads};
+use crate::session::Program;
+use crate::session::machine::{Processor, limit_memory, threads};
 use std::process::ExitCode;
 use std::sync::LazyLock;
 

@@ -3,7 +3,7 @@
 use super::console;
 use crate::film::{Film, ImageError};
 use crate::integrator::Guards;
-use crate::render::{PassSelection, Progress, Provenance, machine};
+use crate::session::{PassSelection, Progress, Provenance, machine};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -83,7 +83,7 @@ impl Status {
             PassSelection::Range { start, end } => Some(format!("{start}..{end}")),
         };
         Status {
-            scene: crate::render::picture_name(&provenance.scene.path).to_string_lossy().into_owned(),
+            scene: crate::session::picture_name(&provenance.scene.path).to_string_lossy().into_owned(),
             camera: settings.camera.clone().unwrap_or_else(|| "0".into()),
             method: serde_json::json!(settings.method),
             shard,

@@ -5,8 +5,8 @@ use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::{Console, finish, progress};
 use crate::error::Result;
-use crate::render::checkpoint::{self, INTERVAL};
-use crate::render::{
+use crate::session::checkpoint::{self, INTERVAL};
+use crate::session::{
     Checkpoint, Ended, ExistingOutput, LoadedScene, Outputs, Provenance, RenderReport, Rendered, Session,
 };
 use std::path::PathBuf;

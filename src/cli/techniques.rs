@@ -5,9 +5,9 @@ use super::Console;
 use super::progress::Meter;
 use crate::error::{Error, Result};
 use crate::integrator::Method;
+use crate::lab::techniques::{self, TechniqueFiles};
 use crate::parallel::Cancel;
-use crate::render::techniques::{self, TechniqueFiles};
-use crate::render::{Ended, Outputs, Session};
+use crate::session::{Ended, Outputs, Session};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -38,7 +38,7 @@ impl TechniqueArgs {
         if let Some(both) = files.paths().find(|path| outputs.paths().any(|output| output == *path)) {
             return Err(Error::usage(format!("--techniques: {} is the render's own output", both.display())));
         }
-        files.paths().try_for_each(crate::render::writable)?;
+        files.paths().try_for_each(crate::session::writable)?;
         Ok(Some(files))
     }
 

@@ -6,12 +6,13 @@ use super::signals::Signals;
 use super::{Console, startup};
 use crate::accel::Backend;
 use crate::error::{Error, Kind, Result};
+use crate::film::pyramid::Pyramid;
 use crate::integrator::Method;
-use crate::render::same_mean::{Outcome, Pyramid, TestedPicture, judge};
-use crate::render::verify::{
+use crate::lab::same_mean::{Outcome, TestedPicture, judge};
+use crate::lab::verify::{
     Candidate, Effort, Ran, VerifyReport, VerifyRequest, affordable, run as render, write_pictures,
 };
-use crate::render::{Budget, LoadedScene, SettingsPatch, round_spp, writable};
+use crate::session::{Budget, LoadedScene, SettingsPatch, round_spp, writable};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -147,7 +148,7 @@ fn choices(scene: &SceneArgs) -> Result<SettingsPatch> {
 
 fn effort(who: &Who, line: &SettingsPatch) -> Effort {
     match line.spp {
-        Some(spp) => Effort::Spp(round_spp(u64::from(spp), crate::render::verify::REPLICATES)),
+        Some(spp) => Effort::Spp(round_spp(u64::from(spp), crate::lab::verify::REPLICATES)),
         None => Effort::Time(who.budget.map_or(BUDGET, |Budget(time)| time)),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Console;
 use crate::film::{Film, Plane};
-use crate::render::{Provenance, picture_name};
+use crate::session::{Provenance, picture_name};
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};

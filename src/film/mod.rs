@@ -13,6 +13,7 @@ mod noise;
 mod pass_film;
 mod pass_set;
 mod prior;
+pub mod pyramid;
 mod replicates;
 mod splats;
 mod sums;

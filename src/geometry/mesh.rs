@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::Bounds;
-use crate::pages::HugeVec;
+use crate::huge_vec::HugeVec;
 use glam::{Vec2, Vec3, Vec4};
 
 /// Optional per-vertex data besides positions. Each array is as long as the positions.

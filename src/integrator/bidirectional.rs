@@ -71,11 +71,11 @@ pub(super) struct Bidirectional<'a> {
 }
 
 impl<'a> Bidirectional<'a> {
-    pub(super) fn new(scene: &'a Scene, camera: &Camera, options: &IntegratorConfig, prelude: &PilotEstimate) -> Self {
+    pub(super) fn new(scene: &'a Scene, camera: &Camera, options: &IntegratorConfig, pilot: &PilotEstimate) -> Self {
         let IntegratorConfig { techniques, heuristic, .. } = *options;
         let weights = MisStrategy { techniques, heuristic, light_walks: options.pixels() as f64 };
         let events = 0..=options.max_depth.map_or(usize::MAX, |d| d as usize);
-        let worthwhile = WORTHWHILE * prelude.typical;
+        let worthwhile = WORTHWHILE * pilot.typical;
         let (camera, transparent) = (camera.clone(), options.transparent);
         Bidirectional { scene, camera, weights, events, worthwhile, transparent }
     }

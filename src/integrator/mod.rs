@@ -8,7 +8,7 @@ mod ids;
 mod method;
 mod metropolis;
 mod path;
-mod prelude;
+mod pilot;
 mod prior;
 mod samples;
 mod technique_images;
@@ -16,7 +16,7 @@ mod technique_images;
 pub use ids::ids;
 pub use method::Method;
 pub use metropolis::{ChainDigest, ChainReport, MetropolisOptions, Mutations, Normalisation, Tiles};
-pub use prelude::PilotEstimate;
+pub use pilot::PilotEstimate;
 pub use prior::prior;
 pub use technique_images::{TechniqueImage, TechniqueImages, technique_images};
 
@@ -81,13 +81,13 @@ impl IntegratorConfig {
     }
 }
 
-/// Builds the integrator of `method` for `scene` and `camera`; all passes share `prelude`.
+/// Builds the integrator of `method` for `scene` and `camera`; all passes share `pilot`.
 pub fn build<'a>(
     method: Method,
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
-    prelude: &PilotEstimate,
+    pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
     let (depth, transparent) = (options.max_depth, options.transparent);
     match method {
@@ -108,22 +108,22 @@ pub fn build<'a>(
                 scene,
                 &camera,
                 &IntegratorConfig { techniques: Techniques::LIGHT, ..*options },
-                prelude,
+                pilot,
             );
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
         Method::Bdpt => {
-            let tracer = Bidirectional::new(scene, &camera, options, prelude);
+            let tracer = Bidirectional::new(scene, &camera, options, pilot);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
-        Method::Pssmlt => metropolis::pssmlt(scene, camera, options, prelude),
-        Method::Mmlt => metropolis::mmlt(scene, camera, options, prelude),
-        Method::Mlt => metropolis::mlt(scene, camera, options, prelude),
+        Method::Pssmlt => metropolis::pssmlt(scene, camera, options, pilot),
+        Method::Mmlt => metropolis::mmlt(scene, camera, options, pilot),
+        Method::Mlt => metropolis::mlt(scene, camera, options, pilot),
     }
 }
 
 /// Computes the pilot estimate that all passes over an image of `layout` share.
-pub fn prelude(scene: &Scene, camera: &Camera, options: &IntegratorConfig, layout: &Layout) -> PilotEstimate {
+pub fn pilot(scene: &Scene, camera: &Camera, options: &IntegratorConfig, layout: &Layout) -> PilotEstimate {
     // The naive tracer is blind to some lights. The pilot uses a method without this limit, so that all methods get the
     // same units.
     PilotEstimate::new(scene, layout, options, camera, |camera, options| {

@@ -12,7 +12,7 @@
 use super::bidirectional::{Bidirectional, Sink, TechniqueSample};
 use super::camera_pass::{CHUNK, gather};
 use super::samples::{Sample, Samples, Work};
-use super::{IntegratorConfig, InvalidSample, PassReport, PilotEstimate, prelude};
+use super::{IntegratorConfig, InvalidSample, PassReport, PilotEstimate, pilot};
 use crate::camera::Camera;
 use crate::film::{Film, Filter, Layout, PassFilm};
 use crate::parallel::Cancel;
@@ -87,7 +87,7 @@ pub fn technique_images(
 ) -> Option<TechniqueImages> {
     let options =
         IntegratorConfig { max_depth: Some(options.max_depth.map_or(deepest, |most| most.min(deepest))), ..*options };
-    let units = prelude(scene, camera, &options, layout).units;
+    let units = pilot(scene, camera, &options, layout).units;
     let layout = Layout::new(layout.width, layout.height, Some(layout.crop), &[]);
     let recorder = Recorder {
         samples: Samples::new(camera.clone(), &options),

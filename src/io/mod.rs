@@ -6,6 +6,5 @@ pub mod exr;
 pub mod gltf;
 pub(crate) mod hashed;
 pub mod hdr;
-pub mod page;
 pub mod png;
 pub mod primaries;

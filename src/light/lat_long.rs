@@ -17,8 +17,8 @@
 
 use super::{EmitterPoint, LightSample};
 use crate::defects::{Defect, planted};
+use crate::huge_vec::HugeVec;
 use crate::numeric::BELOW_ONE;
-use crate::pages::HugeVec;
 use crate::sampling::{Density, Distribution, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
 use crate::texture::RadianceMap;

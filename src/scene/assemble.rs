@@ -6,7 +6,7 @@ use super::material::Material;
 use super::rebase::Rebase;
 use crate::error::{Error, Result};
 use crate::geometry::{Attributes, Bodies, Geometry, Object, TriangleMesh, is_placement};
-use crate::pages::HugeVec;
+use crate::huge_vec::HugeVec;
 use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;

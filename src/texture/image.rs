@@ -2,7 +2,7 @@
 
 use super::Encoding;
 use super::extremes::{self, Stored};
-use crate::pages::HugeVec;
+use crate::huge_vec::HugeVec;
 use std::sync::{LazyLock, OnceLock};
 
 /// Stored texels, row by row from the top.

@@ -1,6 +1,6 @@
 //! Radiance over all directions: the texels of a latitude-longitude map.
 
-use crate::pages::HugeVec;
+use crate::huge_vec::HugeVec;
 
 /// Linear radiance in latitude-longitude layout, three f32 per texel. The first row is at the zenith.
 pub struct RadianceMap {

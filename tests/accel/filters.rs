@@ -2,10 +2,10 @@
 
 use crate::brute_force::{BruteForce, fault};
 use crate::scenes::{Random, built, each, placed_cube, scene_of, setups, triangle};
-use etendue::accel::equivalence::{Agreement, agreement};
-use etendue::accel::hard_cases::{self, HardCase};
 use etendue::accel::{Backend, Build, Intersector};
 use etendue::geometry::{AnyHit, Geometry, Hit, Opaque, Ray};
+use etendue::lab::equivalence::{Agreement, agreement};
+use etendue::lab::hard_cases::{self, HardCase};
 use glam::{Affine3A, Vec3};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -3,10 +3,10 @@
 
 use crate::deep::deep;
 use crate::judge::{Judge, is_met};
-use etendue::accel::equivalence::{Agreement, Category, agreement};
-use etendue::accel::hard_cases::{HardCase, all, title};
 use etendue::accel::{Accel, Backend, Build, Intersector};
 use etendue::geometry::{Hit, Opaque, Ray};
+use etendue::lab::equivalence::{Agreement, Category, agreement};
+use etendue::lab::hard_cases::{HardCase, all, title};
 use rayon::prelude::*;
 
 /// Rays that the judge tries all triangles of, whatever the backends say.

@@ -1,8 +1,8 @@
 //! Small scenes and random rays.
 
-use etendue::accel::hard_cases::sphere;
 use etendue::accel::{Accel, Backend, Build};
 use etendue::geometry::{Attributes, Geometry, Object, Ray, TriangleMesh};
+use etendue::lab::hard_cases::sphere;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;

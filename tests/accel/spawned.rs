@@ -2,8 +2,9 @@
 
 use crate::deep::deep;
 use crate::scenes::{Random, built, each, icosphere, mesh, scene_of};
-use etendue::accel::{Accel, Backend, Build, Intersector, hard_cases};
+use etendue::accel::{Accel, Backend, Build, Intersector};
 use etendue::geometry::{Geometry, Hit, Opaque, Ray, Triangle, spawn_ray};
+use etendue::lab::hard_cases;
 use glam::{Affine3A, Mat3, Vec3};
 use rayon::prelude::*;
 

@@ -67,8 +67,8 @@ pub(crate) fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f
         ..IntegratorConfig::new(&layout)
     };
     let camera = scene.camera(Some(&camera.to_string()), side, side).expect("a camera");
-    let prelude = integrator::prelude(scene, &camera, &options, &layout);
-    let integrator = integrator::build(method, scene, camera, &options, &prelude);
+    let pilot = integrator::pilot(scene, &camera, &options, &layout);
+    let integrator = integrator::build(method, scene, camera, &options, &pilot);
     let (mut pass, mut sums) = (PassFilm::new(&layout), vec![0.0; layout.pixels() * 3]);
     for k in 0..spp {
         pass.clear();

@@ -7,9 +7,9 @@ use crate::references::load;
 use etendue::film::{Film, Filter, ImageError, Layout, PassFilm, Plane};
 use etendue::integrator::{self, IntegratorConfig, Method, MetropolisOptions};
 use etendue::parallel::Cancel;
-use etendue::render::target::{self, Check};
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
+use etendue::session::target::{self, Check};
 use etendue::stats::{sidak_level, student_quantile};
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
@@ -89,9 +89,9 @@ impl Study<'_> {
             ..IntegratorConfig::new(&layout)
         };
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
-        let prelude = integrator::prelude(self.scene, &camera, &options, &layout);
-        let mut film = Film::new(layout.clone(), replicates, seed, prelude.units);
-        let integrator = integrator::build(method, self.scene, camera, &options, &prelude);
+        let pilot = integrator::pilot(self.scene, &camera, &options, &layout);
+        let mut film = Film::new(layout.clone(), replicates, seed, pilot.units);
+        let integrator = integrator::build(method, self.scene, camera, &options, &pilot);
         let (mut values, mut looks) = (PassFilm::new(&layout), Vec::new());
         let mut means = vec![vec![0.0; layout.pixels() * 3]; replicates as usize];
         for pass in 0..spp {

@@ -75,10 +75,10 @@ pub(crate) fn render_guarded(scene: &Scene, shot: Shot) -> (Picture, Guards) {
         ..IntegratorConfig::new(&layout)
     };
     let camera = scene.camera(None, shot.side, shot.side).expect("a camera");
-    let prelude = integrator::prelude(scene, &camera, &options, &layout);
-    let mut film = Film::new(layout.clone(), REPLICATES, shot.seed, prelude.units);
-    let integrator = integrator::build(shot.method, scene, camera, &options, &prelude);
-    let mut pass_film = PassFilm::new(&layout).with_unit(prelude.units.radiance);
+    let pilot = integrator::pilot(scene, &camera, &options, &layout);
+    let mut film = Film::new(layout.clone(), REPLICATES, shot.seed, pilot.units);
+    let integrator = integrator::build(shot.method, scene, camera, &options, &pilot);
+    let mut pass_film = PassFilm::new(&layout).with_unit(pilot.units.radiance);
     let mut total = PassReport::default();
     for pass in 0..shot.spp {
         pass_film.clear();

@@ -4,8 +4,8 @@ use crate::deep::deep;
 use crate::picture::{Picture, Shot, agree, limit, render};
 use etendue::integrator::Method;
 use etendue::io::{exr, gltf};
-use etendue::render::{LoadedScene, SettingsPatch};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::session::{LoadedScene, SettingsPatch};
 use std::path::{Path, PathBuf};
 
 fn project(path: &str) -> PathBuf {

@@ -4,10 +4,11 @@
 
 use crate::deep::deep;
 use crate::references::load;
+use etendue::film::pyramid::Pyramid;
 use etendue::film::{Film, Filter, Layout, PassFilm};
 use etendue::integrator::{self, IntegratorConfig, Method, MetropolisOptions};
+use etendue::lab::same_mean::{Outcome, TestedPicture, judge};
 use etendue::parallel::Cancel;
-use etendue::render::same_mean::{Outcome, Pyramid, TestedPicture, judge};
 use etendue::scene::Scene;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
@@ -46,10 +47,10 @@ impl Subject {
             ..IntegratorConfig::new(&layout)
         };
         let camera = scene.camera(None, side, side).expect("a camera");
-        let prelude = integrator::prelude(scene, &camera, &options, &layout);
-        let mut film = Film::new(layout.clone(), replicates, seed, prelude.units);
-        let integrator = integrator::build(method, scene, camera, &options, &prelude);
-        let mut values = PassFilm::new(&layout).with_unit(prelude.units.radiance);
+        let pilot = integrator::pilot(scene, &camera, &options, &layout);
+        let mut film = Film::new(layout.clone(), replicates, seed, pilot.units);
+        let integrator = integrator::build(method, scene, camera, &options, &pilot);
+        let mut values = PassFilm::new(&layout).with_unit(pilot.units.radiance);
         for pass in 0..spp {
             values.clear();
             integrator.run_pass(pass, &Cancel::new(), &mut values).expect("not cancelled");

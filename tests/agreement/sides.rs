@@ -125,11 +125,11 @@ fn features_are_those_of_what_is_seen() {
     let scene = before_a_wall(curtain());
     let camera = scene.camera(None, side, side).expect("a camera");
     let options = IntegratorConfig { seed: 1, filter: Filter::Box, ..IntegratorConfig::new(&layout) };
-    let prelude = integrator::prelude(&scene, &camera, &options, &layout);
-    let mut film = Film::new(layout.clone(), options.replicates, options.seed, prelude.units);
+    let pilot = integrator::pilot(&scene, &camera, &options, &layout);
+    let mut film = Film::new(layout.clone(), options.replicates, options.seed, pilot.units);
     let mut pass = PassFilm::new(&layout);
     let ids = integrator::ids(&scene, &camera, &layout);
-    integrator::build(Method::Path, &scene, camera, &options, &prelude)
+    integrator::build(Method::Path, &scene, camera, &options, &pilot)
         .run_pass(0, &Cancel::new(), &mut pass)
         .expect("a pass");
     film.commit(0, &pass);

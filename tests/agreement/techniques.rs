@@ -53,7 +53,7 @@ fn layout() -> Layout {
 /// The picture of `bdpt` as it is rendered.
 fn picture(scene: &Scene, options: &IntegratorConfig, passes: u64) -> Film {
     let (layout, camera) = (layout(), scene.camera(None, SIDE as u32, SIDE as u32).expect("a camera"));
-    let units = integrator::prelude(scene, &camera, options, &layout).units;
+    let units = integrator::pilot(scene, &camera, options, &layout).units;
     let mut film = Film::new(layout.clone(), options.replicates, options.seed, units);
     let method = integrator::build(Method::Bdpt, scene, camera, options, &PilotEstimate::default());
     for pass in 0..passes {

@@ -27,9 +27,9 @@ fn looks(scene: &Scene, method: Method, counts: &[u64], seed: u64) -> Vec<ToneMa
     let layout = Layout::new(SIDE, SIDE, None, &[]);
     let options = IntegratorConfig { seed, ..IntegratorConfig::new(&layout) };
     let camera = scene.camera(None, SIDE, SIDE).expect("a camera");
-    let prelude = integrator::prelude(scene, &camera, &options, &layout);
-    let mut film = Film::new(layout.clone(), options.replicates, seed, prelude.units);
-    let integrator = integrator::build(method, scene, camera, &options, &prelude);
+    let pilot = integrator::pilot(scene, &camera, &options, &layout);
+    let mut film = Film::new(layout.clone(), options.replicates, seed, pilot.units);
+    let integrator = integrator::build(method, scene, camera, &options, &pilot);
     let known = Known { independent: method.independent(), prior: integrator::prior(method, scene) };
     let (mut values, mut found) = (PassFilm::new(&layout), Vec::new());
     for pass in 0..*counts.last().expect("a count") {
@@ -152,7 +152,7 @@ fn the_pilot_decides_alike_for_all_seeds() {
     let typical = |power: f32, seed: u64| {
         let scene = lit_by(power);
         let camera = scene.camera(None, SIDE, SIDE).expect("a camera");
-        integrator::prelude(&scene, &camera, &IntegratorConfig { seed, ..IntegratorConfig::new(&layout) }, &layout)
+        integrator::pilot(&scene, &camera, &IntegratorConfig { seed, ..IntegratorConfig::new(&layout) }, &layout)
             .typical
     };
     let (mut below, mut above) = (1.0, 2.0);

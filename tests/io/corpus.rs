@@ -4,9 +4,9 @@ use crate::support::shared;
 use etendue::accel::{Backend, Build};
 use etendue::error::{Error, Kind};
 use etendue::io::gltf;
-use etendue::render::SettingsPatch;
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::session::SettingsPatch;
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -90,13 +90,13 @@ fn every_kept_film_image_stream_and_configuration_is_read_or_one_sentence() {
     let forged = folder.path().join("forged.film");
     let mut read = [0; 2];
     for file in kept("film") {
-        read[0] += survives(&file, || etendue::render::film_file::read(&file)).map_or(0, |_| 1);
+        read[0] += survives(&file, || etendue::session::film_file::read(&file)).map_or(0, |_| 1);
         std::fs::write(&forged, forge::film(&std::fs::read(&file).expect("a file"))).expect("a written file");
-        read[1] += survives(&file, || etendue::render::film_file::read(&forged)).map_or(0, |_| 1);
+        read[1] += survives(&file, || etendue::session::film_file::read(&forged)).map_or(0, |_| 1);
     }
     // Those of the current version are read to their end, as they are and as the fuzz target makes them.
     assert!(read.iter().all(|&count| count > 0), "{read:?} films are read");
-    let stream = |file: &PathBuf| survives(file, || etendue::render::ray_bench::stream_file::read(file)).is_some();
+    let stream = |file: &PathBuf| survives(file, || etendue::lab::bench_rays::stream_file::read(file)).is_some();
     assert!(kept("rays").iter().filter(|file| stream(file)).count() > 0, "none is read to its end");
 }
 

@@ -1,19 +1,16 @@
 //! Tree construction: obvhs builds a binary tree, which is collapsed to a four-wide one.
 
 use super::block::{Block, Corners, LANES};
-use super::cwbvh::triangle;
 use super::tree::{LEAF, Node, Tree};
 use crate::accel::Build;
 use crate::geometry::Bounds;
-use crate::pages::HugeVec;
+use crate::huge_vec::HugeVec;
 use glam::{Vec3A, Vec4};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
@@ -48,14 +45,6 @@ pub(super) fn over_boxes(boxes: &[Bounds], build: Build) -> Tree {
     widen(&bvh, |prims| prims[0] as usize)
 }
 
-/// Builds the eight-wide compressed tree of obvhs over `triangles`, of which there is at least one, by its default
-/// procedure.
-pub(super) fn compressed(triangles: &[Corners]) -> CwBvh {
-    let effort = effort(Build::Robust);
-    let bvh = binary(triangles, every(triangles), effort, 1);
-    bvh2_to_cwbvh(&bvh, effort.max_prims_per_leaf.clamp(1, 3), true, false)
-}
-
 fn effort(build: Build) -> BvhBuildParams {
     match build {
         Build::Fast => BvhBuildParams::very_fast_build(),
@@ -70,6 +59,13 @@ impl Boundable for Corners {
     }
 }
 
+impl From<&Corners> for Triangle {
+    fn from(corners: &Corners) -> Self {
+        let [v0, v1, v2] = corners.vertices.map(Vec3A::from);
+        Triangle { v0, v1, v2 }
+    }
+}
+
 /// Returns the indices of all `items`.
 fn every<T>(items: &[T]) -> Vec<u32> {
     (0..items.len() as u32).collect()
@@ -81,7 +77,7 @@ fn split(triangles: &[Corners]) -> (Vec<Aabb>, Vec<u32>) {
     let areas = boxes.iter().map(Aabb::half_area);
     let (sum, largest) = areas.fold((0.0, 0.0f32), |(sum, largest), area| (sum + f64::from(area), largest.max(area)));
     let mean = (sum / boxes.len() as f64) as f32;
-    let triangles: Vec<Triangle> = triangles.iter().map(triangle).collect();
+    let triangles: Vec<Triangle> = triangles.iter().map(Triangle::from).collect();
     split_aabbs_preset(&mut boxes, &mut indices, &triangles, mean, largest);
     (boxes, indices)
 }

@@ -2,7 +2,7 @@
 
 use super::Nearest;
 use super::ray::Slabs;
-use crate::pages::HugeVec;
+use crate::huge_vec::HugeVec;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 use smallvec::SmallVec;

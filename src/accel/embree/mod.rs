@@ -22,7 +22,7 @@ mod scene;
 
 use crate::accel::{Build, Intersector, placed};
 use crate::error::Result;
-use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray};
+use crate::geometry::{AnyHit, Geometry, Hit, Ray};
 use filter::Filter;
 use scene::{Committed, SceneBuilder};
 use std::sync::Arc;
@@ -35,7 +35,6 @@ pub struct EmbreeScene {
     /// By object: whether the filter applies.
     filtered: Box<[bool]>,
     any_filtered: bool,
-    bounds: Bounds,
     device: Arc<Device>,
 }
 
@@ -50,7 +49,7 @@ impl EmbreeScene {
         let device = Arc::new(Device::new(threads)?);
         let mut top = SceneBuilder::new(&device)?;
         let mut prototypes = vec![None; geometry.meshes.len()];
-        let bounds = placed::bounds(geometry)?.into_iter().fold(Bounds::EMPTY, Bounds::union);
+        placed::bounds(geometry)?; // refuses what is out of range
         for (index, object) in geometry.objects.iter().enumerate() {
             let mesh = placed::mesh(geometry, index)?;
             let Some(placement) = &object.placement else {
@@ -66,7 +65,7 @@ impl EmbreeScene {
         }
         let filtered: Box<[bool]> = geometry.objects.iter().map(|object| object.filtered).collect();
         let any_filtered = filtered.contains(&true);
-        Ok(EmbreeScene { top: top.commit(build)?, filtered, any_filtered, bounds, device })
+        Ok(EmbreeScene { top: top.commit(build)?, filtered, any_filtered, device })
     }
 
     /// Returns the memory of Embree's acceleration structures in bytes, without the meshes.
@@ -114,10 +113,6 @@ impl Intersector for EmbreeScene {
         filter::resume_panic(filter);
         // Embree marks an occluded ray by a last parameter of −∞.
         query.tfar < ray.t_max
-    }
-
-    fn bounds(&self) -> Bounds {
-        self.bounds
     }
 }
 

@@ -2,19 +2,17 @@
 //! does not stop the remaining pictures.
 
 mod rows;
-mod stages;
 
 use super::args::{StrictArgs, ThreadArgs};
 use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::task::{Task, warn};
 use super::{Console, startup};
+use crate::batch::{Job, JobPicture, SceneCache, SceneKey};
 use crate::error::{Error, Kind, Result};
-use crate::render::checkpoint::INTERVAL;
-use crate::render::job::{Job, JobPicture};
-use crate::render::{Ended, Outputs, PassSelection, Provenance, Rendered, SettingsPatch};
+use crate::session::checkpoint::INTERVAL;
+use crate::session::{Ended, Outputs, PassSelection, Provenance, Rendered, SettingsPatch};
 use rows::{Entry, Outcome, WriterQueue};
-use stages::{SceneCache, SceneKey};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -177,7 +175,7 @@ impl Batch<'_> {
         for path in outputs.paths().chain(picture.report.as_deref()) {
             let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
             folder.map_or(Ok(()), std::fs::create_dir_all).map_err(|cause| Error::write(path, cause))?;
-            crate::render::writable(path)?;
+            crate::session::writable(path)?;
         }
         let console = Console { silent: true, ..self.means.console };
         Ok(Task {

@@ -1,9 +1,9 @@
 //! Results of the pictures of a batch: one row each, printed as soon as it is known, and a summary.
 
+use crate::batch::JobPicture;
 use crate::cli::{Console, console};
 use crate::error::{Error, Kind, Result};
-use crate::render::RenderReport;
-use crate::render::job::JobPicture;
+use crate::session::RenderReport;
 use serde::Serialize;
 use std::thread::JoinHandle;
 use std::time::Instant;

@@ -6,8 +6,8 @@ use crate::cli::args::{SceneArgs, ThreadArgs};
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
 use crate::integrator::Method;
-use crate::render::methods::{self, BenchScene, MethodsReport, MethodsRequest, SceneReport};
-use crate::render::{Budget, SettingsPatch};
+use crate::lab::bench_methods::{self, BenchScene, MethodsReport, MethodsRequest, SceneReport};
+use crate::session::{Budget, SettingsPatch};
 use clap::ValueEnum;
 use std::path::PathBuf;
 
@@ -57,7 +57,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     check(args)?;
     let threads = startup::start_threads(args.threads)?;
     let subjects = (0..args.scenes.len()).map(|at| subject(args, at, threads)).collect::<Result<Vec<_>>>()?;
-    let report = methods::run(&request(args), &subjects, &mut |text| args.console.note(text))?;
+    let report = bench_methods::run(&request(args), &subjects, &mut |text| args.console.note(text))?;
     for scene in report.scenes.iter().filter(|scene| scene.is_reference_poor()) {
         args.console
             .warn(&format!("{}: the reference's own error is above a tenth of an error compared with it", scene.name));

@@ -1,17 +1,17 @@
 //! `etendue bench rays`: the ray throughput of the backends, and the agreement of their hits.
 
 use super::{command, scene_name, unique};
-use crate::accel::equivalence::DifferenceCounts;
 use crate::accel::{Backend, Build};
 use crate::cli::args::SceneArgs;
 use crate::cli::args::ThreadArgs;
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
-use crate::render::SettingsPatch;
-use crate::render::machine;
-use crate::render::ray_bench::{
+use crate::lab::bench_rays::{
     self, CategoryRow, PaceRates, Rate, RayAddress, RayBenchRequest, RayBenchSubject, RaysReport, RowRates, SceneRates,
 };
+use crate::lab::equivalence::DifferenceCounts;
+use crate::session::SettingsPatch;
+use crate::session::machine;
 use std::path::PathBuf;
 
 /// Maximum number of addresses on a line; reports list more.
@@ -51,7 +51,7 @@ pub(in crate::cli) struct Args {
     /// Load the rays of the scene from a file that --save wrote, instead of recording them
     #[arg(long, value_name = "FILE")]
     load: Option<PathBuf>,
-    /// Also compare hits in hard cases: seams, slivers, instances, scales (see src/accel/hard_cases)
+    /// Also compare hits in hard cases: seams, slivers, instances, scales (see src/lab/hard_cases)
     #[arg(long)]
     hard_cases: bool,
     /// Number of rays of each hard case
@@ -76,7 +76,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         return replay(args, &request, address, threads);
     }
     let subjects = (0..args.scenes.len()).map(|at| subject(args, at, threads)).collect::<Result<Vec<_>>>()?;
-    let report = ray_bench::run(&request, subjects, &mut |text| args.console.note(text))?;
+    let report = bench_rays::run(&request, subjects, &mut |text| args.console.note(text))?;
     args.console.document(&report)?;
     lines(&report).iter().try_for_each(|line| args.console.line(line))?;
     match &args.output {
@@ -141,7 +141,7 @@ fn replay(args: &Args, request: &RayBenchRequest, address: &RayAddress, threads:
             Some(subject(args, at, threads)?)
         }
     };
-    let replay = ray_bench::replay(request, subject, address)?;
+    let replay = bench_rays::replay(request, subject, address)?;
     args.console.document(&replay)?;
     replay.lines().iter().try_for_each(|line| args.console.line(line))
 }

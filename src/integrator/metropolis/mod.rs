@@ -78,10 +78,10 @@ pub(super) fn pssmlt<'a>(
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
-    prelude: &PilotEstimate,
+    pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
     let chains = PrimarySpace { common: ChainContext::new(scene, camera.clone(), options) };
-    Box::new(Metropolis::new(scene, camera, chains, prelude))
+    Box::new(Metropolis::new(scene, camera, chains, pilot))
 }
 
 /// Builds multiplexed Metropolis light transport.
@@ -89,10 +89,10 @@ pub(super) fn mmlt<'a>(
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
-    prelude: &PilotEstimate,
+    pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
     let chains = Multiplexed::new(ChainContext::new(scene, camera.clone(), options));
-    Box::new(Metropolis::new(scene, camera, chains, prelude))
+    Box::new(Metropolis::new(scene, camera, chains, pilot))
 }
 
 /// Builds Metropolis light transport in path space.
@@ -100,10 +100,10 @@ pub(super) fn mlt<'a>(
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
-    prelude: &PilotEstimate,
+    pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
     let chains = PathSpace { common: ChainContext::new(scene, camera.clone(), options) };
-    Box::new(Metropolis::new(scene, camera, chains, prelude))
+    Box::new(Metropolis::new(scene, camera, chains, pilot))
 }
 
 /// States that contribute to an image.
@@ -214,14 +214,14 @@ struct Task {
 }
 
 impl<'a, C: MarkovMethod> Metropolis<'a, C> {
-    fn new(scene: &'a Scene, camera: Camera, chains: C, prelude: &PilotEstimate) -> Self {
+    fn new(scene: &'a Scene, camera: Camera, chains: C, pilot: &PilotEstimate) -> Self {
         let (options, limit) = (chains.common().options, chains.common().limit.clone());
         let samples: Box<dyn Integrator + 'a> = if limit.is_none() {
             let depth = options.max_depth.map_or(FEWEST_EVENTS as u32 - 1, |most| most.min(FEWEST_EVENTS as u32 - 1));
             let tracer = PathTracer::<Combined>::new(scene, Some(depth), options.transparent);
             Box::new(CameraPass::new(tracer, scene, camera, &options))
         } else {
-            let tracer = Bidirectional::new(scene, &camera, &options, prelude);
+            let tracer = Bidirectional::new(scene, &camera, &options, pilot);
             let limited = Limited { tracer, camera: camera.clone(), limit, walks: options.pixels() as f32 };
             Box::new(CameraPass::new(limited, scene, camera, &options))
         };

@@ -1,0 +1,16 @@
+//! Measurements of the renderer itself: comparison of images and methods, benchmarks of methods and of ray queries, hard
+//! cases for intersection, images by technique, and the HTML pages that show the results. Rendering needs none of it.
+
+pub mod bench_methods;
+pub mod bench_rays;
+pub mod compare;
+mod conditions;
+pub mod equivalence;
+pub mod hard_cases;
+pub mod html;
+mod report_files;
+pub mod same_mean;
+pub mod techniques;
+pub mod verify;
+
+pub use conditions::Conditions;

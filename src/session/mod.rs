@@ -1,0 +1,43 @@
+//! Rendering as an operation. A [`SettingsPatch`] resolves to [`RenderSettings`] and a [`PassPlan`]. A [`Session`]
+//! renders whole passes into a film until the plan or a budget is met. It leaves film files with their [`Provenance`],
+//! images and a [`RenderReport`]. A film is a set of passes, so that resuming, sharding and merging are set operations:
+//! see [`mod@merge`]. This module is independent of light transport.
+
+mod aov;
+pub mod checkpoint;
+mod existing_output;
+pub mod film_file;
+mod frame;
+pub mod images;
+mod loaded_scene;
+pub mod machine;
+pub mod merge;
+mod outputs;
+mod plan;
+mod progress;
+pub(crate) mod provenance;
+mod rendered;
+pub(crate) mod report;
+mod session;
+mod settings;
+mod settings_patch;
+mod surroundings;
+pub mod target;
+pub(crate) mod text;
+
+pub use aov::Aov;
+pub use checkpoint::Checkpoint;
+pub use existing_output::ExistingOutput;
+pub use frame::{FrameNumber, Moment};
+pub use loaded_scene::{LoadTimings, LoadedScene};
+pub use outputs::{Outputs, picture_name, writable};
+pub use plan::{PassPlan, PassSelection, StopCriteria, round_spp};
+pub use progress::{Observer, Pace, Progress};
+pub use provenance::{Program, Provenance, Work};
+pub use rendered::Rendered;
+pub use report::RenderReport;
+pub use session::{Ended, Session};
+pub use settings::RenderSettings;
+pub use settings_patch::{SettingsPatch, ToneMapping};
+pub use surroundings::{EnvironmentChoice, Surroundings};
+pub use text::{Budget, Bytes, Size, Window, megabytes};

@@ -1,0 +1,249 @@
+//! Settings that determine the pixels of a pass. The number of passes, the number of threads and the output file are
+//! not among them, so that films of different runs can be continued and merged.
+
+use super::{Aov, FrameNumber, Moment};
+use crate::accel::{Backend, Build};
+use crate::defects::{Defect, planted};
+use crate::film::{Crop, Filter, Layout, Plane};
+use crate::integrator::{IntegratorConfig, Method, MetropolisOptions};
+use crate::path::{Technique, Techniques};
+use crate::sampling::{Heuristic, SamplerKind};
+use crate::scene::BuildOptions;
+
+/// All settings, besides the scene, that the pixels of a pass depend on.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct RenderSettings {
+    /// Light transport algorithm.
+    pub method: Method,
+    /// Width of the full image in pixels.
+    pub width: u32,
+    /// Height of the full image in pixels.
+    pub height: u32,
+    /// Rendered window; `None` for the full image.
+    pub crop: Option<Crop>,
+    /// Camera by name or number; `None` for the first.
+    pub camera: Option<String>,
+    /// The frame of the scene's animations; `None` for the scene at rest. Its hash is then the same as before frames
+    /// were introduced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<FrameNumber>,
+    /// The only animation that is played, by name or number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub animation: Option<String>,
+    /// Longest path in scattering events; `None` for no limit.
+    pub depth: Option<u32>,
+    /// Pixel filter.
+    pub filter: Filter,
+    /// Sample generator.
+    pub sampler: SamplerKind,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Independent replicates.
+    pub replicates: u32,
+    /// Ray-tracing backend. It decides ties between surfaces.
+    pub backend: Backend,
+    /// Build of the acceleration structure. It decides ties between surfaces.
+    pub build: Build,
+    /// AOVs, sorted.
+    pub aovs: Vec<Aov>,
+    /// Clamp of a sample's radiance.
+    pub clamp: Option<f32>,
+    /// Whether the environment is hidden from the camera.
+    pub transparent: bool,
+    /// Techniques excluded from bidirectional path tracing, sorted.
+    pub without: Vec<Technique>,
+    /// Heuristic of the MIS weights.
+    pub heuristic: Heuristic,
+    /// Options of the Metropolis methods.
+    #[serde(default)]
+    pub metropolis: MetropolisOptions,
+}
+
+impl RenderSettings {
+    /// Returns the options for building the scene on `threads` threads.
+    pub fn build_options(&self, threads: usize) -> BuildOptions {
+        BuildOptions { backend: self.backend, build: self.build, threads }
+    }
+
+    /// Returns the time and animation of the scene that are rendered.
+    pub fn moment(&self) -> Moment {
+        Moment { frame: self.frame, animation: self.animation.clone() }
+    }
+
+    /// Returns a hexadecimal hash of the settings that the method reads. The others change no pixel.
+    pub fn hash(&self) -> String {
+        // serde_json sorts fields by name and writes floats in their shortest exact form.
+        let text = self.read().to_string();
+        blake3::hash(text.as_bytes()).to_hex().to_string()
+    }
+
+    /// Returns the settings that the method reads. The destructuring has no `..`: a new setting does not compile until
+    /// it is handled here.
+    pub fn read(&self) -> serde_json::Value {
+        if planted(Defect::HashOfAllOptions) {
+            return serde_json::json!(self);
+        }
+        let RenderSettings {
+            method,
+            width,
+            height,
+            crop,
+            camera,
+            frame,
+            animation,
+            depth,
+            filter,
+            sampler,
+            seed,
+            replicates,
+            backend,
+            build,
+            aovs,
+            clamp,
+            transparent,
+            without,
+            heuristic,
+            metropolis,
+        } = self;
+        let by_all = serde_json::json!({
+            "method": method, "width": width, "height": height, "crop": crop, "camera": camera, "frame": frame,
+            "animation": animation, "depth": depth,
+            "filter": filter, "sampler": sampler, "seed": seed, "replicates": replicates, "backend": backend, "build": build,
+            "aovs": aovs, "clamp": clamp, "transparent": transparent,
+        });
+        // Light tracing has a single technique. Its MIS weight is 1 under every heuristic.
+        let of_techniques = serde_json::json!({ "without": without, "heuristic": heuristic });
+        let MetropolisOptions { chains, large_step, lengths, mutations, limit, two_stage } = metropolis;
+        let of_chains = serde_json::json!({ "chains": chains, "limit": limit, "two-stage": two_stage });
+        let large_step = serde_json::json!({ "large-step": large_step });
+        let large_step = if planted(Defect::HashForgetsLargeStep) { serde_json::json!({}) } else { large_step };
+        let parts = match method {
+            Method::PathNaive | Method::PathNee | Method::Path | Method::Light => vec![by_all],
+            Method::Bdpt => vec![by_all, of_techniques],
+            Method::Pssmlt => vec![by_all, of_techniques, of_chains, large_step],
+            Method::Mmlt => {
+                vec![by_all, of_techniques, of_chains, large_step, serde_json::json!({ "lengths": lengths })]
+            }
+            Method::Mlt => vec![by_all, of_techniques, of_chains, serde_json::json!({ "mutations": mutations })],
+        };
+        let fields = parts.into_iter().filter_map(|part| part.as_object().cloned()).flatten();
+        serde_json::Value::Object(fields.filter(|(_, value)| !value.is_null()).collect())
+    }
+
+    /// Returns the configuration of the integrators.
+    pub fn options(&self) -> IntegratorConfig {
+        IntegratorConfig {
+            seed: self.seed,
+            sampler: self.sampler,
+            filter: self.filter,
+            max_depth: self.depth,
+            clamp: self.clamp,
+            replicates: self.replicates,
+            transparent: self.transparent,
+            techniques: Techniques::without(&self.without),
+            heuristic: self.heuristic,
+            crop: self.layout().crop,
+            metropolis: self.metropolis,
+        }
+    }
+
+    /// Returns the pixels and planes of the film.
+    pub fn layout(&self) -> Layout {
+        let planes = self.aovs.iter().filter_map(|aov| match aov.source() {
+            super::aov::Source::Plane(plane) => Some(plane),
+            _ => None,
+        });
+        let alpha = self.transparent.then_some(Plane::Alpha);
+        Layout::new(self.width, self.height, self.crop, &planes.chain(alpha).collect::<Vec<_>>())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::SettingsPatch;
+
+    fn settings() -> RenderSettings {
+        SettingsPatch::default().settings(None).unwrap()
+    }
+
+    #[test]
+    fn settings_survive_json_and_keep_their_hash() {
+        let settings = RenderSettings { clamp: Some(0.1), ..settings() };
+        let back: RenderSettings = serde_json::from_value(serde_json::json!(settings)).unwrap();
+        assert_eq!(back, settings);
+        assert_eq!(back.hash(), settings.hash());
+    }
+
+    #[test]
+    fn what_every_method_reads_enters_the_hash() {
+        let base = settings();
+        let other = if base.backend == Backend::Obvhs { Backend::Embree } else { Backend::Obvhs };
+        let changed = [
+            RenderSettings { seed: 1, ..base.clone() },
+            RenderSettings { replicates: 8, ..base.clone() },
+            RenderSettings { depth: Some(3), ..base.clone() },
+            RenderSettings { clamp: Some(1.0), ..base.clone() },
+            RenderSettings { transparent: true, ..base.clone() },
+            RenderSettings { method: Method::Bdpt, ..base.clone() },
+            RenderSettings { width: 7, ..base.clone() },
+            RenderSettings { height: 7, ..base.clone() },
+            RenderSettings { crop: Some(Crop { x0: 0, y0: 0, x1: 1, y1: 1 }), ..base.clone() },
+            RenderSettings { camera: Some("0".into()), ..base.clone() },
+            RenderSettings { filter: Filter::Box, ..base.clone() },
+            RenderSettings { sampler: SamplerKind::Independent, ..base.clone() },
+            RenderSettings { build: Build::Fast, ..base.clone() },
+            RenderSettings { backend: other, ..base.clone() },
+            RenderSettings { aovs: vec![Aov::Depth], ..base.clone() },
+            RenderSettings { frame: Some(FrameNumber { number: 0, fps: 24.0 }), ..base.clone() },
+        ];
+        assert!(changed.iter().all(|s| s.hash() != base.hash()));
+    }
+
+    /// Change of one option.
+    type Change = fn(&mut RenderSettings);
+
+    /// Options read by some methods only, each with those methods.
+    const OPTIONS: &[(&str, &[Method], Change)] = {
+        use Method::{Bdpt, Mlt, Mmlt, Pssmlt};
+        &[
+            ("heuristic", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.heuristic = Heuristic::Power),
+            ("without", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.without = vec![Technique::Splat]),
+            ("large-step", &[Pssmlt, Mmlt], |s| s.metropolis.large_step = 0.5),
+            ("lengths", &[Mmlt], |s| s.metropolis.lengths = 5),
+            ("mutations", &[Mlt], |s| s.metropolis.mutations.lens = 2.0),
+            ("chains", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.chains = Some(7)),
+            ("limit", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.limit = Some(0.0)),
+            ("two-stage", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.two_stage = true),
+        ]
+    };
+
+    #[test]
+    fn a_method_hashes_what_it_reads_and_nothing_else() {
+        for &method in <Method as clap::ValueEnum>::value_variants() {
+            let base = RenderSettings { method, ..settings() };
+            for (name, readers, change) in OPTIONS {
+                let mut changed = base.clone();
+                change(&mut changed);
+                assert_ne!(changed, base, "{name} changes nothing");
+                assert_eq!(changed.hash() != base.hash(), readers.contains(&method), "{name} of {method:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn settings_without_a_frame_are_as_they_always_were() {
+        let (rest, frame) = (settings(), Some(FrameNumber { number: 3, fps: 0.1 }));
+        assert!(serde_json::json!(rest).get("frame").is_none());
+        let moved = RenderSettings { frame, ..rest };
+        let back: RenderSettings = serde_json::from_value(serde_json::json!(moved)).unwrap();
+        assert_eq!((back.frame, back.hash()), (frame, moved.hash()));
+    }
+
+    #[test]
+    fn layers_bring_their_planes() {
+        let layout = RenderSettings { aovs: vec![Aov::Depth, Aov::Instance], ..settings() }.layout();
+        assert_eq!(layout.planes(), [Plane::Color, Plane::Alpha, Plane::Depth]);
+    }
+}
