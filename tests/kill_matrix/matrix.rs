@@ -30,11 +30,13 @@ fn complain(complaints: impl Iterator<Item = String>) -> Result<(), String> {
     if complaints.is_empty() { Ok(()) } else { Err(complaints.join("\n       ")) }
 }
 
-/// The heads of the columns, which are killers by number.
+/// The heads of the columns, which are killers by number: hundreds, tens, ones.
 pub(crate) fn print_head(killers: &[Located]) {
-    let digits =
-        |of: fn(usize) -> usize| (0..killers.len()).map(|i| char::from(b'0' + of(i) as u8)).collect::<String>();
-    println!("\n{:28} {}\n{:28} {}", "", digits(|i| i / 10), "", digits(|i| i % 10));
+    println!();
+    for place in [100, 10, 1] {
+        let digits: String = (0..killers.len()).map(|i| char::from(b'0' + (i / place % 10) as u8)).collect();
+        println!("{:28} {digits}", "");
+    }
 }
 
 /// A row: `x` killed, `.` survived, `?` no verdict, a blank did not run. Then how many killed, and
@@ -44,17 +46,17 @@ pub(crate) fn print_row(mutation: &Mutation, killers: &[Located], row: &[Outcome
     let kills = || row.iter().enumerate().filter(|(_, outcome)| outcome.is_kill());
     let fastest = kills().min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds));
     let fastest = fastest.map_or("SURVIVES".into(), |(i, outcome)| {
-        format!("{:2} killers, {:.2} s by {i:2} {}", kills().count(), outcome.seconds, killers[i].killer.test)
+        format!("{:3} killers, {:.2} s by {i:3} {}", kills().count(), outcome.seconds, killers[i].killer.test)
     });
     println!("{:28} {marks} {fastest}", mutation.name);
 }
 
 /// The killers by number: seconds without a mutation, and how many of the mutations each kills.
 pub(crate) fn print_killers(killers: &[Located], healthy: &[Outcome], rows: &[Vec<Outcome>]) {
-    println!("\n   seconds  kills  killer");
+    println!("\n    seconds  kills  killer");
     for (i, (located, outcome)) in killers.iter().zip(healthy).enumerate() {
         let kills = rows.iter().filter(|row| row[i].is_kill()).count();
-        println!("{i:2} {:7.2} {kills:6}  {}", outcome.seconds, located.killer.name());
+        println!("{i:3} {:7.2} {kills:6}  {}", outcome.seconds, located.killer.name());
     }
 }
 

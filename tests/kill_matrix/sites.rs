@@ -22,8 +22,8 @@ pub(crate) struct Site<'m> {
 pub(crate) type Numbered<'m> = (usize, &'m Mutation, &'m Edit);
 
 /// Returns the edits of all mutations by file.
-pub(crate) fn by_file(mutations: &[Mutation]) -> BTreeMap<&str, Vec<Numbered>> {
-    let mut files: BTreeMap<&str, Vec<Numbered>> = BTreeMap::new();
+pub(crate) fn by_file(mutations: &[Mutation]) -> BTreeMap<&str, Vec<Numbered<'_>>> {
+    let mut files: BTreeMap<&str, Vec<Numbered<'_>>> = BTreeMap::new();
     for (i, mutation) in mutations.iter().enumerate() {
         for edit in &mutation.edit {
             files.entry(&edit.file).or_default().push((i + 1, mutation, edit));
