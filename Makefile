@@ -20,19 +20,22 @@ demo: build ## render scenes/cornell-box to out/cornell-box.exr and .png
 
 # Dependencies are compiled once for clippy and once for the tests, and only étendue itself is built again without Embree:
 # --workspace everywhere, since without it the features of shared dependencies change and all of them are built anew.
-# The build without Embree is the one that defects can be planted in: the ordinary build has none, and nothing is built for the
-# kill matrix alone. Its sixth of the day runs among the tests (tests/kill_matrix).
-DEFECTS := --no-default-features --features defects
-# tests/agreement renders with both backends in the first run; without Embree only those of it run that are killers.
-WITHOUT_EMBREE := $(DEFECTS) --lib --bins $(addprefix --test ,accel cli io kill_matrix met pages path sampling)
+# The tests without Embree run in the copy of the repository that has the mutations, all of them off (tests/kill_matrix). So little
+# is built for the kill matrix alone. The target folder is the same.
+TARGET := $(abspath $(or $(CARGO_TARGET_DIR),target))
+# All tests but agreement, architecture and kill_matrix. The first renders with both backends in the run with Embree, and its killers
+# run in the kill matrix. The others read the sources, which the mutations have changed.
+WITHOUT_EMBREE := --no-default-features --lib --bins --test 'ac*' --test '[!ak]*'
 
 test: setup ## format, lints, architecture, all tests with and without Embree, documentation
 	$(CARGO) fmt --all --check
 	$(CARGO) test --locked --workspace --test architecture
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	$(CARGO) clippy --locked --workspace --all-targets $(DEFECTS) -- -D warnings
+	$(CARGO) clippy --locked --workspace --all-targets --no-default-features -- -D warnings
 	$(CARGO) test --locked --workspace
-	$(CARGO) test --locked --workspace $(WITHOUT_EMBREE)
+	$(CARGO) test --locked --workspace --test kill_matrix -- --build
+	cd target/kill-matrix/tree && CARGO_TARGET_DIR=$(TARGET) $(CARGO) test --locked --workspace $(WITHOUT_EMBREE)
+	$(CARGO) test --locked --workspace --test kill_matrix -- --today
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 
 test-deep: setup scenes ## all tests, those that render for minutes included
@@ -45,11 +48,11 @@ test-farm: ## farm/: shards killed and requeued under a real Slurm, and run by o
 	tests/farm/slurm.sh
 	tests/farm/disks.sh
 
-kill-matrix: setup ## plant every defect of src/defects.rs and see a test fail for each
-	$(CARGO) test --locked --workspace $(DEFECTS) --test kill_matrix -- --all
+kill-matrix: setup ## turn on every mutation of tests/kill_matrix and see a test fail for each
+	$(CARGO) test --locked --workspace --test kill_matrix -- --all
 
 kill-matrix-part: setup ## the sixth of it whose turn it is today (ETENDUE_KILL_PART=0 to 5 chooses)
-	$(CARGO) test --locked --workspace $(DEFECTS) --test kill_matrix
+	$(CARGO) test --locked --workspace --test kill_matrix -- --today
 
 bench: build ## time to error against other renderers, ray rates, start-up time (see bench/versus.sh)
 	bench/versus.sh

@@ -15,7 +15,6 @@ extern crate self as etendue;
 mod studio;
 
 // floor 1
-pub mod defects;
 pub mod error;
 pub mod huge_vec;
 pub mod numeric;

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Which module stands on which floor, from the first. A new folder under `src/` gets its place here.
 const FLOORS: Floors<'static> = &[
-    &["error", "defects", "numeric", "huge_vec", "parallel"],
+    &["error", "numeric", "huge_vec", "parallel"],
     &["spectrum", "sampling", "stats"],
     &["mcmc", "geometry"],
     &["transport", "accel", "texture"],

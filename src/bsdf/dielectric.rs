@@ -10,7 +10,6 @@ use super::conductor::invert_reflection;
 use super::fresnel::{dielectric, dielectric_between, refracted};
 use super::ggx::{DIRAC_ALPHA, Ggx, facing, half, reflect};
 use super::{Bsdf, BsdfSample, Lobes, within};
-use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::{Density, Pdf};
@@ -101,8 +100,7 @@ impl Dielectric {
     /// Returns the reflectance of the smooth face, and the probability of selecting reflection.
     #[inline]
     fn smooth_face(&self, known: Local) -> (f32, f32) {
-        let beyond = if planted(Defect::FresnelFromOutside) { self.eta } else { self.beyond(known) };
-        let f = dielectric(known.z.abs(), beyond);
+        let f = dielectric(known.z.abs(), self.beyond(known));
         (f, self.reflect_probability(f))
     }
 
@@ -166,9 +164,7 @@ impl Dielectric {
 #[inline]
 fn radiance_scale(eta: f32, mode: TransportMode) -> f32 {
     match mode {
-        TransportMode::Radiance if planted(Defect::Eta2Forgotten) => 1.0,
         TransportMode::Radiance => (eta * eta).recip(),
-        TransportMode::Importance if planted(Defect::Eta2BothWays) => (eta * eta).recip(),
         TransportMode::Importance => 1.0,
     }
 }
@@ -232,8 +228,7 @@ impl Bsdf for Dielectric {
         }
         self.refracting_facet(known, other).map_or(T::ZERO, |facet| {
             let p = T::ONE - self.reflect_probability(facet.f);
-            let square = if planted(Defect::RefractionPdfWithoutEta2) { T::ONE } else { facet.eta.squared() };
-            let measure = square / facet.length2;
+            let measure = facet.eta.squared() / facet.length2;
             p * self.ggx.visible_normal_pdf(known, facet.h) * other.dot(facet.h).abs() * measure
         })
     }

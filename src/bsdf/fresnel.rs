@@ -2,7 +2,6 @@
 //! [`Fresnel::Dielectric`] is exact for clear media, and [`Fresnel::Constant`] is for ideal mirrors. Reference:
 //! [Schlick94].
 
-use crate::defects::{Defect, planted};
 use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
 
@@ -47,7 +46,7 @@ pub fn schlick<T: Scalar>(f0: Spectrum, f90: Spectrum, cos: T) -> Spectrum<T> {
 #[inline]
 pub fn schlick_weight<T: Scalar>(cos: T) -> T {
     let m = (T::ONE - cos).max(T::ZERO);
-    if planted(Defect::SchlickFourth) { m.squared().squared() } else { m.squared().squared() * m }
+    m.squared().squared() * m
 }
 
 /// Returns the exact reflectance of a boundary of index ratio `eta` (beyond over before) at incidence cosine `cos` ≥ 0;

@@ -6,7 +6,6 @@
 //! 2e-8 / α. Limits: single scattering between facets only, so that rough surfaces lose energy. References: [Walter07],
 //! [Heitz14], [Dupuy23].
 
-use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::warp::{into_unit, turn};
@@ -61,12 +60,6 @@ impl Ggx {
     /// [Heitz14 (99)].
     #[inline]
     pub fn reflection<T: Scalar>(self, wi: Local<T>, wo: Local<T>, h: Local<T>) -> T {
-        if planted(Defect::GgxOneMasking) {
-            return T::of(0.25) * self.d(h) * self.g1_over_cos(wo) / wi.z.abs();
-        }
-        if planted(Defect::GgxUncorrelated) {
-            return T::of(0.25) * self.d(h) * self.g1_over_cos(wo) * self.g1_over_cos(wi);
-        }
         let masking = wo.z.abs() * self.root(wi) + wi.z.abs() * self.root(wo);
         self.d(h) / (T::of(2.0) * masking)
     }
@@ -74,11 +67,7 @@ impl Ggx {
     /// Returns the density per solid angle of the reflection of `known` at a visible normal `h`.
     #[inline]
     pub fn reflection_pdf<T: Scalar>(self, known: Local<T>, h: Local<T>) -> T {
-        if planted(Defect::GgxPdfOfNormal) {
-            return self.visible_normal_pdf(known, h);
-        }
-        let quarter = if planted(Defect::GgxPdf2Percent) { 0.255 } else { 0.25 };
-        T::of(quarter) * self.g1_over_cos(known) * self.d(h)
+        T::of(0.25) * self.g1_over_cos(known) * self.d(h)
     }
 
     /// Returns the density of normals visible from `w`, per solid angle of the normal [Heitz14 (16)].

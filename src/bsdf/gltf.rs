@@ -16,7 +16,6 @@ use super::fresnel::schlick;
 use super::ggx::{Ggx, facing, half, reflect, through};
 use super::lambert::{cosine_direction, cosine_pdf, invert_cosine};
 use super::{Bsdf, BsdfSample, Dielectric, Lobes, within};
-use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::warp::into_unit;
@@ -279,8 +278,7 @@ impl Bsdf for Gltf {
         let end = self.end(known)?;
         let choice = &end.choice;
         let smooth_end = choice.specular + choice.diffuse;
-        let specular_end = if planted(Defect::LobesChosenEvenly) { 0.5 * smooth_end } else { choice.specular };
-        if u[0] < specular_end {
+        if u[0] < choice.specular {
             if self.ggx.is_dirac() {
                 return self.dirac_of(known, &end, mode, Lobes::DIRAC_REFLECT);
             }

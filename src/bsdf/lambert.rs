@@ -1,7 +1,6 @@
 //! Ideal diffuse reflection, the same on both sides.
 
 use super::{Bsdf, BsdfSample, Lobes};
-use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::warp::{cosine_hemisphere, cosine_hemisphere_inverse};
@@ -21,9 +20,8 @@ pub struct Lambert {
 impl Bsdf for Lambert {
     #[inline]
     fn eval<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, lobes: Lobes) -> Spectrum<T> {
-        let per_steradian = if planted(Defect::LambertWithoutPi) { 1.0 } else { FRAC_1_PI };
         if wi.same_side(wo) && lobes.intersects(Lobes::REFLECT) {
-            (self.albedo * per_steradian).cast()
+            (self.albedo * FRAC_1_PI).cast()
         } else {
             Spectrum::ZERO
         }

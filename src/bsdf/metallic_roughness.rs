@@ -3,7 +3,6 @@
 use super::albedo::Albedo;
 use super::gltf::{Gltf, Schlick, Transmission};
 use super::{Conductor, Dielectric, Fresnel, Ggx, Lambert, Surface, Thin};
-use crate::defects::{Defect, planted};
 use crate::spectrum::Spectrum;
 
 /// Geometry behind a transmitting surface.
@@ -44,8 +43,7 @@ pub struct MetallicRoughness {
 impl MetallicRoughness {
     /// Returns the surface with these parameters: a plain model if one is equivalent, [`Surface::Gltf`] for mixtures.
     pub fn surface(&self) -> Surface {
-        let alpha = if planted(Defect::RoughnessNotSquared) { self.roughness } else { self.roughness * self.roughness };
-        let ggx = Ggx::new(alpha);
+        let ggx = Ggx::new(self.roughness * self.roughness);
         if self.metallic >= 1.0 {
             return Surface::Conductor(Conductor {
                 ggx,
@@ -78,7 +76,6 @@ impl MetallicRoughness {
         };
         let albedo = Albedo::of(ggx);
         let passed = Spectrum::ONE - albedo.mean(layer.f0, layer.f90);
-        let below = if planted(Defect::BaseUncoupled) { Spectrum::ONE } else { passed };
         Gltf {
             ggx,
             base: self.base,
@@ -90,7 +87,7 @@ impl MetallicRoughness {
             albedo,
             diffuse: self.base * (dielectric - transmitting),
             // No light reaches a base under a layer that reflects everything.
-            coupling: below.map(|x| if x > 0.0 { x.recip() } else { 0.0 }),
+            coupling: passed.map(|x| if x > 0.0 { x.recip() } else { 0.0 }),
             transmission,
         }
     }
@@ -99,8 +96,7 @@ impl MetallicRoughness {
     fn layer(&self) -> Schlick {
         let root = (self.ior - 1.0) / (self.ior + 1.0);
         let f0 = self.specular_color.map(|color| (root * root * color).min(1.0) * self.specular);
-        let f90 = if planted(Defect::SpecularGrazesFull) { 1.0 } else { self.specular };
-        Schlick { f0, f90: Spectrum::splat(f90) }
+        Schlick { f0, f90: Spectrum::splat(self.specular) }
     }
 
     /// Returns the boundary of a solid, scaled by `weight`.

@@ -28,7 +28,6 @@
 
 use super::sides::{Sided, Sources};
 use super::{Bsdf, BsdfSample, Lobes, Surface};
-use crate::defects::{Defect, planted};
 use crate::geometry::{Local, SurfacePoint};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Pdf, SolidAngle};
@@ -146,7 +145,6 @@ impl<'a> Shading<'a> {
             || Sided { local: sample.direction, cos: direction.dot(self.point.ng) }.is_met_twice(self.slant());
         let cos = match sample.density {
             Density::Smooth(_) if is_folded || is_met_twice() => return self.again(direction, &sample),
-            Density::Smooth(pdf) if planted(Defect::CosineDropped) => pdf.value().recip(),
             Density::Smooth(pdf) => sample.direction.z.abs() / pdf.value(),
             Density::Delta(probability) => probability.recip(),
         };
@@ -171,7 +169,6 @@ impl<'a> Shading<'a> {
         let chosen = if bent { chosen * self.share(direction) } else { chosen };
         let (over, density) = match sample.density {
             Density::Smooth(_) if self.seen.folded.is_some() => return self.again(direction, &sample),
-            Density::Smooth(pdf) if planted(Defect::CosineDropped) => (pdf.value().recip(), sample.density),
             Density::Smooth(pdf) => {
                 let pdf = pdf.value() * chosen;
                 (self.cosines(known, direction, sample.direction) / pdf, Density::Smooth(Pdf::new(pdf)))
@@ -325,9 +322,7 @@ impl<'a> Shading<'a> {
     #[inline]
     fn cosines(&self, known: Local, other: Vec3, o: Local) -> f32 {
         match self.mode {
-            _ if planted(Defect::CosineToNg) => self.cos(other),
             TransportMode::Radiance => o.z.abs(),
-            TransportMode::Importance if planted(Defect::AdjointForgotten) => o.z.abs(),
             TransportMode::Importance => (known.z / self.cos(self.known)).abs() * self.cos(other),
         }
     }
@@ -349,7 +344,7 @@ fn source(point: &SurfacePoint, w: Local) -> Option<(Vec3, bool)> {
     if side > 0.0 {
         return Some((direct, false));
     }
-    (side < 0.0 && !planted(Defect::NormalsDisagreeBlack)).then(|| (direct - point.ng * (2.0 * cos), true))
+    (side < 0.0).then(|| (direct - point.ng * (2.0 * cos), true))
 }
 
 /// Returns the BSDF directions for the world direction `w` of a walk with transport `mode`.

@@ -3,7 +3,6 @@
 //!
 //! Both mappings are isometries, so that no density needs a Jacobian, and are the identity where the normals agree.
 
-use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 
@@ -43,7 +42,7 @@ impl<T: Scalar> Sided<T> {
     #[inline]
     pub fn is_met_twice(self, slant: T) -> bool {
         let twin = (self.local.z - T::of(2.0) * self.cos * slant) * self.cos;
-        twin.value() > 0.0 && !planted(Defect::NormalsDisagreeBlack)
+        twin.value() > 0.0
     }
 
     /// Returns the preimages under ψ for an incident direction; `None` where nothing scatters. `ng` is the geometric
@@ -61,8 +60,7 @@ impl<T: Scalar> Sided<T> {
         if side > 0.0 {
             return Some(self.local);
         }
-        (side < 0.0 && !planted(Defect::NormalsDisagreeBlack))
-            .then(|| Local::new(self.local.x, self.local.y, T::ZERO - self.local.z))
+        (side < 0.0).then(|| Local::new(self.local.x, self.local.y, T::ZERO - self.local.z))
     }
 
     /// Whether another world direction has the same φ ([`Sided::seen`]); `slant` is the cosine between the normals. The
@@ -70,7 +68,7 @@ impl<T: Scalar> Sided<T> {
     #[inline]
     pub fn has_twin(self, slant: T) -> bool {
         let twin = (self.cos - T::of(2.0) * self.local.z * slant) * self.cos;
-        !planted(Defect::NormalsDisagreeBlack) && (!self.agrees() || twin.value() > 0.0)
+        !self.agrees() || twin.value() > 0.0
     }
 
     /// Returns the probability that a light subpath selects this direction instead of its twin.

@@ -5,7 +5,6 @@
 use super::conductor::invert_reflection;
 use super::ggx::{Ggx, facing, half, reflect, through};
 use super::{Bsdf, BsdfSample, Fresnel, Lobes, within};
-use crate::defects::{Defect, planted};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::{Density, Pdf};
@@ -29,8 +28,7 @@ impl Thin {
     #[inline]
     fn split<T: Scalar>(&self, cos: T) -> (Spectrum<T>, Spectrum<T>, T) {
         let r = self.fresnel.reflectance(cos);
-        let passed = if planted(Defect::ThinLosesNothing) { Spectrum::ONE } else { Spectrum::ONE - r };
-        let t = passed * self.transmit.cast();
+        let t = (Spectrum::ONE - r) * self.transmit.cast();
         let total = r.mean() + t.mean();
         (r, t, if total.value() > 0.0 { r.mean() / total } else { T::ZERO })
     }

@@ -9,7 +9,6 @@
 use super::max_samples::Peaks;
 use super::sums::{Spill, Sums, add_rounded};
 use super::{FilmHeader, Layout, PassFilm, PassSet, Plane, Units};
-use crate::defects::{Defect, planted};
 use crate::error::Result;
 use crate::sampling::mix64;
 use rayon::prelude::*;
@@ -63,8 +62,7 @@ impl Film {
         let key = mix64(self.head.seed ^ mix64(pass.wrapping_add(0x6669_6c6d)));
         let row = (self.head.layout.crop.x1 - self.head.layout.crop.x0) as usize * channels.len();
         let layout = &self.head.layout;
-        let turn = if planted(Defect::ReplicatesInTurn) { pass / u64::from(self.head.replicates) } else { pass };
-        let sums = &mut self.sums[(turn % u64::from(self.head.replicates)) as usize];
+        let sums = &mut self.sums[(pass % u64::from(self.head.replicates)) as usize];
         let rows = sums.low_mut().par_chunks_mut(row).zip(values.values().par_chunks(row)).enumerate();
         let spill = rows.map(|(y, (sums, values))| add_row(sums, values, y, layout, &channels, key));
         let spill = spill.reduce(Spill::default, Spill::join);

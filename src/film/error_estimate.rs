@@ -28,7 +28,6 @@ use super::max_samples::Peak;
 use super::noise::{Independent, Noise};
 use super::replicates::{COLOR, PixelError, Replicates};
 use super::{Evidence, Film, Known, Layout, Trust};
-use crate::defects::{Defect, planted};
 use crate::stats::pareto::Tail;
 use crate::stats::{skewed_quantile, student_quantile};
 use rayon::prelude::*;
@@ -281,7 +280,7 @@ impl Block {
         }
         let values = (pixels.len() * COLOR) as f64;
         let block = Block { values, relative: sum.coupled, sum, spread, squares: scratch.squares };
-        if planted(Defect::RelmseBiased) || block.sum.coupled <= 0.0 {
+        if block.sum.coupled <= 0.0 {
             return block;
         }
         if pairs.pairs.is_empty() { block.corrected() } else { Block { relative: block.sum.apart, ..block } }
@@ -307,8 +306,7 @@ impl Block {
 fn extrapolation(blocks: &[Block]) -> f64 {
     let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
     let [all, half] = [sum(|b| b.sum.apart), sum(|b| b.sum.half_apart)];
-    let is_left = planted(Defect::CurvatureForgotten) || planted(Defect::RelmseBiased);
-    if half > 0.0 && !is_left { all / half } else { 1.0 }
+    if half > 0.0 { all / half } else { 1.0 }
 }
 
 /// Returns the pixels of each block, by index within the crop.

@@ -13,7 +13,6 @@ use super::error_estimate::RelMse;
 use super::tail_index::{self, Peakedness};
 use super::trust::{Distrust, Reason, Trust};
 use super::{Film, Known};
-use crate::defects::{Defect, planted};
 use crate::stats::pareto::{Tail, UNTRUSTED_SHAPE};
 
 /// Largest accepted relative bias by curvature, or by skewness with fewer than four replicates. Beyond it, terms above
@@ -47,8 +46,7 @@ impl Evidence {
         let (peaks, tail) = tail_index::look(film, floor);
         let (passes, pixels) = (film.passes().len() as f64, film.layout().pixels() as f64);
         let rare = if mean > 0.0 { known.prior.rare_radiance / (mean * passes) } else { 0.0 };
-        let lucky = planted(Defect::TrustByLuck);
-        let shape_limit = tail.map(|tail| if lucky { tail.shape } else { tail.upper_shape() });
+        let shape_limit = tail.map(|tail| tail.upper_shape());
         (Evidence { peaks, shape_limit, rare_relmse: RULE_OF_THREE * rare * rare / pixels }, tail)
     }
 

@@ -1,7 +1,6 @@
 //! Pixel filters, applied by filter importance sampling [Ernst06]: film positions are drawn from the filter, so that
 //! every sample has weight 1 and belongs to one pixel. This requires nonnegative filters.
 
-use crate::defects::{Defect, planted};
 use statrs::function::erf::erf;
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
@@ -119,7 +118,6 @@ impl FilterSampler {
     pub fn sample(&self, u: [f32; 2]) -> [f32; 2] {
         match &self.shape {
             Shape::Box => u.map(|u| u - 0.5),
-            Shape::Tent if planted(Defect::TentIsBox) => u.map(|u| mirrored(u, |v| v)),
             Shape::Tent => u.map(|u| mirrored(u, |v| 1.0 - (1.0 - v).sqrt())),
             Shape::Table(table) => u.map(|u| mirrored(u, |v| interpolate(table, v))),
         }

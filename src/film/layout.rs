@@ -1,7 +1,5 @@
 //! Pixels and planes of a film.
 
-use crate::defects::{Defect, planted};
-
 /// Rendered rectangle in pixels: x0 ≤ x < x1, y0 ≤ y < y1, with the origin at the top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Crop {
@@ -103,6 +101,6 @@ impl Layout {
     pub fn pixel(&self, index: usize) -> [u32; 2] {
         let w = (self.crop.x1 - self.crop.x0) as usize;
         let [x, y] = [(index % w) as u32, (index / w) as u32];
-        if planted(Defect::CropAtOrigin) { [x, y] } else { [self.crop.x0 + x, self.crop.y0 + y] }
+        [self.crop.x0 + x, self.crop.y0 + y]
     }
 }

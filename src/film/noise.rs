@@ -10,7 +10,6 @@
 
 use super::error_estimate::Block;
 use super::estimator_variance::{Spread, third_cumulant};
-use crate::defects::{Defect, planted};
 use crate::stats::{Moments, third_cumulant_of_mean};
 
 /// Independent parts of an image, which determine the noise of its estimated error.
@@ -30,7 +29,6 @@ impl Independent {
     pub(super) fn together(self, block: usize) -> usize {
         match self {
             Independent::Pixels => 1,
-            Independent::Blocks if planted(Defect::PixelsForBlocks) => 1,
             Independent::Blocks | Independent::Replicates => block,
         }
     }
@@ -54,11 +52,10 @@ pub(super) struct Noise {
 impl Noise {
     /// Returns the noise of `relative` / `values`, which are the sums over `blocks`.
     pub(super) fn of(independent: Independent, blocks: &[Block], relative: f64, values: f64) -> Self {
-        let within =
-            || Noise::within_patches(blocks, values).unwrap_or_else(|| Noise::between_blocks(blocks, relative, values));
         match independent {
-            Independent::Pixels | Independent::Blocks => within(),
-            Independent::Replicates if planted(Defect::PatchesForReplicates) => within(),
+            Independent::Pixels | Independent::Blocks => {
+                Noise::within_patches(blocks, values).unwrap_or_else(|| Noise::between_blocks(blocks, relative, values))
+            }
             Independent::Replicates => Noise::between_replicates(&squares(blocks, values), relative / values),
         }
     }
@@ -91,7 +88,7 @@ impl Noise {
         if squares.len() < 3 {
             return Noise { standard_error: f64::INFINITY, skewness: 0.0, dof: 1.0 };
         }
-        let influence = if planted(Defect::SquaresForPseudoValues) { 1.0 } else { replicates / (replicates - 2.0) };
+        let influence = replicates / (replicates - 2.0);
         let moments: Moments = squares.iter().map(|s| influence * s).collect();
         let variance = moments.variance().map_or(f64::INFINITY, |variance| variance / replicates);
         let third = influence.powi(3) * third_cumulant_of_mean(squares, moments.mean() / influence);

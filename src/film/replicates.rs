@@ -2,7 +2,6 @@
 
 use super::estimator_variance::{Pair, Pairs, Patch};
 use super::{Film, Plane};
-use crate::defects::{Defect, planted};
 use crate::stats::{Estimate, third_cumulant_of_mean};
 use rayon::prelude::*;
 
@@ -68,7 +67,6 @@ impl<'a> Replicates<'a> {
         let unit = self.film.units().of(Plane::Color);
         let index = pixel * self.film.layout().channels() + channel;
         for ((mean, sums), n) in out.iter_mut().zip(self.film.sums()).zip(&self.counts) {
-            let n = if planted(Defect::ReplicatesAlike) { self.total / self.counts.len() as f64 } else { *n };
             *mean = sums.value(index) * unit / n;
         }
     }
@@ -81,8 +79,7 @@ impl<'a> Replicates<'a> {
     pub(super) fn variance(&self, means: &[f64]) -> f64 {
         let mean = self.mean(means);
         let squares: f64 = means.iter().zip(&self.counts).map(|(m, n)| n / self.total * (m - mean) * (m - mean)).sum();
-        let one = if planted(Defect::ErrorOfOneReplicate) { self.counts.len() as f64 } else { 1.0 };
-        one * squares / (self.counts.len() as f64 - 1.0)
+        squares / (self.counts.len() as f64 - 1.0)
     }
 
     /// Returns the mean of the image with its standard error.

@@ -6,7 +6,6 @@
 //! are not lost. At the end of the pass the sums are added to its samples.
 
 use super::{Filter, Layout};
-use crate::defects::{Defect, planted};
 use crate::sampling::mix64;
 use crate::spectrum::{LANES, Spectrum};
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -110,7 +109,6 @@ impl Covered {
 
 /// Returns the [`Covered`] pixels of a splat at position `x`, among those from `start` up to `end`.
 fn covered(filter: Filter, x: f32, [start, end]: [u32; 2]) -> Covered {
-    let x = if planted(Defect::SplatsHalfPixel) { x - 0.5 } else { x };
     let radius = filter.radius() as f32;
     // In f32, positions far outside the film saturate instead of wrapping.
     let low = (x - 0.5 - radius).ceil().max(start as f32);

@@ -2,7 +2,6 @@
 //! units of 2⁶⁴) is unique for each integer. Equal sums are therefore equal bit for bit, whatever the order of
 //! additions and merges.
 
-use crate::defects::{Defect, planted};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -112,8 +111,7 @@ fn nearest(low: i128, high: i128) -> f64 {
 pub(crate) fn add_all(sums: &mut [i64], values: &[i64], first: usize) -> Vec<(u64, i128)> {
     let pairs = sums.iter_mut().zip(values).zip(first as u64..);
     let carries = pairs.map(|((sum, &value), index)| (index, add(sum, value)));
-    let keeps = !planted(Defect::MergeLosesCarry);
-    carries.filter(|&(_, carry)| carry != 0 && keeps).collect()
+    carries.filter(|&(_, carry)| carry != 0).collect()
 }
 
 /// Adds `value` and returns the carry.
@@ -130,7 +128,7 @@ fn add(sum: &mut i64, value: i64) -> i128 {
 pub(crate) fn add_rounded(sum: &mut i64, scaled: f64, hash: u64, index: u64, spill: &mut Spill) {
     if scaled.abs() < TWO_62 {
         // Truncating an f32 below 2⁻⁸ units loses less than 2⁻³² of a unit; then floor(x + u).
-        let fraction = if planted(Defect::FilmRoundsDown) { 0 } else { (hash >> 32) as i64 };
+        let fraction = (hash >> 32) as i64;
         let whole = (scaled as i64 + fraction) >> 32;
         let carry = add(sum, whole);
         if carry != 0 {

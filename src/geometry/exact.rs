@@ -7,7 +7,6 @@
 //! do not intersect. A line never intersects the surfaces that it starts or ends on. Surfaces that coincide with these
 //! lie on one side of them.
 
-use crate::defects::{Defect, planted};
 use crate::geometry::{Bounds, Geometry, Hit, Ray, Triangle};
 use glam::DVec3;
 
@@ -134,9 +133,7 @@ impl Line {
     #[inline]
     fn holds(&self, crossing: &Crossing, triangle: &Triangle) -> bool {
         let after = match &self.left {
-            Some(side) if crossing.is_at(0.0) => {
-                crossing.order > side.order && crossing.is_apart(side, triangle) || twice()
-            }
+            Some(side) if crossing.is_at(0.0) => crossing.order > side.order && crossing.is_apart(side, triangle),
             Some(_) => crossing.t > 0.0,
             None => crossing.t >= self.t_min,
         };
@@ -147,11 +144,6 @@ impl Line {
         };
         after && before
     }
-}
-
-/// Planted defect: surfaces coincident with the starting surface count on both sides of it.
-fn twice() -> bool {
-    planted(Defect::CoplanarOnBothSides)
 }
 
 impl Crossing {

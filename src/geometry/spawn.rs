@@ -1,6 +1,5 @@
 //! Ray origin offsets. No other code moves the origin of a ray off its surface.
 
-use crate::defects::{Defect, planted};
 use crate::geometry::{Hit, Ray, Triangle};
 use crate::numeric::BELOW_ONE;
 use glam::Vec3;
@@ -43,11 +42,7 @@ pub fn spawn_segment(p: Vec3, error: f32, ng: Vec3, to: Vec3, to_error: f32, to_
     let toward = to - p;
     let origin = offset(p, error, ng, toward);
     let far = FAR_END * toward.abs().max_element();
-    let end = if to_error > 0.0 && !planted(Defect::SegmentMeetsItsEnd) {
-        offset(to, to_error + far, to_ng, -toward)
-    } else {
-        to
-    };
+    let end = if to_error > 0.0 { offset(to, to_error + far, to_ng, -toward) } else { to };
     let mut ray = Ray::new(origin, end - origin);
     ray.t_max = BELOW_ONE;
     ray

@@ -1,7 +1,6 @@
 //! Surface points for shading.
 
 use super::spawn::touching_segment;
-use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Geometry, Hit, Ray, TriangleHit, leave, spawn_segment};
 use glam::Vec3;
 
@@ -47,7 +46,7 @@ impl SurfacePoint {
     /// Returns the primitive if another surface touches it here, else [`Hit::NONE`].
     #[inline]
     pub fn touched(&self) -> Hit {
-        if self.touching && !planted(Defect::ContactJumpedOver) { self.hit } else { Hit::NONE }
+        if self.touching { self.hit } else { Hit::NONE }
     }
 
     /// Returns a ray that leaves this point.

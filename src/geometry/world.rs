@@ -1,6 +1,5 @@
 //! All geometry of a scene, as passed to backends.
 
-use crate::defects::{Defect, planted};
 use crate::geometry::{Bounds, Hit, Triangle, TriangleMesh};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -71,7 +70,6 @@ impl Geometry {
         let n = mix(mesh.attributes().normals.as_ref()?, mesh.triangles()[hit.primitive as usize], barycentric);
         match &object.placement {
             None => n.try_normalize(),
-            Some(m) if planted(Defect::InstanceNormal) => (m.matrix3 * n).try_normalize(),
             Some(m) => (m.matrix3.inverse().transpose() * n).try_normalize(),
         }
     }

@@ -10,7 +10,6 @@ use super::camera_pass::Radiance;
 use super::{IntegratorConfig, PilotEstimate};
 use crate::bsdf::Shading;
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::geometry::Ray;
 use crate::light::Light;
 use crate::path::{
@@ -94,7 +93,7 @@ impl<'a> Bidirectional<'a> {
     /// length limits.
     #[inline]
     pub(super) fn is_enabled(&self, s: usize, t: usize) -> bool {
-        let events = (s + t).saturating_sub(2) - usize::from(planted(Defect::SplatsOneDeeper) && t == 1);
+        let events = (s + t).saturating_sub(2);
         self.weights.techniques.has(s, t) && self.events.contains(&events)
     }
 

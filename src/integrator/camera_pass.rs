@@ -4,7 +4,6 @@
 use super::samples::{Sample, Samples, Work};
 use super::{Guards, Integrator, IntegratorConfig, InvalidSample, PassReport, RayCounts};
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::film::{Layout, PassFilm, Plane, Splats};
 use crate::geometry::Ray;
 use crate::parallel::Cancel;
@@ -45,12 +44,6 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         CameraPass { method, scene, samples: Samples::new(camera, options), options: *options }
     }
 
-    /// Returns the number of light subpaths in a pass.
-    fn walks(&self, layout: &Layout) -> usize {
-        let whole = layout.width as usize * layout.height as usize;
-        if planted(Defect::SplatsOfTheWhole) { whole } else { self.options.pixels() }
-    }
-
     /// Renders consecutive pixels from `first` on.
     fn chunk<P: Sampler>(
         &self,
@@ -62,7 +55,9 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
     ) -> PassReport {
         let channels = layout.channels();
         let mut report = PassReport::default();
-        let (address, per_walk) = (Address::new(self.options.seed).with(pass), (self.walks(layout) as f32).recip());
+        let address = Address::new(self.options.seed).with(pass);
+        // A pass has as many light subpaths as pixels.
+        let per_walk = (self.options.pixels() as f32).recip();
         let mut tally = TraceStats::default();
         for (i, values) in out.chunks_exact_mut(channels).enumerate() {
             let Sample { pixel, index, ray, mut numbers } = self.samples.of_pixel(layout, first + i, &sampler);

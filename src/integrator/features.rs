@@ -2,7 +2,6 @@
 //! second walk along the path hits the same surfaces. Renders without these planes pay nothing.
 
 use crate::bsdf::{Bsdf, Lobes, Shading};
-use crate::defects::{Defect, planted};
 use crate::film::{Layout, Plane};
 use crate::geometry::{Ray, SurfacePoint};
 use crate::path::{RandomWalk, TraceStats};
@@ -48,7 +47,7 @@ fn look(
     let mut walk = RandomWalk::new(scene, ray);
     let Some(first) = walk.arrive(sampler, tally) else { return };
     put(Plane::Alpha, &[1.0]);
-    let depth = if planted(Defect::DepthFromLastPane) { first.t } else { (first.p - ray.origin).length() };
+    let depth = (first.p - ray.origin).length();
     put(Plane::Depth, &[(f64::from(depth) / scene.rebase().scale) as f32]);
     put(Plane::Position, &scene.rebase().point_in_file(first.p.as_dvec3()).as_vec3().to_array());
     if layout.offset(Plane::Albedo).is_none() && layout.offset(Plane::Normal).is_none() {

@@ -9,11 +9,10 @@
 
 use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
-use crate::defects::{Defect, planted};
 use crate::geometry::{Local, Ray, SurfacePoint};
 use crate::light::{Light, LightSample, LightSampleContext};
 use crate::path::{PreviousVertex, RandomWalk, TraceStats, toward_light};
-use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, balance, power, warp};
+use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
@@ -81,7 +80,7 @@ impl Strategy for Combined {
     }
     #[inline]
     fn mis_weight_scattering(scattering: f32, light: f32) -> f32 {
-        if planted(Defect::MixedHeuristics) { balance(scattering, light) } else { power(scattering, light) }
+        power(scattering, light)
     }
 }
 
@@ -106,11 +105,9 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     fn mis_weight_bsdf(&self, departure: &PreviousVertex, light: usize, pdf: impl FnOnce() -> f32) -> f32 {
         match departure {
             PreviousVertex::Surface(from, Density::Smooth(scattering)) => {
-                let pmf =
-                    if planted(Defect::LightPmfNotInHit) { 1.0 } else { self.scene.lights().pmf(from, light).value() };
+                let pmf = self.scene.lights().pmf(from, light).value();
                 S::mis_weight_scattering(scattering.value(), pmf * pdf())
             }
-            PreviousVertex::Surface(_, Density::Delta(_)) if planted(Defect::EmissionLostAfterDirac) => 0.0,
             PreviousVertex::Surface(_, Density::Delta(_)) | PreviousVertex::Camera | PreviousVertex::Light => 1.0,
         }
     }
@@ -124,12 +121,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         if radiance.is_black() || !walk.sees(light) {
             return Spectrum::ZERO;
         }
-        let pdf = |from: &LightSampleContext| {
-            if planted(Defect::HitPdfOverArea) {
-                return light.pdf_li(1.0, point.ng).value();
-            }
-            light.pdf_li((point.p - from.p).length_squared(), wi).value()
-        };
+        let pdf = |from: &LightSampleContext| light.pdf_li((point.p - from.p).length_squared(), wi).value();
         let share = match &walk.departure {
             PreviousVertex::Surface(from, _) => self.mis_weight_bsdf(&walk.departure, index, || pdf(from)),
             PreviousVertex::Camera | PreviousVertex::Light => 1.0,
@@ -161,10 +153,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let Some((index, pmf)) = lights.choose(&receiver, sampler.u1(walk.bounce, Slot::LightPick)) else {
             return Spectrum::ZERO;
         };
-        let mut u = sampler.u2(walk.bounce, Slot::LightPoint);
-        if planted(Defect::LightPickReused) {
-            u[0] = sampler.u1(walk.bounce, Slot::LightPick);
-        }
+        let u = sampler.u2(walk.bounce, Slot::LightPoint);
         let Some(sample) = lights.all()[index].sample_li(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
@@ -179,7 +168,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         match sample.density {
             Density::Delta(probability) => (pmf.value() * probability).recip(),
             Density::Smooth(pdf) => {
-                let density = if planted(Defect::LightPmfNotInSample) { pdf.value() } else { pdf.choose(pmf).value() };
+                let density = pdf.choose(pmf).value();
                 S::mis_weight_light(density, scattering.pdf.value()) / density
             }
         }
@@ -200,7 +189,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         loop {
             let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
             total += self.emitted(&walk, &point);
-            if walk.depth >= self.max_depth.saturating_add(u32::from(planted(Defect::DepthOneMore))) {
+            if walk.depth >= self.max_depth {
                 return total;
             }
             let surface = self.scene.surface(&mut point, walk.ray.bodies);

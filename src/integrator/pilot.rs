@@ -7,7 +7,6 @@
 
 use super::{Integrator, IntegratorConfig};
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::film::{Layout, PassFilm, Units};
 use crate::parallel::Cancel;
 use crate::scene::Scene;
@@ -55,8 +54,7 @@ impl PilotEstimate {
         let camera = camera.resized([layout.width, layout.height], size);
         let mut film = PassFilm::new(&pilot);
         // The pilot is never cancelled, so that it always reports.
-        let seed = if planted(Defect::PilotFollowsSeed) { !options.seed } else { PILOT_SEED };
-        let options = IntegratorConfig { seed, ..*options };
+        let options = IntegratorConfig { seed: PILOT_SEED, ..*options };
         integrator(camera, &options).run_pass(0, &Cancel::new(), &mut film);
         let mean = mean(&mut film);
         let exponent = if mean > 0.0 { mean.log2().floor() as i32 } else { 0 };

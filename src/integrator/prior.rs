@@ -13,16 +13,12 @@
 
 use super::Method;
 use super::blind_spots;
-use crate::defects::{Defect, planted};
 use crate::film::Prior;
 use crate::scene::Scene;
 use std::f64::consts::PI;
 
 /// Estimates the light of `scene` that `method` may miss.
 pub fn prior(method: Method, scene: &Scene) -> Prior {
-    if planted(Defect::PriorForgotten) {
-        return Prior::default();
-    }
     Prior { blind: !blind_spots(method, scene).is_empty(), rare_radiance: rare_radiance(method, scene) }
 }
 

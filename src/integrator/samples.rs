@@ -2,7 +2,6 @@
 
 use super::IntegratorConfig;
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::film::{FilterSampler, Layout};
 use crate::geometry::Ray;
 use crate::sampling::{Address, IndependentSampler, Sampler, SamplerKind, Slot, Sobol};
@@ -52,8 +51,7 @@ impl Samples {
             }
             SamplerKind::Sobol => {
                 let replicates = u64::from(self.options.replicates);
-                let replicate = if planted(Defect::OneScrambling) { 0 } else { pass % replicates };
-                let (of_replicate, index) = (seed.with(replicate), (pass / replicates) as u32);
+                let (of_replicate, index) = (seed.with(pass % replicates), (pass / replicates) as u32);
                 work.run(|pixel| Sobol::new(of_replicate.with(pixel), index))
             }
         }
@@ -79,7 +77,6 @@ impl Samples {
     #[inline]
     fn camera_ray(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> Ray {
         let offset = self.filter.sample(sampler.u2(0, Slot::Aux));
-        let centre = if planted(Defect::PixelCorner) { 0.0 } else { 0.5 };
-        self.camera.ray([pixel[0] as f32 + centre + offset[0], pixel[1] as f32 + centre + offset[1]])
+        self.camera.ray([pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]])
     }
 }

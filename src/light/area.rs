@@ -1,7 +1,6 @@
 //! Emitting triangles with constant or textured radiance.
 
 use super::{EmitterPoint, LeRandom, LeSample, LightSample};
-use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Hit, Local, Triangle, leave};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
@@ -152,11 +151,7 @@ impl AreaLight {
         let d2 = to.length_squared();
         let wi = to / d2.sqrt();
         let coverage = self.emission.coverage.as_ref().map_or(1.0, |c| c.at(barycentric));
-        let toward = if planted(Defect::LampShinesBackward) { self.ng } else { -wi };
-        let mut radiance = self.radiance(barycentric, toward) * coverage;
-        if planted(Defect::LampMeanInSample) && !radiance.is_black() {
-            radiance = self.mean_radiance * coverage;
-        }
+        let radiance = self.radiance(barycentric, -wi) * coverage;
         let pdf = self.pdf_li(d2, wi);
         if radiance.is_black() || pdf.value() <= 0.0 || d2 == 0.0 {
             return None;
@@ -198,9 +193,8 @@ impl AreaLight {
     /// Returns the density per solid angle of the direction in [`AreaLight::sample_le`].
     pub(super) fn emission_pdf(&self, w: Vec3) -> f64 {
         let cos = f64::from(w.dot(self.ng));
-        let half = if planted(Defect::TwoSidedWhole) { 1.0 } else { 0.5 };
-        let cos = if self.emission.two_sided { half * cos.abs() } else { cos.max(0.0) };
-        (if planted(Defect::EmissionPdfUniform) { 0.5 } else { cos }) / PI
+        let cos = if self.emission.two_sided { 0.5 * cos.abs() } else { cos.max(0.0) };
+        cos / PI
     }
 
     /// Returns the radiance factor, mean over lanes. Textures only reduce it.
@@ -217,7 +211,7 @@ impl AreaLight {
     /// Returns π × area × mean radiance × number of emitting sides. 0 for an emitter that does not illuminate, so that
     /// it is never sampled.
     pub fn power(&self) -> f64 {
-        if self.emission.only_seen && !planted(Defect::UnlitIsLamp) {
+        if self.emission.only_seen {
             return 0.0;
         }
         let sides = if self.emission.two_sided { 2.0 } else { 1.0 };

@@ -16,7 +16,6 @@
 //! neighbours.
 
 use super::{EmitterPoint, LightSample};
-use crate::defects::{Defect, planted};
 use crate::huge_vec::HugeVec;
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Distribution, Pdf, SolidAngle, warp};
@@ -85,11 +84,7 @@ impl EnvironmentMap {
         let strips: Vec<Row> = (0..=height).map(|j| Row::new(j, height)).collect();
         let weight = |(j, strip): (usize, &Row)| {
             let [above, below] = neighbours(j, height);
-            let height = if planted(Defect::MapRowsAlike) {
-                2.0 / strips.len() as f64
-            } else {
-                strip.cosines[0] - strip.cosines[1]
-            };
+            let height = strip.cosines[0] - strip.cosines[1];
             consts::PI * height * (rows[above] + rows[below])
         };
         let weights: Vec<f64> = strips.iter().enumerate().map(weight).collect();
@@ -159,8 +154,7 @@ impl EnvironmentMap {
     #[inline]
     fn place(&self, w: Vec3) -> Lookup {
         let [width, height] = self.map.size();
-        let half = if planted(Defect::MapHalfTexel) { 0.0 } else { 0.5 };
-        let x = (0.5 + self.turn - (-w.z).atan2(w.x) / TAU) * width as f32 - half;
+        let x = (0.5 + self.turn - (-w.z).atan2(w.x) / TAU) * width as f32 - 0.5;
         let left = (x.floor() as i64).rem_euclid(width as i64) as usize;
         let theta = (w.x * w.x + w.z * w.z).sqrt().atan2(w.y);
         let v = theta / PI * height as f32 + 0.5;
@@ -224,7 +218,7 @@ impl EnvironmentMap {
     /// Returns the azimuth of column `u`.
     #[inline]
     fn azimuth(&self, u: f32) -> f32 {
-        let turns = 0.5 + if planted(Defect::MapTurnsBack) { -self.turn } else { self.turn } - u;
+        let turns = 0.5 + self.turn - u;
         (turns - turns.round()) * TAU
     }
 }
@@ -269,8 +263,7 @@ fn neighbours(j: usize, height: usize) -> [usize; 2] {
 /// Returns the column after `x`, with wrap-around at the seam.
 #[inline]
 fn next(x: usize, width: usize) -> usize {
-    let first = if planted(Defect::MapSeam) { x } else { 0 };
-    if x + 1 == width { first } else { x + 1 }
+    if x + 1 == width { 0 } else { x + 1 }
 }
 
 #[inline]

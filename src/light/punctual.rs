@@ -1,7 +1,6 @@
 //! Punctual lights: point, spot, directional (KHR_lights_punctual). Only light sampling reaches them.
 
 use super::{BoundingSphere, EmitterPoint, LeSample, LightSample};
-use crate::defects::{Defect, planted};
 use crate::geometry::{Frame, Local, Ray};
 use crate::sampling::{Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
@@ -26,8 +25,7 @@ impl PointLight {
         if d2 == 0.0 {
             return None;
         }
-        let falloff = if planted(Defect::PointLightLinear) { d2.sqrt() } else { d2 };
-        let (wi, radiance) = (to / d2.sqrt(), self.intensity / falloff);
+        let (wi, radiance) = (to / d2.sqrt(), self.intensity / d2);
         Some(LightSample { wi, radiance, density: Density::Delta(1.0), end: EmitterPoint::Point(self.position) })
     }
 
@@ -71,7 +69,7 @@ impl SpotLight {
     #[inline]
     fn falloff(&self, cos: f32) -> f32 {
         let x = ((cos - self.cos_outer) * self.slope).clamp(0.0, 1.0);
-        if planted(Defect::SpotEdgeLinear) { x } else { x * x }
+        x * x
     }
 
     /// Returns the direction from `p` to the light; `None` outside the cone.

@@ -1,7 +1,6 @@
 //! Metropolis–Hastings chain over arbitrary states.
 
 use super::Numbers;
-use crate::defects::{Defect, planted};
 
 /// State of a chain.
 pub trait State {
@@ -117,9 +116,7 @@ impl<S: State> Chain<S> {
         self.counts[index].taken += 1;
         let proposed = kernels.kernels[index].propose(&self.x, &mut self.y, numbers);
         let acceptance = proposed.map_or(0.0, |log_ratio| self.acceptance(kernels, index, log_ratio));
-        if proposed.is_some() || !planted(Defect::FailedProposalsForgotten) {
-            self.weight += 1.0 - acceptance;
-        }
+        self.weight += 1.0 - acceptance;
         if acceptance > 0.0 && numbers.uniform() < acceptance {
             self.counts[index].accepted += 1;
             deposit(&self.x, self.weight);
@@ -143,9 +140,7 @@ impl<S: State> Chain<S> {
             return 0.0;
         }
         self.counts[index].proposed += 1;
-        let log_ratio = if planted(Defect::HastingsForgotten) { 0.0 } else { log_ratio };
         let types = kernels.log_share(index, &self.y) - kernels.log_share(index, &self.x);
-        let types = if planted(Defect::MutationTypeForgotten) { 0.0 } else { types };
         let log = log_y - self.x.log_target() + log_ratio + types;
         if log.is_nan() {
             self.counts[index].nonfinite += 1;

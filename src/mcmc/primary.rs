@@ -7,7 +7,6 @@
 //! rejection.
 
 use super::SmallStep;
-use crate::defects::{Defect, planted};
 use crate::sampling::{Address, SLOTS, Sampler, Slot, unit_f32};
 use std::collections::BTreeMap;
 
@@ -151,7 +150,6 @@ impl Source<'_> {
             let value = match self.from {
                 Some((from, Step::Small(small))) => match from.get(self.stream, index) {
                     Some(x) => small.apply(x, self.address.bits(index)),
-                    None if planted(Defect::NewCoordinatesZero) => 0,
                     None => new,
                 },
                 _ => new,

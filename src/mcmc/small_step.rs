@@ -1,8 +1,6 @@
 //! Symmetric steps on the unit circle. Positions are integers in units of 2⁻³²: addition modulo 1 is exact, and 1 is
 //! never reached.
 
-use crate::defects::{Defect, planted};
-
 /// Distribution of small steps of a coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SmallStep {
@@ -44,9 +42,6 @@ impl SmallStep {
             }
         };
         let step = (step * CIRCLE).round() as i64;
-        if planted(Defect::StepsStopAtEdges) {
-            return (i64::from(x) + step).clamp(0, i64::from(u32::MAX)) as u32;
-        }
         x.wrapping_add(step as u32)
     }
 }

@@ -5,7 +5,6 @@ use super::Vertex;
 use super::mis::MisStrategy;
 use crate::bsdf::{Scattering, Shading};
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Hit, Ray, SurfacePoint};
 use crate::light::{EmitterPoint, LightSample, LightSampleContext};
 use crate::sampling::{Density, Sampler, Slot};
@@ -121,12 +120,11 @@ pub fn splat(scene: &Scene, weights: &MisStrategy, camera: &Camera, y: &Vertex) 
     }
     let shading = y.shading()?;
     let at_y = shading.scattering(seen.wi)?;
-    let importance = if planted(Defect::SplatsWithoutMagnification) { 1.0 } else { seen.importance };
     let density = f64::from(seen.importance) * f64::from(seen.wi.dot(y.point.ng).abs());
     let reverse = f64::from(shading.reverse_pdf(seen.wi).value());
     let segment =
         Ray { bodies: y.bodies_toward(scene, seen.wi), ..y.point.segment(seen.eye, 0.0, y.point.ng, Hit::NONE) };
-    let value = y.beta * at_y.f_cos * importance;
+    let value = y.beta * at_y.f_cos * seen.importance;
     let connection =
         Connection { value, weight: weights.splat(&y.sums, density, reverse), survival: y.survival, segment };
     Some(Splat { connection, film: seen.film })

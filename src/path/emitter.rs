@@ -1,7 +1,6 @@
 //! The emitter endpoint of a path, independent of the technique that sampled it.
 
-use crate::defects::{Defect, planted};
-use crate::geometry::{Bodies, Ray, SurfacePoint};
+use crate::geometry::{Ray, SurfacePoint};
 use crate::light::{EmitterPoint, LePdf, LeSample, Light, LightSample, LightSampleContext};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -29,12 +28,7 @@ impl Emitter {
 
     /// Returns the ray that a light `emitted`, with the bodies at its origin.
     pub fn ray(scene: &Scene, emitted: &LeSample) -> Ray {
-        let bodies = if planted(Defect::LightsInVacuum) {
-            Bodies::NONE
-        } else {
-            scene.bodies_of_light(&emitted.end, &emitted.ray)
-        };
-        Ray { bodies, ..emitted.ray }
+        Ray { bodies: scene.bodies_of_light(&emitted.end, &emitted.ray), ..emitted.ray }
     }
 
     /// Creates the endpoint of light `index` sampled from the point `p`.

@@ -12,7 +12,6 @@ use crate::bsdf::shading::folds;
 use crate::bsdf::sides::{Sided, Sources};
 use crate::bsdf::{Bsdf, Lobes, Surface};
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Frame, Local, SurfacePoint};
 use crate::light::{EmitterPoint, Light, LightSampleContext};
 use crate::scene::Scene;
@@ -253,7 +252,7 @@ impl<'a> FullPath<'a> {
     /// Whether the emitter is visible only to the camera and does not illuminate, while a vertex scatters smoothly.
     fn is_dark(&self) -> bool {
         let light = &self.scene.lights().all()[self.emitter.index];
-        light.is_only_seen() && !planted(Defect::UnlitIsLamp) && !self.nodes.iter().all(PathVertex::is_dirac)
+        light.is_only_seen() && !self.nodes.iter().all(PathVertex::is_dirac)
     }
 
     /// G of edge `i` < k − 1, from xᵢ to xᵢ₊₁.

@@ -17,7 +17,6 @@
 //! Densities include neither roulette nor the transmittance of edges, so that weights are functions of the path.
 //! Reference: [Veach97 §10.2].
 
-use crate::defects::{Defect, planted};
 use crate::sampling::Heuristic;
 use glam::Vec3;
 
@@ -172,8 +171,7 @@ impl MisStrategy {
     /// perpendicular area.
     #[inline]
     pub fn from_camera(&self) -> MisEdge {
-        let walks = if planted(Defect::SplatsCountedOnce) { 1.0 } else { self.light_walks };
-        let split = Self::factor(self.techniques.splat) * self.power(walks);
+        let split = Self::factor(self.techniques.splat) * self.power(self.light_walks);
         let before = PartialMis::default();
         MisEdge { before, forward: 0.0, reverse: 0.0, split, split_before: 0.0, start: EdgeOrigin::Distant }
     }
@@ -206,8 +204,7 @@ impl MisStrategy {
         p: Vec3,
         ng: Vec3,
     ) -> MisEdge {
-        let split = Self::factor(!is_dirac || planted(Defect::DiracConnects));
-        let reverse = if planted(Defect::ReversePdfForgotten) { forward } else { reverse };
+        let split = Self::factor(!is_dirac);
         MisEdge {
             before: sums,
             forward,
@@ -244,7 +241,7 @@ impl MisStrategy {
     #[inline]
     pub fn escape(&self, link: &MisEdge, w: Vec3) -> PartialMis {
         let back = match link.start {
-            EdgeOrigin::Surface { ng, .. } if !planted(Defect::InfinityHasDistance) => cosine(w, ng),
+            EdgeOrigin::Surface { ng, .. } => cosine(w, ng),
             _ => 1.0,
         };
         self.push_vertex(link, link.forward, back)
@@ -277,8 +274,7 @@ impl MisStrategy {
         if sums.index < 2 {
             return 1.0;
         }
-        let ratio = if planted(Defect::DirectPdfIsEmissions) { end * ray } else { direct };
-        let next_event = Self::factor(self.techniques.next_event) * self.power(ratio) * sums.vc;
+        let next_event = Self::factor(self.techniques.next_event) * self.power(direct) * sums.vc;
         1.0 / (1.0 + next_event + self.power(end) * self.power(ray) * sums.vc_prev)
     }
 
@@ -299,7 +295,6 @@ impl MisStrategy {
     /// sample the vertex, `reverse` the density of the direction toward the light.
     #[inline]
     pub fn splat(&self, sums: &PartialMis, seen: f64, reverse: f64) -> f64 {
-        let walks = if planted(Defect::SplatsCountedOnce) { 1.0 } else { self.light_walks };
-        1.0 / (1.0 + self.earlier(sums, seen / walks, reverse))
+        1.0 / (1.0 + self.earlier(sums, seen / self.light_walks, reverse))
     }
 }

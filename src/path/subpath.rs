@@ -7,7 +7,6 @@ use super::mis::{EdgeOrigin, MisEdge, MisStrategy, PartialMis};
 use super::{PreviousVertex, RandomWalk, TraceStats};
 use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Ray, SurfacePoint};
 use crate::light::{EmitterPoint, LeRandom, LightSampleContext};
 use crate::sampling::{Discrete, Pdf, Sampler, Slot};
@@ -104,7 +103,7 @@ impl<'a> Subpath<'a> {
         };
         let density = light.pdf_le(scene.ball(), emitted.ray.direction);
         // Tangential emission: about one random number in 2²³ yields it. It has no density and carries no light.
-        if density.direction <= 0.0 && !planted(Defect::GrazingEmission) {
+        if density.direction <= 0.0 {
             return None;
         }
         let end = |pmf: Pdf<Discrete>| f64::from(pmf.value()) * density.position;
@@ -126,8 +125,7 @@ impl<'a> Subpath<'a> {
         if let PreviousVertex::Camera = self.walk.departure {
             self.link.forward = camera.sample_wi(point.p).map_or(0.0, |seen| f64::from(seen.importance));
         }
-        let ng = if planted(Defect::WeightsByShadingNormal) { point.frame.n } else { point.ng };
-        let sums = self.weights.arrive(&self.link, point.p, ng, self.walk.ray.direction);
+        let sums = self.weights.arrive(&self.link, point.p, point.ng, self.walk.ray.direction);
         let surface = self.scene.surface(&mut point, self.walk.ray.bodies);
         Arrival::Surface(Vertex {
             point,

@@ -7,8 +7,7 @@
 
 use crate::accel::RayClass;
 use crate::bsdf::{ShadingSample, Surface};
-use crate::defects::{Defect, planted};
-use crate::geometry::{Bodies, Ray, SurfacePoint};
+use crate::geometry::{Ray, SurfacePoint};
 use crate::light::{AreaLight, LightSampleContext};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
@@ -97,8 +96,7 @@ impl<'a> RandomWalk<'a> {
     /// Starts a walk along the camera ray `ray`, in the bodies that contain its origin.
     #[inline]
     pub fn new(scene: &'a Scene, ray: Ray) -> Self {
-        let bodies = if planted(Defect::CameraInVacuum) { Bodies::NONE } else { scene.bodies_at(ray.origin) };
-        let ray = Ray { bodies, ..ray };
+        let ray = Ray { bodies: scene.bodies_at(ray.origin), ..ray };
         let (beta, departure) = (Spectrum::ONE, PreviousVertex::Camera);
         RandomWalk {
             scene,
@@ -189,9 +187,7 @@ impl<'a> RandomWalk<'a> {
                 return Some(point);
             }
             // The rescaled u is uniform again, so that one random number serves all surfaces of the edge.
-            if !planted(Defect::BlendsShareNumber) {
-                u = ((u - met) / chance).min(BELOW_ONE);
-            }
+            u = ((u - met) / chance).min(BELOW_ONE);
             self.absorb(point.t);
             self.beta *= passage.through.map(|t: f32| t / chance);
             self.survival *= chance;
@@ -206,7 +202,7 @@ impl<'a> RandomWalk<'a> {
 
     #[inline]
     fn absorb(&mut self, length: f32) {
-        if !self.ray.bodies.is_empty() && self.scene.features().media && !planted(Defect::GlassClear) {
+        if !self.ray.bodies.is_empty() && self.scene.features().media {
             self.beta *= self.scene.absorption(self.ray.bodies, length);
         }
     }
@@ -215,7 +211,7 @@ impl<'a> RandomWalk<'a> {
     /// only to camera walks with Dirac vertices alone.
     #[inline]
     pub fn sees(&self, light: &AreaLight) -> bool {
-        self.straight || !light.is_only_seen() || planted(Defect::UnlitIsLamp)
+        self.straight || !light.is_only_seen()
     }
 
     /// Returns the random numbers for BSDF sampling on `surface`. Models with one lobe do not use the lobe selection
@@ -238,13 +234,7 @@ impl<'a> RandomWalk<'a> {
         self.depth += 1;
         self.bounce += 1;
         let bodies = self.scene.bodies_toward(point, self.ray.bodies, scatter.direction);
-        let density = match self.departure {
-            PreviousVertex::Surface(_, before @ Density::Delta(_)) if planted(Defect::EmissionTwiceAfterDirac) => {
-                before
-            }
-            _ => scatter.density,
-        };
-        self.departure = PreviousVertex::Surface(LightSampleContext::from(point), density);
+        self.departure = PreviousVertex::Surface(LightSampleContext::from(point), scatter.density);
         self.ray = Ray { bodies, time: self.ray.time, ..point.spawn(scatter.direction) };
     }
 
@@ -264,14 +254,7 @@ impl<'a> RandomWalk<'a> {
             if sampler.u1(self.bounce, Slot::Roulette) >= q {
                 return false;
             }
-            let mut paid = if planted(Defect::RouletteUnpaid) { 1.0 } else { q };
-            if planted(Defect::RouletteEta2) {
-                paid = (q / self.scale).min(1.0);
-            }
-            if planted(Defect::DepthRouletteUnpaid) && q < share {
-                paid = share;
-            }
-            self.beta *= paid.recip();
+            self.beta *= q.recip();
             self.survival *= q;
         }
         true

@@ -1,6 +1,5 @@
 //! Densities typed by their measure, so that a solid-angle density cannot be compared with an area density.
 
-use crate::defects::{Defect, planted};
 use std::marker::PhantomData;
 
 /// Measure of a density.
@@ -50,7 +49,6 @@ impl Pdf<Area> {
     /// degenerate geometry term (cos = 0) gives a density of 0: the caller drops such samples.
     #[inline]
     pub fn to_solid_angle(self, d2: f32, cos: f32) -> Pdf<SolidAngle> {
-        let d2 = if planted(Defect::AreaPdfWithoutDistance) { 1.0 } else { d2 };
         if cos == 0.0 { Pdf::new(0.0) } else { Pdf::new((self.0 * d2 / cos).min(f32::MAX)) }
     }
 }

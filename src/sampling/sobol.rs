@@ -8,7 +8,6 @@
 
 use super::hash::mix64;
 use super::{Address, IndependentSampler, Sampler, Slot, unit_f32};
-use crate::defects::{Defect, planted};
 
 /// Bounces from this one on use independent random numbers. relMSE on the Cornell box is the same for 3, 4 and 8, and 8
 /// % higher for 2.
@@ -27,7 +26,6 @@ impl Sobol {
     /// Returns point `index` of the sequence with key `sequence`.
     #[inline]
     pub fn new(sequence: Address, index: u32) -> Self {
-        let index = if planted(Defect::SobolSkipsFirst) { index + 1 } else { index };
         let deep = IndependentSampler::new(sequence.with(u64::from(index)));
         Sobol { sequence, index, deep }
     }

@@ -1,7 +1,6 @@
 //! Discrete distributions.
 
 use super::{Discrete, Pdf};
-use crate::defects::{Defect, planted};
 use crate::numeric::BELOW_ONE;
 
 /// Samples an index with probability proportional to its weight, by monotone inversion of the CDF. Unlike alias tables,
@@ -55,10 +54,7 @@ impl Distribution {
     /// Samples the index at `u` in [0, 1); returns it with its probability, which is positive.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, Pdf<Discrete>) {
-        let mut i = self.upper.partition_point(|&c| c <= u);
-        if planted(Defect::TableOneBefore) && i > 0 && self.pmf(i - 1).value() > 0.0 {
-            i -= 1;
-        }
+        let i = self.upper.partition_point(|&c| c <= u);
         (i, self.pmf(i))
     }
 

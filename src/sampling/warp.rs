@@ -3,7 +3,6 @@
 //! keep their structure. Disks use the concentric map [Shirley97], triangles fold the square [Heitz19].
 
 use super::{Pdf, SolidAngle};
-use crate::defects::{Defect, planted};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
 
@@ -36,9 +35,6 @@ pub fn concentric_disk_inverse(p: Vec2) -> [f32; 2] {
 /// Samples a direction around +z with density proportional to its cosine.
 #[inline]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
-    if planted(Defect::UniformForCosine) {
-        return uniform_hemisphere(u);
-    }
     let (radius, direction) = concentric_polar(u);
     let disk = direction * radius;
     disk.extend(((1.0 - radius) * (1.0 + radius)).max(0.0).sqrt())
@@ -99,9 +95,6 @@ pub fn uniform_sphere_inverse(w: Vec3) -> [f32; 2] {
 /// [Heitz19].
 #[inline]
 pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
-    if planted(Defect::TriangleWithoutRoot) {
-        return [u[0], u[1] * (1.0 - u[0])];
-    }
     if u[0] < u[1] {
         let b = 0.5 * u[0];
         [b, u[1] - b]

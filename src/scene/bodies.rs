@@ -16,7 +16,6 @@
 
 use super::material::Material;
 use super::{ObjectInfo, Scene};
-use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, SurfacePoint, TriangleMesh};
 use crate::light::EmitterPoint;
 use crate::sampling::mix64;
@@ -58,7 +57,6 @@ impl Body {
     /// Compares precedence. The caller's stable sort breaks ties: the later body in the file comes first.
     fn precedes(&self, other: &Body) -> Ordering {
         let priority = other.interior.priority.cmp(&self.interior.priority);
-        let priority = if planted(Defect::PriorityReversed) { priority.reverse() } else { priority };
         priority.then(self.size().total_cmp(&other.size()))
     }
 
@@ -340,7 +338,6 @@ impl Scene {
         match self.objects[point.hit.object as usize].body {
             Bodies::NOBODY => bodies,
             body if w.dot(point.ng) < 0.0 => self.bodies.with(bodies, body),
-            _ if planted(Defect::LeavingIsVacuum) => Bodies::NONE,
             body => self.bodies.without(bodies, body),
         }
     }
@@ -357,7 +354,7 @@ impl Scene {
     /// body.
     #[inline]
     pub(super) fn outer_index(&self, object: &ObjectInfo, bodies: Bodies) -> f32 {
-        if !self.features.nested || object.body == Bodies::NOBODY || planted(Defect::OuterIndexIsOne) {
+        if !self.features.nested || object.body == Bodies::NOBODY {
             return 1.0;
         }
         self.bodies.first_without(bodies, object.body).map_or(1.0, |outside| self.bodies.interior(outside).ior)

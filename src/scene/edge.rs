@@ -3,7 +3,6 @@
 
 use super::{ObjectInfo, Scene};
 use crate::accel::RayClass;
-use crate::defects::{Defect, planted};
 use crate::geometry::{Bodies, Hit, Ray, SurfacePoint};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -80,7 +79,7 @@ impl Scene {
     #[inline]
     pub fn transmittance(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
         self.accel.announce(RayClass::Shadow);
-        if self.features.content() && !planted(Defect::ShadowsIgnoreBlend) {
+        if self.features.content() {
             return self.content(*ray, rays, |_| false).through;
         }
         if self.is_occluded(ray, rays) { Spectrum::ZERO } else { self.absorption(ray.bodies, segment_length(ray)) }

@@ -4,7 +4,6 @@ use super::bodies::Interior;
 use super::description::{self, AlphaMode, MetalFresnel};
 use super::usage::Usage;
 use crate::bsdf::{Bsdf, Ggx, Lobes, MetallicRoughness, Surface, Wall};
-use crate::defects::{Defect, planted};
 use crate::light::{Coverage, Emission};
 use crate::spectrum::Spectrum;
 use crate::texture::{Extremes, Texture};
@@ -132,12 +131,7 @@ impl Material {
     /// Returns whether it may transmit light straight through with the outside index `outside`.
     pub(super) fn may_pass(&self, outside: f32) -> bool {
         let m = &self.source;
-        if m.unlit
-            || m.transmission <= 0.0
-            || m.metallic >= 1.0
-            || !self.emission().is_black()
-            || planted(Defect::PanesStopShadows)
-        {
+        if m.unlit || m.transmission <= 0.0 || m.metallic >= 1.0 || !self.emission().is_black() {
             return false;
         }
         match self.interior {
@@ -237,7 +231,7 @@ impl Material {
             })
         });
         // Vertex colours multiply the base colour, which is the emission of unlit materials [KHR_materials_unlit].
-        let shown = colors.filter(|_| m.unlit && !planted(Defect::UnlitWithoutVertexColours));
+        let shown = colors.filter(|_| m.unlit);
         let corners = shown.map(|colors| Box::new(colors.map(|c| Spectrum::from_rgb(c.truncate().to_array()))));
         let (radiance, two_sided, only_seen) = (self.emission(), m.double_sided, m.unlit);
         let emission = Emission { radiance, texture, corners, two_sided, only_seen, coverage };
@@ -297,10 +291,6 @@ impl Found {
 /// Folds constant textures into the factors, and removes these textures from both `m` and `usage`. Sets the alpha mode
 /// to opaque if alpha has no effect.
 pub(super) fn settle(m: &mut description::Material, usage: &mut Usage) {
-    if planted(Defect::FeaturesIgnoreTextures) {
-        *usage = Usage::NOTHING;
-        return;
-    }
     let holes = match m.alpha_mode {
         AlphaMode::Opaque => false,
         AlphaMode::Mask { cutoff } => least_alpha(m, usage) < cutoff,

@@ -5,11 +5,10 @@ use super::material::{Coordinates, Material};
 use super::{ObjectInfo, Scene};
 use crate::accel::Intersector;
 use crate::bsdf::Surface;
-use crate::defects::{Defect, planted};
 use crate::geometry::{AnyHit, Bodies, Frame, Hit, Opaque, Ray, SurfacePoint};
 use crate::light::Light;
 use crate::texture::Texture;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::borrow::Cow;
 
 /// Alpha masks: a candidate is a hit where the alpha of its material reaches the cutoff.
@@ -85,11 +84,7 @@ impl Scene {
         if let Some(contacts) = self.contacts.as_deref().filter(|_| ray.touches()) {
             return self.is_occluded_touching(contacts, ray);
         }
-        if self.features.masks && !planted(Defect::ShadowsIgnoreMask) {
-            self.accel.occluded(ray, &Mask(self))
-        } else {
-            self.accel.occluded(ray, &Opaque)
-        }
+        if self.features.masks { self.accel.occluded(ray, &Mask(self)) } else { self.accel.occluded(ray, &Opaque) }
     }
 
     /// Returns the scattering of the surface at `point`, reached in `bodies`, and sets its shading frame, perturbed by
@@ -145,7 +140,7 @@ impl Scene {
         let (tangent, handedness) =
             self.geometry.tangent(point.hit, point.barycentric).or_else(|| self.uv_tangent(point, texture))?;
         let s = (tangent - ns * ns.dot(tangent)).try_normalize()?;
-        let t = ns.cross(s) * if planted(Defect::NormalMapGreen) { -handedness } else { handedness };
+        let t = ns.cross(s) * handedness;
         let bent = s * ((2.0 * x - 1.0) * scale) + t * ((2.0 * y - 1.0) * scale) + ns * (2.0 * z - 1.0);
         let n = bent.try_normalize()?;
         (n.dot(point.ng) > 0.0).then(|| Frame::around(n))
@@ -156,9 +151,7 @@ impl Scene {
     /// after the transform.
     fn uv_tangent(&self, point: &SurfacePoint, texture: &Texture) -> Option<(Vec3, f32)> {
         let uvs = self.geometry.corner_uvs(point.hit, texture.uv_set)?;
-        let seen =
-            |uv: Vec2| if planted(Defect::TangentsUntransformed) { uv } else { texture.transform.transform_point2(uv) };
-        let [a, b, c] = uvs.map(seen);
+        let [a, b, c] = uvs.map(|uv| texture.transform.transform_point2(uv));
         let [pa, pb, pc] = self.geometry.triangle(point.hit).vertices;
         let (e1, e2, d1, d2) = (pb - pa, pc - pa, b - a, c - a);
         let det = d1.perp_dot(d2);
@@ -200,9 +193,5 @@ const EASE: f32 = 0.1;
 #[inline]
 fn eased(point: &SurfacePoint) -> Frame {
     let (ns, ng) = (point.frame.n, point.ng);
-    if ns == ng || planted(Defect::NormalsNotEased) {
-        point.frame
-    } else {
-        Frame::around((ns + (ng - ns) * EASE).normalize())
-    }
+    if ns == ng { point.frame } else { Frame::around((ns + (ng - ns) * EASE).normalize()) }
 }

@@ -5,7 +5,6 @@ use super::Scene;
 use super::contact::Contacts;
 use super::query::Mask;
 use crate::accel::Intersector;
-use crate::defects::{Defect, planted};
 use crate::geometry::{AnyHit, Crossing, Hit, Line, Opaque, Ray, SurfacePoint};
 
 /// Filter of backend queries: it excludes what [`Contacts`] answers.
@@ -31,7 +30,7 @@ impl Scene {
         }
         let hit =
             if self.features.masks { self.accel.closest(ray, &Mask(self)) } else { self.accel.closest(ray, &Opaque) }?;
-        if !contacts.flags(hit) || planted(Defect::ContactUnsorted) {
+        if !contacts.flags(hit) {
             return self.point(contacts, hit, ray);
         }
         let line = Line::new(&self.geometry, ray);

@@ -73,11 +73,10 @@ pub struct Provenance {
 }
 
 impl Program {
-    /// Returns this program. The version includes the name of a planted defect, if there is one.
+    /// Returns this program.
     pub fn current() -> Self {
-        let planted = crate::defects::current().map_or(String::new(), |d| format!("+defect.{}", d.name()));
         Program {
-            version: format!("{}{planted}", env!("CARGO_PKG_VERSION")),
+            version: env!("CARGO_PKG_VERSION").into(),
             revision: option_env!("ETENDUE_GIT_REVISION").filter(|r| !r.is_empty()).map(str::to_owned),
             isa: option_env!("ETENDUE_TARGET_FEATURES").unwrap_or(std::env::consts::ARCH).into(),
         }

@@ -3,7 +3,6 @@
 
 use super::{Aov, FrameNumber, Moment};
 use crate::accel::{Backend, Build};
-use crate::defects::{Defect, planted};
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{IntegratorConfig, Method, MetropolisOptions};
 use crate::path::{Technique, Techniques};
@@ -81,9 +80,6 @@ impl RenderSettings {
     /// Returns the settings that the method reads. The destructuring has no `..`: a new setting does not compile until
     /// it is handled here.
     pub fn read(&self) -> serde_json::Value {
-        if planted(Defect::HashOfAllOptions) {
-            return serde_json::json!(self);
-        }
         let RenderSettings {
             method,
             width,
@@ -117,7 +113,6 @@ impl RenderSettings {
         let MetropolisOptions { chains, large_step, lengths, mutations, limit, two_stage } = metropolis;
         let of_chains = serde_json::json!({ "chains": chains, "limit": limit, "two-stage": two_stage });
         let large_step = serde_json::json!({ "large-step": large_step });
-        let large_step = if planted(Defect::HashForgetsLargeStep) { serde_json::json!({}) } else { large_step };
         let parts = match method {
             Method::PathNaive | Method::PathNee | Method::Path | Method::Light => vec![by_all],
             Method::Bdpt => vec![by_all, of_techniques],

@@ -1,7 +1,6 @@
 //! An estimate with its standard error and the degrees of freedom of that error.
 
 use super::student_quantile;
-use crate::defects::{Defect, planted};
 
 /// An estimate of an expectation.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -21,8 +20,7 @@ impl Estimate {
     /// # Panics
     /// Unless 0 < level < 1 and `dof` is positive.
     pub fn interval(&self, level: f64) -> [f64; 2] {
-        let dof = if planted(Defect::NormalForT) { f64::INFINITY } else { self.dof };
-        let half = student_quantile(0.5 + 0.5 * level, dof) * self.standard_error;
+        let half = student_quantile(0.5 + 0.5 * level, self.dof) * self.standard_error;
         [self.value - half, self.value + half]
     }
 

@@ -1,7 +1,5 @@
 //! Multiple tests: control of the family-wise error, the probability that any true hypothesis is rejected.
 
-use crate::defects::{Defect, planted};
-
 /// Returns the level of each of `tests` independent tests for a family-wise error of `level` [Sidak67].
 pub fn sidak_level(level: f64, tests: u64) -> f64 {
     -((-level).ln_1p() / tests as f64).exp_m1()
@@ -21,7 +19,7 @@ pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut so_far: f64 = 0.0;
     for (rank, &i) in order.iter().enumerate() {
         let p = if p_values[i].is_nan() { 1.0 } else { p_values[i] };
-        let left = if planted(Defect::HolmSingleStep) { p_values.len() } else { p_values.len() - rank };
+        let left = p_values.len() - rank;
         so_far = so_far.max(p * left as f64).min(1.0);
         adjusted[i] = so_far;
     }

@@ -5,7 +5,6 @@
 //! monotone.
 
 use super::{Image, Texture, TextureFilter, Wrap};
-use crate::defects::{Defect, planted};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -116,9 +115,6 @@ impl Texture {
     /// Returns bounds of the linear values of all channels, for coordinates (of the texture's own set) in the box
     /// around `uvs`; [`Extremes::NONE`] without coordinates.
     pub fn extremes(&self, uvs: impl Iterator<Item = Vec2>) -> Extremes {
-        if planted(Defect::ExtremesAtVertices) {
-            return uvs.fold(Extremes::NONE, |found, uv| found.with(self.at(uv)));
-        }
         let place = |uv| self.transform.transform_point2(uv);
         let (mut low, mut high, mut finite) = (Vec2::INFINITY, Vec2::NEG_INFINITY, true);
         for p in uvs.map(place) {

@@ -8,7 +8,6 @@ pub use extremes::Extremes;
 pub use image::{Image, Texels};
 pub use radiance_map::RadianceMap;
 
-use crate::defects::{Defect, planted};
 use glam::{Affine2, Vec2};
 use std::sync::Arc;
 
@@ -70,7 +69,7 @@ impl Texture {
         match self.filter {
             TextureFilter::Nearest => self.image.texel(column(p.x.floor()), row(p.y.floor()), self.encoding),
             TextureFilter::Linear => {
-                let q = if planted(Defect::TextureHalfTexel) { p } else { p - 0.5 };
+                let q = p - 0.5;
                 let base = q.floor();
                 let f = q - base;
                 let (columns, rows) = ([column(base.x), column(base.x + 1.0)], [row(base.y), row(base.y + 1.0)]);

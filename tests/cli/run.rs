@@ -3,6 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
+/// Whether this is the copy of the repository that tests/kill_matrix makes, whose binary has mutations.
+pub(crate) fn is_mutable() -> bool {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src/mutant.rs").exists()
+}
+
 /// A folder that goes away, and the binary in it.
 pub(crate) struct Place(tempfile::TempDir);
 
@@ -26,10 +31,9 @@ impl Place {
         Ran(self.command(line).output().unwrap())
     }
 
-    /// Runs with a planted defect.
-    #[cfg(feature = "defects")]
-    pub(crate) fn run_with(&self, defect: &str, line: &str) -> Ran {
-        Ran(self.command(line).env("ETENDUE_DEFECT", defect).output().unwrap())
+    /// Runs with a mutation on, in the copy that tests/kill_matrix makes.
+    pub(crate) fn run_mutant(&self, name: &str, line: &str) -> Ran {
+        Ran(self.command(line).env("ETENDUE_MUTANT", name).output().unwrap())
     }
 
     pub(crate) fn start(&self, line: &str) -> Child {

@@ -1,6 +1,6 @@
 //! All methods and backends on one scene.
 
-use crate::run::{Place, Ran, cornell};
+use crate::run::{Place, Ran, cornell, is_mutable};
 use std::io::{BufRead, BufReader, Read};
 use std::time::{Duration, Instant};
 
@@ -129,25 +129,27 @@ fn a_stopped_verification_says_that_nothing_was_verified() {
 }
 
 /// Wrong in one method or differently in each: seen. (What is wrong alike in all of them is not:
-/// `roughness-not-squared`.)
-#[cfg(feature = "defects")]
+/// `roughness-not-squared`.) Runs in the copy that tests/kill_matrix makes, since the ordinary binary has no mutations.
 #[test]
 fn wrong_methods_are_convicted() {
+    if !is_mutable() {
+        return;
+    }
     let place = Place::new();
     let line = |methods: &str, spp: u32| box_line(&format!("--methods {methods} --spp {spp}"));
     // The smallest difference, .8 %, is above what the tail may hide only with more samples.
-    for (defect, methods, spp) in [
+    for (name, methods, spp) in [
         ("mixed-heuristics", "path-nee,path", 4096),
         ("area-pdf-without-distance", "path-naive,path", 1024),
         ("cosine-dropped", "path-naive,path", 1024),
     ] {
-        let ran = place.run_with(defect, &line(methods, spp));
+        let ran = place.run_mutant(name, &line(methods, spp));
         ran.fails(7, "DIFFERENT");
         assert!(
             ran.stdout().contains("the image's") || ran.stdout().contains("most at pixels"),
-            "{defect}: {}",
+            "{name}: {}",
             ran.stdout()
         );
     }
-    assert_eq!(place.run_with("roughness-not-squared", &line("path-nee,path", 1024)).code(), 0);
+    assert_eq!(place.run_mutant("roughness-not-squared", &line("path-nee,path", 1024)).code(), 0);
 }

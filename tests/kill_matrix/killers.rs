@@ -1,5 +1,5 @@
-//! The killers: fast tests whose claims are sharp. Each runs against every defect, so that the matrix shows how many
-//! hold a place.
+//! The killers: fast tests whose claims are sharp. Each runs against every mutation, so that the matrix shows how
+//! many hold a place.
 
 /// A test by its binary and its path in it.
 #[derive(Debug, Clone, Copy)]

@@ -1,40 +1,43 @@
-//! The kill matrix: every planted defect (src/defects.rs) against every killer (killers.rs). It measures the tests and
-//! not the code: a defect that no test notices is a test that is missing.
+//! The kill matrix: every mutation (mutations/*.toml) against every killer (killers.rs). It measures the tests and not
+//! the code: a mutation that no test notices is a test that is missing.
 //!
-//! Without arguments, as `cargo test --features defects` runs it, it takes the sixth of the defects whose turn it is
-//! today, or the one of `ETENDUE_KILL_PART` (0 to 5), each until one killer kills, the fastest first; `--all` takes
-//! all, `--defect NAME …` those, `--list` says what they are. It fails if a defect survives, or if a killer fails
-//! without a defect or is not there; `--all` also fails if one takes more than [`run::LIMIT`] seconds of a processor.
+//! Without arguments, as `cargo test` runs it, it checks that the mutations still fit the sources. `--build` writes a
+//! copy of the repository with all mutations, target/kill-matrix/tree, in which `ETENDUE_MUTANT=name` turns one on.
+//! The following build its tests and run the killers:
+//!
+//! - `--today`: the sixth of the mutations whose turn it is, or that of `ETENDUE_KILL_PART` (0 to 5), each until one
+//!   killer kills, the fastest first;
+//! - `--each`: all, each until one killer kills;
+//! - `--all`: all, against all killers;
+//! - `--mutant NAME …`: those, against all killers.
+//!
+//! `--list` says what they are. It fails if a mutation survives, or if a killer fails without a mutation or is not
+//! there. `--all` also fails if a killer takes more than [`run::LIMIT`] seconds of a processor.
 
 // What it prints is what it is for.
 #![allow(clippy::print_stdout)]
 
 mod binaries;
+mod check;
 mod killers;
+mod manifest;
 mod matrix;
+mod mutations;
 mod run;
+mod schemata;
+mod sites;
+mod tree;
 
-use etendue::defects::Defect;
+use mutations::Mutation;
 use std::process::ExitCode;
 
-/// Into how many parts the defects are dealt.
+/// Number of parts of the mutations, one for each day.
 const PARTS: u64 = 6;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let outcome = match arguments[..] {
-        ["--list"] => list(),
-        ["--all"] => judge(Defect::ALL.to_vec(), Until::All),
-        ["--defect", ref names @ ..] => names
-            .iter()
-            .map(|name| named(name))
-            .collect::<Result<_, _>>()
-            .and_then(|defects| judge(defects, Until::All)),
-        [] => part().and_then(|defects| judge(defects, Until::Killed)),
-        // A filter or a flag that was meant for the tests of other binaries.
-        _ => Ok(()),
-    };
+    let outcome = check::mutations().and_then(|mutations| act(&arguments, &mutations));
     outcome.map_or_else(
         |what| {
             println!("error: {what}");
@@ -44,26 +47,42 @@ fn main() -> ExitCode {
     )
 }
 
-fn list() -> Result<(), String> {
-    Defect::ALL.iter().for_each(|d| println!("{:28} {} ({})", d.name(), d.wrong(), d.known_from()));
+fn act(arguments: &[&str], mutations: &[Mutation]) -> Result<(), String> {
+    match arguments {
+        ["--list"] => list(mutations),
+        ["--build"] => tree::build(mutations).map(|tree| println!("{}", tree.display())),
+        ["--today"] => judge(mutations, &today(mutations)?, Until::Killed),
+        ["--each"] => judge(mutations, &mutations.iter().collect::<Vec<_>>(), Until::Killed),
+        ["--all"] => judge(mutations, &mutations.iter().collect::<Vec<_>>(), Until::All),
+        ["--mutant", names @ ..] => judge(mutations, &named(mutations, names)?, Until::All),
+        // Nothing, or a filter or a flag that was meant for the tests of other binaries.
+        _ => Ok(()),
+    }
+}
+
+fn list(mutations: &[Mutation]) -> Result<(), String> {
+    mutations.iter().for_each(|m| println!("{:28} {} ({})", m.name, m.wrong, m.source));
     Ok(())
 }
 
-fn named(name: &str) -> Result<Defect, String> {
-    Defect::ALL.iter().copied().find(|d| d.name() == name).ok_or_else(|| format!("{name} is no defect: see --list"))
+fn named<'m>(mutations: &'m [Mutation], names: &[&str]) -> Result<Vec<&'m Mutation>, String> {
+    let find = |&name: &&str| {
+        mutations.iter().find(|m| m.name == name).ok_or_else(|| format!("{name} is no mutation: see --list"))
+    };
+    names.iter().map(find).collect()
 }
 
-/// The defects whose turn it is.
-fn part() -> Result<Vec<Defect>, String> {
+/// The mutations whose turn it is.
+fn today(mutations: &[Mutation]) -> Result<Vec<&Mutation>, String> {
     let turn = match std::env::var("ETENDUE_KILL_PART") {
         Ok(text) => text.parse().ok().filter(|&part| part < PARTS).ok_or("ETENDUE_KILL_PART is 0 to 5")?,
         Err(_) => std::time::UNIX_EPOCH.elapsed().map_err(|e| e.to_string())?.as_secs() / 86_400 % PARTS,
     };
     println!("part {turn} of 0 to {} (ETENDUE_KILL_PART={turn} repeats it)", PARTS - 1);
-    Ok((turn as usize..Defect::ALL.len()).step_by(PARTS as usize).map(|i| Defect::ALL[i]).collect())
+    Ok(mutations.iter().skip(turn as usize).step_by(PARTS as usize).collect())
 }
 
-/// How many killers run against a defect.
+/// How many killers run against a mutation.
 #[derive(Clone, Copy)]
 enum Until {
     /// All of them.
@@ -72,30 +91,32 @@ enum Until {
     Killed,
 }
 
-/// Runs every killer without a defect, then against each of `defects`, and says what came of it.
-fn judge(defects: Vec<Defect>, until: Until) -> Result<(), String> {
+/// Builds the copy, runs every killer without a mutation, then against each of `chosen`, and says what came of it.
+fn judge(mutations: &[Mutation], chosen: &[&Mutation], until: Until) -> Result<(), String> {
     let start = std::time::Instant::now();
-    let killers = binaries::locate(killers::KILLERS)?;
-    println!("{} defects, {} killers", defects.len(), killers.len());
-    let healthy = run::all(None, &killers);
+    let tree = tree::build(mutations)?;
+    let killers = binaries::locate(killers::KILLERS, &tree)?;
+    println!("{} mutations, {} killers", chosen.len(), killers.len());
+    let runner = run::Runner { killers: &killers, tree: &tree };
+    let healthy = runner.all(None);
     matrix::check_healthy(&killers, &healthy)?;
     matrix::print_head(&killers);
-    let plant = |&defect: &Defect| {
+    let turn_on = |mutation: &&Mutation| {
         let row = match until {
-            Until::All => run::all(Some(defect), &killers),
-            Until::Killed => run::until_killed(defect, &killers, &healthy),
+            Until::All => runner.all(Some(mutation)),
+            Until::Killed => runner.until_killed(mutation, &healthy),
         };
-        matrix::print_row(defect, &killers, &row);
+        matrix::print_row(mutation, &killers, &row);
         row
     };
-    let rows: Vec<_> = defects.iter().map(plant).collect();
+    let rows: Vec<_> = chosen.iter().map(turn_on).collect();
     matrix::print_killers(&killers, &healthy, &rows);
     println!(
         "{:.0} s, {:.0} s of processors",
         start.elapsed().as_secs_f64(),
         matrix::processor_seconds(&healthy, &rows)
     );
-    matrix::verdict(&defects, &rows)?;
+    matrix::verdict(chosen, &rows)?;
     match until {
         Until::All => matrix::check_budget(&killers, &healthy),
         Until::Killed => Ok(()),

@@ -1,16 +1,16 @@
 //! What the runs say: false alarms, the matrix, the verdict.
 
 use crate::binaries::Located;
+use crate::mutations::Mutation;
 use crate::run::{Ending, LIMIT, Outcome};
-use etendue::defects::Defect;
 
-/// Every killer must pass where nothing is planted.
+/// Every killer must pass where no mutation is on.
 pub(crate) fn check_healthy(killers: &[Located], healthy: &[Outcome]) -> Result<(), String> {
     complain(killers.iter().zip(healthy).filter_map(|(located, outcome)| {
         let name = located.killer.name();
         match &outcome.ending {
             Ending::Passed => None,
-            Ending::Failed => Some(format!("{name} fails without a defect: a false alarm")),
+            Ending::Failed => Some(format!("{name} fails without a mutation: a false alarm")),
             Ending::Unclear(what) => Some(format!("{name}: {what}")),
             Ending::NotRun => Some(format!("{name} did not run")),
         }
@@ -30,31 +30,33 @@ fn complain(complaints: impl Iterator<Item = String>) -> Result<(), String> {
     if complaints.is_empty() { Ok(()) } else { Err(complaints.join("\n       ")) }
 }
 
-/// The heads of the columns, which are killers by number.
+/// The heads of the columns, which are killers by number: hundreds, tens, ones.
 pub(crate) fn print_head(killers: &[Located]) {
-    let digits =
-        |of: fn(usize) -> usize| (0..killers.len()).map(|i| char::from(b'0' + of(i) as u8)).collect::<String>();
-    println!("\n{:28} {}\n{:28} {}", "", digits(|i| i / 10), "", digits(|i| i % 10));
+    println!();
+    for place in [100, 10, 1] {
+        let digits: String = (0..killers.len()).map(|i| char::from(b'0' + (i / place % 10) as u8)).collect();
+        println!("{:28} {digits}", "");
+    }
 }
 
 /// A row: `x` killed, `.` survived, `?` no verdict, a blank did not run. Then how many killed, and
 /// which was the fastest.
-pub(crate) fn print_row(defect: Defect, killers: &[Located], row: &[Outcome]) {
+pub(crate) fn print_row(mutation: &Mutation, killers: &[Located], row: &[Outcome]) {
     let marks: String = row.iter().map(mark).collect();
     let kills = || row.iter().enumerate().filter(|(_, outcome)| outcome.is_kill());
     let fastest = kills().min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds));
     let fastest = fastest.map_or("SURVIVES".into(), |(i, outcome)| {
-        format!("{:2} killers, {:.2} s by {i:2} {}", kills().count(), outcome.seconds, killers[i].killer.test)
+        format!("{:3} killers, {:.2} s by {i:3} {}", kills().count(), outcome.seconds, killers[i].killer.test)
     });
-    println!("{:28} {marks} {fastest}", defect.name());
+    println!("{:28} {marks} {fastest}", mutation.name);
 }
 
-/// The killers by number: seconds without a defect, and how many of the defects each kills.
+/// The killers by number: seconds without a mutation, and how many of the mutations each kills.
 pub(crate) fn print_killers(killers: &[Located], healthy: &[Outcome], rows: &[Vec<Outcome>]) {
-    println!("\n   seconds  kills  killer");
+    println!("\n    seconds  kills  killer");
     for (i, (located, outcome)) in killers.iter().zip(healthy).enumerate() {
         let kills = rows.iter().filter(|row| row[i].is_kill()).count();
-        println!("{i:2} {:7.2} {kills:6}  {}", outcome.seconds, located.killer.name());
+        println!("{i:3} {:7.2} {kills:6}  {}", outcome.seconds, located.killer.name());
     }
 }
 
@@ -73,10 +75,10 @@ pub(crate) fn processor_seconds(healthy: &[Outcome], rows: &[Vec<Outcome>]) -> f
 }
 
 /// `killed N/N`, or who survived.
-pub(crate) fn verdict(defects: &[Defect], rows: &[Vec<Outcome>]) -> Result<(), String> {
+pub(crate) fn verdict(mutations: &[&Mutation], rows: &[Vec<Outcome>]) -> Result<(), String> {
     let survives = |row: &[Outcome]| !row.iter().any(Outcome::is_kill);
-    let survivors: Vec<_> = defects.iter().zip(rows).filter(|(_, row)| survives(row)).map(|(d, _)| d).collect();
-    let report = survivors.iter().map(|d| format!("\n       {} survives: {}", d.name(), d.wrong())).collect::<String>();
-    println!("killed {}/{}", defects.len() - survivors.len(), defects.len());
+    let survivors: Vec<_> = mutations.iter().zip(rows).filter(|(_, row)| survives(row)).map(|(m, _)| m).collect();
+    let report = survivors.iter().map(|m| format!("\n       {} survives: {}", m.name, m.wrong)).collect::<String>();
+    println!("killed {}/{}", mutations.len() - survivors.len(), mutations.len());
     if survivors.is_empty() { Ok(()) } else { Err(format!("{} survived{report}", survivors.len())) }
 }

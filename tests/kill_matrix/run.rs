@@ -1,7 +1,8 @@
 //! Runs killers, each in a process of its own on one processor, and says how each ended.
 
 use crate::binaries::Located;
-use etendue::defects::Defect;
+use crate::mutations::Mutation;
+use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -37,54 +38,58 @@ impl Outcome {
     }
 }
 
-/// The outcome of every killer with `planted` in the renderer, on all processors.
-pub(crate) fn all(planted: Option<Defect>, killers: &[Located]) -> Vec<Outcome> {
-    in_order(planted, killers, &(0..killers.len()).collect::<Vec<_>>(), |_| false)
+/// Runs the killers in the copy.
+pub(crate) struct Runner<'r> {
+    pub(crate) killers: &'r [Located],
+    /// The copy.
+    pub(crate) tree: &'r Path,
 }
 
-/// The same, the fastest first by what they took when `healthy`, until one kills.
-pub(crate) fn until_killed(planted: Defect, killers: &[Located], healthy: &[Outcome]) -> Vec<Outcome> {
-    let mut order: Vec<usize> = (0..killers.len()).collect();
-    order.sort_by(|&a, &b| healthy[a].seconds.total_cmp(&healthy[b].seconds));
-    in_order(Some(planted), killers, &order, Outcome::is_kill)
-}
+impl Runner<'_> {
+    /// The outcome of every killer with this mutation on, on all processors.
+    pub(crate) fn all(&self, mutation: Option<&Mutation>) -> Vec<Outcome> {
+        self.in_order(mutation, &(0..self.killers.len()).collect::<Vec<_>>(), |_| false)
+    }
 
-/// Runs killers in this `order` until one ends as `is_enough` wants.
-fn in_order(
-    planted: Option<Defect>,
-    killers: &[Located],
-    order: &[usize],
-    is_enough: fn(&Outcome) -> bool,
-) -> Vec<Outcome> {
-    let not_run = Outcome { ending: Ending::NotRun, seconds: 0.0 };
-    let (next, done) = (AtomicUsize::new(0), Mutex::new(vec![not_run; killers.len()]));
-    let work = || {
-        while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let outcome = one(planted, &killers[i]);
-            if is_enough(&outcome) {
-                next.store(order.len(), Ordering::Relaxed);
+    /// The same, the fastest first by what they took when `healthy`, until one kills.
+    pub(crate) fn until_killed(&self, mutation: &Mutation, healthy: &[Outcome]) -> Vec<Outcome> {
+        let mut order: Vec<usize> = (0..self.killers.len()).collect();
+        order.sort_by(|&a, &b| healthy[a].seconds.total_cmp(&healthy[b].seconds));
+        self.in_order(Some(mutation), &order, Outcome::is_kill)
+    }
+
+    /// Runs killers in this `order` until one ends as `is_enough` wants.
+    fn in_order(&self, mutation: Option<&Mutation>, order: &[usize], is_enough: fn(&Outcome) -> bool) -> Vec<Outcome> {
+        let not_run = Outcome { ending: Ending::NotRun, seconds: 0.0 };
+        let (next, done) = (AtomicUsize::new(0), Mutex::new(vec![not_run; self.killers.len()]));
+        let work = || {
+            while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let outcome = self.one(mutation, &self.killers[i]);
+                if is_enough(&outcome) {
+                    next.store(order.len(), Ordering::Relaxed);
+                }
+                done.lock().unwrap_or_else(PoisonError::into_inner)[i] = outcome;
             }
-            done.lock().unwrap_or_else(PoisonError::into_inner)[i] = outcome;
+        };
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        std::thread::scope(|scope| (0..workers).for_each(|_| _ = scope.spawn(work)));
+        done.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn one(&self, mutation: Option<&Mutation>, located: &Located) -> Outcome {
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(SCRIPT).arg(&located.binary).arg(located.killer.test);
+        shell.current_dir(self.tree).env("RAYON_NUM_THREADS", "1");
+        shell.env("ETENDUE_MUTANT", mutation.map_or("", |m| &m.name)).env_remove("ETENDUE_TEST_DEEP");
+        match shell.output() {
+            Ok(output) => read(&String::from_utf8_lossy(&output.stdout), &String::from_utf8_lossy(&output.stderr)),
+            Err(e) => Outcome { ending: Ending::Unclear(format!("sh does not run: {e}")), seconds: 0.0 },
         }
-    };
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| (0..workers).for_each(|_| _ = scope.spawn(work)));
-    done.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// The shell stops what takes more than three times [`LIMIT`], and knows how much processor time its children took.
 const SCRIPT: &str = r#"ulimit -t 15; "$0" --exact "$1" --test-threads=1; times"#;
-
-fn one(planted: Option<Defect>, located: &Located) -> Outcome {
-    let mut shell = Command::new("sh");
-    shell.arg("-c").arg(SCRIPT).arg(&located.binary).arg(located.killer.test);
-    shell.current_dir(env!("CARGO_MANIFEST_DIR")).env("RAYON_NUM_THREADS", "1");
-    shell.env("ETENDUE_DEFECT", planted.map_or("", Defect::name)).env_remove("ETENDUE_TEST_DEEP");
-    match shell.output() {
-        Ok(output) => read(&String::from_utf8_lossy(&output.stdout), &String::from_utf8_lossy(&output.stderr)),
-        Err(e) => Outcome { ending: Ending::Unclear(format!("sh does not run: {e}")), seconds: 0.0 },
-    }
-}
 
 /// The last two lines are the shell's times: its own, and its children's.
 fn read(stdout: &str, stderr: &str) -> Outcome {

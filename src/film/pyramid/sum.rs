@@ -1,6 +1,5 @@
 //! The sum over a tile's pixels in one channel, with its error.
 
-use crate::defects::{Defect, planted};
 use crate::film::Independent;
 use crate::stats::Estimate;
 
@@ -105,7 +104,6 @@ impl Sum {
         let by_replicate = vec![0.0; replicates.count()];
         match independent {
             Independent::Pixels => Sum::Pixels(Parts::default()),
-            _ if planted(Defect::ComparesPixels) => Sum::Pixels(Parts::default()),
             Independent::Blocks => Sum::Splats { by_replicate, tiles: Parts::default() },
             Independent::Replicates => Sum::Chains(by_replicate),
         }

@@ -9,7 +9,6 @@
 use super::FEWEST_EVENTS;
 use super::contribution::RegionMap;
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::geometry::Ray;
 use crate::integrator::bidirectional::{Bidirectional, Sink, TechniqueSample};
 use crate::integrator::camera_pass::Radiance;
@@ -85,8 +84,7 @@ impl<F: FnMut([f32; 2], Spectrum)> Sink for Below<'_, F> {
     }
 
     fn splat(&mut self, film: [f32; 2], found: TechniqueSample) {
-        let share =
-            if planted(Defect::SplatsUnlimited) { 0.0 } else { self.limit.share_of_chains(film, &found, self.walks) };
+        let share = self.limit.share_of_chains(film, &found, self.walks);
         (self.splats)(film, found.value * (found.weight as f32 * (1.0 - share)));
     }
 }

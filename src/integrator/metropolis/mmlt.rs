@@ -9,7 +9,6 @@ use super::contribution::Contribution;
 use super::primary::{NAMES, PathSampler, PrimaryState, mixture};
 use super::seeds::{ByTechnique, Candidate};
 use super::{ChainContext, FEWEST_EVENTS, MarkovMethod};
-use crate::defects::{Defect, planted};
 use crate::mcmc::primary::{PrimaryStream, Source};
 use crate::mcmc::{Mixture, Numbers};
 use crate::path::TraceStats;
@@ -88,7 +87,6 @@ impl PathSampler for OneLength<'_> {
         let (events, pmf) = self.length(f64::from(join.u1(0, Slot::Distance)));
         let Some((s, count)) = self.technique(events, f64::from(join.u1(0, Slot::Lobe))) else { return };
         let film = region.at(camera.u2(0, Slot::Aux));
-        let pmf = if planted(Defect::LengthsAlike) { 1.0 } else { pmf };
         let scale = (count as f64 / pmf) as f32;
         let mut add = |_, _, film: [f32; 2], color: Spectrum| {
             if region.contains(film) {

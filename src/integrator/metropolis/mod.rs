@@ -36,7 +36,6 @@ use super::camera_pass::CameraPass;
 use super::path::{Combined, PathTracer};
 use super::{Integrator, IntegratorConfig, PassReport, PilotEstimate};
 use crate::camera::Camera;
-use crate::defects::{Defect, planted};
 use crate::film::{Layout, PassFilm, Splats};
 use crate::mcmc::{Chain, Mixture, Numbers, State};
 use crate::parallel::Cancel;
@@ -275,13 +274,10 @@ impl<'a, C: MarkovMethod> Metropolis<'a, C> {
         if !self.chains.start(&task.seed, seeds::address(pass, task.seed.sample), &mut x) {
             return ChainResult { report: ChainReport::lost_seed(), tally: *x.tally(), light };
         }
-        let stream = if planted(Defect::ChainsShareStream) { 0 } else { id };
-        let (address, mut key) = (pass.with(CHAIN_STREAM | stream), pass.with(!id));
+        let (address, mut key) = (pass.with(CHAIN_STREAM | id), pass.with(!id));
         let mut deposit = |state: &C::State, weight: f64| {
             let found = state.contribution();
-            let of_light = || -> f64 { found.splats().iter().map(|(_, color)| f64::from(color.mean())).sum() };
-            let scalar = if planted(Defect::ImportanceKept) { of_light() } else { found.scalar() };
-            let per_scalar = weight * task.scale / scalar;
+            let per_scalar = weight * task.scale / found.scalar();
             for &(film, color) in found.splats() {
                 key = key.with(0);
                 splats.add(self.options.filter, film, color * per_scalar as f32, key.bits(0));
@@ -338,8 +334,7 @@ fn shares(means: &[f64]) -> Vec<f64> {
 impl<C: MarkovMethod> Integrator for Metropolis<'_, C> {
     fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
         let mut report = self.samples.run_pass(pass, cancel, out)?;
-        let number = if planted(Defect::PassesAlike) { 0 } else { pass };
-        let address = Address::new(self.options.seed).with(CHAIN_STREAM | number);
+        let address = Address::new(self.options.seed).with(CHAIN_STREAM | pass);
         let allotments = self.allot(out.layout().pixels());
         let samples = SEEDS_PER_CHAIN * allotments.iter().map(|a| a.chains).sum::<usize>();
         let seeds = Seeds::trace(&self.chains, address, samples, cancel)?;

@@ -2,7 +2,6 @@
 
 use super::contribution::{ImageImportance, Region, RegionMap};
 use super::{ChainContext, MarkovMethod};
-use crate::defects::{Defect, planted};
 use crate::integrator::bidirectional::{Sink, TechniqueSample};
 use crate::mcmc::stratified;
 use crate::parallel::Cancel;
@@ -112,10 +111,8 @@ impl Seeds {
     ) -> Option<(Vec<Candidate>, f64)> {
         let of_class: Vec<&Candidate> = self.candidates.iter().filter(|c| class_of(c) == class).collect();
         let weights: Vec<f64> = of_class.iter().map(|c| c.scalar).collect();
-        let chances = if planted(Defect::SeedsAlike) { vec![1.0; weights.len()] } else { weights.clone() };
-        let chosen = stratified(&chances, count, offset)?;
-        let samples = if planted(Defect::LitSeedsOnly) { weights.len() } else { self.samples };
-        Some((chosen.into_iter().map(|i| *of_class[i]).collect(), weights.iter().sum::<f64>() / samples as f64))
+        let chosen = stratified(&weights, count, offset)?;
+        Some((chosen.into_iter().map(|i| *of_class[i]).collect(), weights.iter().sum::<f64>() / self.samples as f64))
     }
 }
 

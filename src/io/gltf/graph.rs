@@ -3,7 +3,6 @@
 
 use super::animation::{Moved, Pose};
 use super::document::{Document, name_or, numbers};
-use crate::defects::{Defect, planted};
 use crate::error::{Error, Result};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use serde_json::Value;
@@ -52,7 +51,7 @@ pub(super) fn placements(document: &Document, pose: &Pose) -> Result<Vec<Placeme
         }
         let children = document.root.nodes[node].children.as_deref().unwrap_or_default();
         stack.extend(children.iter().rev().map(|c| (c.value(), Way { transform, axes })));
-        let stand = DAffine3 { matrix3: upright(&axes, &transform.matrix3), translation: transform.translation };
+        let stand = DAffine3 { matrix3: upright(&axes), translation: transform.translation };
         let hidden = transform.matrix3 == DMat3::ZERO;
         placements.push(Placement { node, transform, stand, hidden });
     }
@@ -120,10 +119,7 @@ fn regular(matrix: &DMat3) -> DMat3 {
 
 /// Orthonormal axes: z is kept, since cameras and lights look along it, then y is made orthogonal to it [glTF20
 /// §3.10.2].
-fn upright(axes: &DMat3, scaled: &DMat3) -> DMat3 {
-    if planted(Defect::CameraKeepsScale) {
-        return *scaled;
-    }
+fn upright(axes: &DMat3) -> DMat3 {
     let z = axes.z_axis.try_normalize().unwrap_or(DVec3::Z);
     let y = (axes.y_axis - z * z.dot(axes.y_axis)).try_normalize().unwrap_or_else(|| z.any_orthonormal_vector());
     DMat3::from_cols(y.cross(z), y, z)

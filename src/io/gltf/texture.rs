@@ -2,7 +2,6 @@
 
 use super::document::Document;
 use super::notes::Notes;
-use crate::defects::{Defect, planted};
 use crate::texture::{Encoding, Image, Texture, TextureFilter, Wrap};
 use ::gltf::json::extensions::texture::TextureTransform;
 use ::gltf::json::material::{Material, NormalTexture};
@@ -137,10 +136,6 @@ const UV_SETS: usize = 2;
 
 /// Scale, then rotation, then offset. Angles are counter-clockwise in the displayed image, whose v axis points down.
 fn uv_transform(t: &TextureTransform) -> Affine2 {
-    if planted(Defect::UvRotatesFirst) {
-        let scaled = Affine2::from_scale_angle_translation(Vec2::from(t.scale.0), 0.0, Vec2::from(t.offset.0));
-        return scaled * Affine2::from_angle(-t.rotation.0);
-    }
     Affine2::from_scale_angle_translation(Vec2::from(t.scale.0), -t.rotation.0, Vec2::from(t.offset.0))
 }
 

@@ -4,7 +4,6 @@
 use super::super::ChainContext;
 use super::extend::{SubpathBuffer, SubpathSampler};
 use super::state::{PathState, Proposal};
-use crate::defects::{Defect, planted};
 use crate::mcmc::{Kernel, Numbers};
 use std::ops::RangeInclusive;
 
@@ -185,8 +184,7 @@ impl<'a> Kernel<PathState<'a>> for Bidirectional<'_, 'a> {
         y.set(self.common, draft)?;
         let back = Range { count: new, k: y.k(), ..range };
         let there = range.log_pmf() + range.log_pmf_of(new, &self.edges) + self.log_made(y, range.a, back.b());
-        let deletion = if planted(Defect::DeletionNotReevaluated) { range.log_pmf() } else { back.log_pmf() };
-        let again = deletion + back.log_pmf_of(range.count, &self.edges) + self.log_made(x, range.a, range.b());
+        let again = back.log_pmf() + back.log_pmf_of(range.count, &self.edges) + self.log_made(x, range.a, range.b());
         Some(again - there)
     }
 }

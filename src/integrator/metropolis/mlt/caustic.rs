@@ -6,7 +6,6 @@ use super::super::ChainContext;
 use super::extend::{RayEnd, SubpathBuffer, SubpathSampler};
 use super::eye::{log_uniform, turned};
 use super::state::{PathState, Proposal};
-use crate::defects::{Defect, planted};
 use crate::geometry::{Ray, leave};
 use crate::light::EmitterPoint;
 use crate::mcmc::{Kernel, Numbers};
@@ -84,11 +83,7 @@ impl<'a> Caustic<'_, 'a> {
 
     /// Returns the logarithm of the density of the vertices after `begin`, without that of the perturbed direction.
     fn log_made(x: &PathState, begin: usize) -> f64 {
-        if planted(Defect::JacobianDropped) {
-            return 0.0;
-        }
-        let made = if planted(Defect::CopiedLobesWeighed) { &x.steps.light } else { &x.steps.perturbation[0] };
-        made[begin + 1..].iter().map(|density| density.ln()).sum()
+        x.steps.perturbation[0][begin + 1..].iter().map(|density| density.ln()).sum()
     }
 }
 

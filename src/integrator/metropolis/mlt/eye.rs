@@ -6,7 +6,6 @@
 use super::super::ChainContext;
 use super::extend::{RayEnd, SubpathBuffer, SubpathSampler};
 use super::state::{PathState, Proposal};
-use crate::defects::{Defect, planted};
 use crate::geometry::Frame;
 use crate::mcmc::{Kernel, Numbers};
 use glam::{DVec3, Vec3};
@@ -113,11 +112,7 @@ impl<'c, 'a> Eye<'c, 'a> {
 
     /// Returns the logarithm of the density of the vertices `last` … k − 1, without factors that are equal both ways.
     fn log_made(x: &PathState, last: usize) -> f64 {
-        if planted(Defect::JacobianDropped) {
-            return 0.0;
-        }
-        let made = if planted(Defect::CopiedLobesWeighed) { &x.steps.camera } else { &x.steps.perturbation[1] };
-        made[last..].iter().map(|density| density.ln()).sum()
+        x.steps.perturbation[1][last..].iter().map(|density| density.ln()).sum()
     }
 }
 
