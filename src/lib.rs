@@ -17,6 +17,7 @@ mod studio;
 // floor 1
 pub mod error;
 pub mod huge_vec;
+pub mod named;
 pub mod numeric;
 pub mod parallel;
 // floor 2
@@ -46,8 +47,10 @@ pub mod io;
 pub mod session;
 // floor 10
 pub mod batch;
+#[cfg(feature = "cli")]
 pub mod lab;
 // floor 11
+#[cfg(feature = "cli")]
 pub mod cli;
 
 #[doc = include_str!("references.md")]

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Which module stands on which floor, from the first. A new folder under `src/` gets its place here.
 const FLOORS: Floors<'static> = &[
-    &["error", "numeric", "huge_vec", "parallel"],
+    &["error", "named", "numeric", "huge_vec", "parallel"],
     &["spectrum", "sampling", "stats"],
     &["mcmc", "geometry"],
     &["transport", "accel", "texture"],
@@ -53,6 +53,11 @@ fn assert_none(mut findings: Vec<Finding>) {
 #[test]
 fn modules_import_lower_floors_only() {
     assert_none(crate_files().iter().flat_map(|s| rules::floors(s, FLOORS)).collect());
+}
+
+#[test]
+fn the_command_line_alone_names_clap() {
+    assert_none(crate_files().iter().flat_map(|s| rules::clap_outside(s, "src/cli/")).collect());
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::Console;
 use super::progress::ProgressArgs;
+use super::settings_args::SettingsArgs;
 use super::task::Task;
 use crate::error::{Error, Result};
 use crate::session::{Budget, Bytes, LoadedScene, Outputs, PassPlan, PassSelection, RenderSettings, SettingsPatch};
@@ -17,14 +18,14 @@ pub(super) struct SceneArgs {
     #[arg(long)]
     pub(super) no_config: bool,
     #[command(flatten)]
-    pub(super) choices: SettingsPatch,
+    pub(super) choices: SettingsArgs,
 }
 
 impl SceneArgs {
     /// Returns the choices of the command line, completed by those of `render.toml`.
     pub(super) fn choices(&self) -> Result<SettingsPatch> {
         let beside = if self.no_config { SettingsPatch::default() } else { SettingsPatch::beside(&self.scene)? };
-        Ok(self.choices.clone().or(beside))
+        Ok(self.choices.0.clone().or(beside))
     }
 
     /// Loads and builds the scene as `choices` say, and resolves the settings with its camera. Must be called from

@@ -101,7 +101,8 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// Renders frames as a batch.
 fn run_frames(frames: Frames, args: Args) -> Result<()> {
     let Args { scene: SceneArgs { scene, no_config, choices }, output, strict, threads, progress, console, .. } = args;
-    let request = JobRequest { scenes: vec![scene], frames: Some(frames), settings: choices, ..JobRequest::default() };
+    let request =
+        JobRequest { scenes: vec![scene], frames: Some(frames), settings: choices.0, ..JobRequest::default() };
     let job = Job {
         output: Some(output.output.unwrap_or_else(|| "{scene}.{frame:04}.exr".into())),
         report: output.report,

@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn a_method_hashes_what_it_reads_and_nothing_else() {
-        for &method in <Method as clap::ValueEnum>::value_variants() {
+        for &method in <Method as crate::named::Named>::all() {
             let base = RenderSettings { method, ..settings() };
             for (name, readers, change) in OPTIONS {
                 let mut changed = base.clone();

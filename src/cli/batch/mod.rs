@@ -5,13 +5,14 @@ mod rows;
 
 use super::args::{StrictArgs, ThreadArgs};
 use super::progress::ProgressArgs;
+use super::settings_args::SettingsArgs;
 use super::signals::Signals;
 use super::task::{Task, warn};
 use super::{Console, startup};
 use crate::batch::{Job, JobPicture, SceneCache, SceneKey};
 use crate::error::{Error, Kind, Result};
 use crate::session::checkpoint::INTERVAL;
-use crate::session::{Ended, Outputs, PassSelection, Provenance, Rendered, SettingsPatch};
+use crate::session::{Ended, Outputs, PassSelection, Provenance, Rendered};
 use rows::{Entry, Outcome, WriterQueue};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -45,7 +46,7 @@ pub(super) struct Args {
     /// The batch file, .toml, with the scenes, cameras, methods and output paths
     job: PathBuf,
     #[command(flatten)]
-    choices: SettingsPatch,
+    choices: SettingsArgs,
     /// Render complete pictures again
     #[arg(long)]
     again: bool,
@@ -80,7 +81,7 @@ pub(super) struct BatchOptions {
 /// Renders the pictures of a batch file.
 pub(super) fn run(args: Args) -> Result<()> {
     let job = Job::read(&args.job)?;
-    let pictures = job.pictures(args.job.parent().unwrap_or(Path::new("")), &args.choices)?;
+    let pictures = job.pictures(args.job.parent().unwrap_or(Path::new("")), &args.choices.0)?;
     if args.dry_run {
         return pictures.iter().try_for_each(|picture| args.console.line(&picture.output.display().to_string()));
     }

@@ -6,6 +6,7 @@ use super::{Result, defect};
 use crate::error::Error;
 use crate::film::{Film, Plane};
 use crate::integrator;
+use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::sampling::mix64;
 use crate::session::machine::Stopwatch;

@@ -6,9 +6,9 @@ use crate::error::{Error, Result};
 use crate::film::{Film, Plane};
 use crate::integrator::{self, Method};
 use crate::io::exr;
+use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::session::{Outputs, Program, RenderSettings};
-use clap::ValueEnum;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -138,7 +138,7 @@ fn chosen<'a, 'b>(request: &MethodsRequest, field: &'a [BenchCase<'b>]) -> Resul
     let host = field.first().ok_or_else(|| Error::usage("nothing to compare: name a method and a backend"))?;
     // From the simplest method to the best. Methods with chains are excluded, since their error estimate may be in
     // doubt.
-    let seeing: Vec<Method> = Method::value_variants()
+    let seeing: Vec<Method> = Method::all()
         .iter()
         .copied()
         .filter(|&m| !m.has_chains() && integrator::blind_spots(m, &host.stage.scene).is_empty())

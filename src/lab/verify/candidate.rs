@@ -1,11 +1,12 @@
 //! A candidate: one method with one backend, and its film.
 
-use super::lineup::{name, settings};
+use super::lineup::settings;
 use crate::error::{Error, Kind, Result};
 use crate::film::pyramid::Pyramid;
 use crate::film::{Film, Layout, PassFilm};
 use crate::integrator::{self, Integrator, Method};
 use crate::lab::same_mean::Doubt;
+use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::session::machine::Stopwatch;
 use crate::session::{LoadedScene, PassPlan, PassSelection, Provenance, SettingsPatch, StopCriteria};
@@ -39,7 +40,7 @@ impl<'a> Candidate<'a> {
         let pilot = integrator::pilot(&stage.scene, &camera, &settings.options(), &layout);
         let plan = PassPlan { stop: StopCriteria::after(0), selection: PassSelection::All };
         Ok(Candidate {
-            name: format!("{}/{}", name(method), settings.backend.name()),
+            name: format!("{}/{}", method.name(), settings.backend.name()),
             film: Film::new(layout.clone(), settings.replicates, settings.seed, pilot.units),
             integrator: integrator::build(method, &stage.scene, camera, &settings.options(), &pilot),
             provenance: Provenance::new(stage, settings, plan, choices.look()?),

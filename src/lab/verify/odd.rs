@@ -4,6 +4,7 @@ use super::Candidate;
 use crate::accel::Backend;
 use crate::integrator::Method;
 use crate::lab::same_mean::Judgement;
+use crate::named::Named;
 use serde::Serialize;
 
 /// The smallest group of candidates involved in all differences.
@@ -53,7 +54,7 @@ fn groups(candidates: &[Label]) -> Vec<(String, Vec<usize>)> {
     let mut groups: Vec<(String, Vec<usize>)> =
         candidates.iter().enumerate().map(|(i, c)| (c.2.clone(), vec![i])).collect();
     for (method, backend, _) in candidates {
-        groups.push((format!("{} with every backend", super::lineup::name(*method)), members(&|c| c.0 == *method)));
+        groups.push((format!("{} with every backend", method.name()), members(&|c| c.0 == *method)));
         groups.push((format!("{} with every method", backend.name()), members(&|c| c.1 == *backend)));
     }
     let mut kept: Vec<(String, Vec<usize>)> = Vec::new();
