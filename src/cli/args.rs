@@ -28,13 +28,12 @@ impl SceneArgs {
         Ok(self.choices.0.clone().or(beside))
     }
 
-    /// Loads and builds the scene as `choices` say, and resolves the settings with its camera. Must be called from
-    /// outside the rayon pool.
+    /// Loads and builds the scene for `choices`, and resolves the settings with its camera. Must be called from outside
+    /// the rayon pool.
     pub(super) fn stage(&self, choices: &SettingsPatch, threads: usize) -> Result<(LoadedScene, RenderSettings)> {
-        let early = choices.settings(None)?;
-        let stage =
-            LoadedScene::open(&self.scene, choices.surroundings()?, &early.moment(), &early.build_options(threads))?;
-        let settings = stage.settings(choices)?;
+        let job = choices.resolve(PassSelection::All)?;
+        let stage = job.load(&self.scene, threads)?;
+        let settings = job.fitted(&stage)?.settings;
         Ok((stage, settings))
     }
 }

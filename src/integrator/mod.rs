@@ -4,6 +4,7 @@
 mod bidirectional;
 mod camera_pass;
 mod features;
+mod film_renderer;
 mod ids;
 mod method;
 mod metropolis;
@@ -13,6 +14,7 @@ mod prior;
 mod samples;
 mod technique_images;
 
+pub use film_renderer::FilmRenderer;
 pub use ids::ids;
 pub use method::Method;
 pub use metropolis::{ChainDigest, ChainReport, MetropolisOptions, Mutations, Normalisation, Tiles};

@@ -342,7 +342,7 @@ impl SettingsPatch {
     ///
     /// # Errors
     /// An exposure that is not finite.
-    pub fn look(&self) -> Result<ToneMapping> {
+    pub fn tone(&self) -> Result<ToneMapping> {
         let exposure = self.exposure.unwrap_or(0.0);
         if !exposure.is_finite() {
             return Err(Error::usage("exposure must be finite"));

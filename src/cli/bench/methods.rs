@@ -112,7 +112,7 @@ fn subject(args: &Args, at: usize, threads: usize) -> Result<BenchScene> {
     Ok(BenchScene {
         name: scene_name(&args.scenes, at),
         stages: backends.into_iter().map(build).collect::<Result<_>>()?,
-        look: choices.look()?,
+        look: choices.tone()?,
         reference: args.references.get(at).map(|path| (path.clone(), args.reference_noise.get(at).copied())),
     })
 }
