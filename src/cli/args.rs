@@ -5,7 +5,7 @@ use super::progress::ProgressArgs;
 use super::settings_args::SettingsArgs;
 use super::task::Task;
 use crate::error::{Error, Result};
-use crate::session::{Budget, Bytes, LoadedScene, Outputs, PassPlan, PassSelection, RenderSettings, SettingsPatch};
+use crate::session::{Budget, Bytes, LoadedScene, Outputs, PassPlan, PassSelection, RenderJob, SettingsPatch};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -28,13 +28,13 @@ impl SceneArgs {
         Ok(self.choices.0.clone().or(beside))
     }
 
-    /// Loads and builds the scene for `choices`, and resolves the settings with its camera. Must be called from outside
-    /// the rayon pool.
-    pub(super) fn stage(&self, choices: &SettingsPatch, threads: usize) -> Result<(LoadedScene, RenderSettings)> {
+    /// Loads and builds the scene for `choices`, and fits the job to its camera. Must be called from outside the rayon
+    /// pool.
+    pub(super) fn load(&self, choices: &SettingsPatch, threads: usize) -> Result<(LoadedScene, RenderJob)> {
         let job = choices.resolve(PassSelection::All)?;
         let stage = job.load(&self.scene, threads)?;
-        let settings = job.fitted(&stage)?.settings;
-        Ok((stage, settings))
+        let job = job.fitted(&stage)?;
+        Ok((stage, job))
     }
 }
 

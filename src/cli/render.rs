@@ -77,7 +77,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.strict.check(&job.plan)?;
     let outputs = args.output.outputs(&picture_name(&args.scene.scene), selection)?;
     args.output.check(&outputs)?;
-    let techniques = args.techniques.files(job.settings.method, &outputs)?;
+    let techniques = args.techniques.files(job.settings.method.kind(), &outputs)?;
     say_rounding(console, &choices, job.plan, job.settings.replicates);
     let signals = Signals::heed()?;
     let threads = startup::start_threads(args.threads)?;

@@ -155,7 +155,7 @@ fn effort(who: &Who, line: &SettingsPatch) -> Effort {
 }
 
 fn stage(scene: &SceneArgs, choices: &SettingsPatch, backend: Backend, threads: usize) -> Result<LoadedScene> {
-    Ok(scene.stage(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads)?.0)
+    Ok(scene.load(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads)?.0)
 }
 
 fn candidates<'a>(

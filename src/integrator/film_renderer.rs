@@ -1,6 +1,6 @@
 //! The pass loop: passes of one integrator, rendered into a film.
 
-use super::{Integrator, IntegratorConfig, Method, PassReport, build, pilot};
+use super::{Integrator, IntegratorConfig, PassReport, build, pilot};
 use crate::camera::Camera;
 use crate::film::{Film, Layout, PassFilm};
 use crate::parallel::Cancel;
@@ -15,17 +15,11 @@ pub struct FilmRenderer<'a, F: BorrowMut<Film> = Film> {
 }
 
 impl<'a> FilmRenderer<'a> {
-    /// Begins a film of `layout` by `method`: runs the pilot, whose units the film gets.
-    pub fn begin(
-        method: Method,
-        scene: &'a Scene,
-        camera: Camera,
-        options: &IntegratorConfig,
-        layout: &Layout,
-    ) -> FilmRenderer<'a> {
+    /// Begins a film of `layout`: runs the pilot, whose units the film gets, and builds the integrator.
+    pub fn begin(scene: &'a Scene, camera: Camera, options: &IntegratorConfig, layout: &Layout) -> FilmRenderer<'a> {
         let pilot = pilot(scene, &camera, options, layout);
         let film = Film::new(layout.clone(), options.replicates, options.seed, pilot.units);
-        FilmRenderer::new(build(method, scene, camera, options, &pilot), film)
+        FilmRenderer::new(build(scene, camera, options, &pilot), film)
     }
 }
 

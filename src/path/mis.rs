@@ -79,6 +79,19 @@ impl Techniques {
         }
     }
 
+    /// Returns the disabled kinds.
+    pub fn disabled(&self) -> Vec<Technique> {
+        use crate::named::Named;
+        let Techniques { hit, next_event, connect, splat } = *self;
+        let is_disabled = |technique: &Technique| match technique {
+            Technique::Hit => !hit,
+            Technique::NextEvent => !next_event,
+            Technique::Connect => !connect,
+            Technique::Splat => !splat,
+        };
+        Technique::all().iter().copied().filter(is_disabled).collect()
+    }
+
     /// Whether the technique with `s` light vertices and `t` camera vertices is enabled. Paths of one edge belong to
     /// s = 0.
     pub fn has(&self, s: usize, t: usize) -> bool {

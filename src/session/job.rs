@@ -1,9 +1,10 @@
 //! A job: all choices about a picture, resolved in one place.
 
 use super::{
-    LoadedScene, PassPlan, PassSelection, Provenance, RenderSettings, SettingsPatch, Surroundings, ToneMapping,
+    LoadedScene, PassPlan, PassSelection, Provenance, RenderSettings, SettingsPatch, Size, Surroundings, ToneMapping,
 };
 use crate::error::Result;
+use crate::integrator::Method;
 use std::path::Path;
 
 /// Resolved choices about a picture. It exists before the scene is loaded, so that mistakes are reported at once; only
@@ -53,8 +54,19 @@ impl RenderJob {
     /// # Errors
     /// The camera does not exist, or the crop does not fit the image.
     pub fn fitted(self, stage: &LoadedScene) -> Result<RenderJob> {
-        let settings = self.patch.settings(stage.scene.aspect(self.patch.camera.as_deref())?)?;
-        Ok(RenderJob { settings, ..self })
+        let mut patch = self.patch;
+        let settings = patch.settings(stage.scene.aspect(patch.camera.as_deref())?)?;
+        patch.size = Some(Size { width: settings.width, height: Some(settings.height) });
+        Ok(RenderJob { settings, patch, ..self })
+    }
+
+    /// Returns the settings with another method, which gets its parameters from the same choices.
+    ///
+    /// # Errors
+    /// A choice contradicts the method.
+    pub fn settings_of(&self, method: Method) -> Result<RenderSettings> {
+        let replicates = Some(self.settings.replicates);
+        SettingsPatch { method: Some(method), replicates, ..self.patch.clone() }.settings(None)
     }
 
     /// Returns the provenance of a film of this job that begins now. The job is fitted to the scene.

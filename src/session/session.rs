@@ -40,7 +40,7 @@ impl<'a> Session<'a> {
         let settings = &provenance.settings;
         let layout = settings.layout();
         affordable("the film", Film::bytes_per_pixel(&layout, settings.replicates), layout.pixels())?;
-        if let Some(refusal) = integrator::refusal(settings.method, &stage.scene) {
+        if let Some(refusal) = integrator::refusal(settings.method.kind(), &stage.scene) {
             return Err(Error::new(Kind::Usage, refusal));
         }
         let clock = Stopwatch::start();
@@ -106,10 +106,7 @@ impl<'a> Session<'a> {
         observer: &mut dyn Observer,
         checkpoint: Option<Checkpoint>,
     ) -> Result<Ended> {
-        let method = self.provenance.settings.method;
-        self.run_with(cancel, observer, checkpoint, |scene, camera, options, pilot| {
-            integrator::build(method, scene, camera, options, pilot)
-        })
+        self.run_with(cancel, observer, checkpoint, integrator::build)
     }
 
     /// [`Session::run`] with the integrator that `build` returns.

@@ -10,9 +10,11 @@ use super::{
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
-use crate::integrator::{Method, MetropolisOptions, Mutations};
+use crate::integrator::{
+    BdptConfig, ChainsConfig, Method, MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig,
+};
 use crate::io::png::ToneCurve;
-use crate::path::Technique;
+use crate::path::{Technique, Techniques};
 use crate::sampling::{Heuristic, SamplerKind};
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -233,11 +235,8 @@ impl SettingsPatch {
         let mut aovs = self.aovs.clone().unwrap_or_default();
         aovs.sort_unstable();
         aovs.dedup();
-        let mut without = self.without.clone().unwrap_or_default();
-        without.sort_unstable();
-        without.dedup();
         Ok(RenderSettings {
-            method: self.method.unwrap_or_default(),
+            method: self.method_config()?,
             width,
             height,
             crop: self.crop.map(|w| within(w.0, width, height)).transpose()?,
@@ -254,9 +253,6 @@ impl SettingsPatch {
             aovs,
             clamp: self.clamp.map(positive).transpose()?,
             transparent: self.transparent.unwrap_or(false),
-            without,
-            heuristic: self.heuristic.unwrap_or_default(),
-            metropolis: self.metropolis()?,
         })
     }
 
@@ -270,30 +266,48 @@ impl SettingsPatch {
         Ok(self.frame.or(first).map(|number| FrameNumber { number, fps }))
     }
 
-    /// Resolves the options of the Metropolis methods.
-    fn metropolis(&self) -> Result<MetropolisOptions> {
-        let usual = MetropolisOptions::default();
-        let large_step = self.large_step.unwrap_or(usual.large_step);
+    /// Resolves the method and its parameters.
+    ///
+    /// # Errors
+    /// A value is out of range, whether or not the method reads it, or contradicts the method.
+    pub fn method_config(&self) -> Result<MethodConfig> {
+        let method = self.method.unwrap_or_default();
+        let techniques = Techniques::without(self.without.as_deref().unwrap_or_default());
+        let bdpt = BdptConfig { techniques, heuristic: self.heuristic.unwrap_or_default() };
+        let chains = self.chains_config()?;
+        let (pssmlt, mmlt) = (PssmltConfig::default(), MmltConfig::default());
+        let large_step = self.large_step.unwrap_or(pssmlt.large_step);
         if !(large_step > 0.0 && large_step <= 1.0) {
             return Err(Error::usage(
                 "large-step must be above 0 and at most 1: small steps alone do not reach every path",
             ));
         }
-        if self.chain_threshold.is_some_and(|limit| !(limit >= 0.0 && limit.is_finite())) {
-            return Err(Error::usage("chain-threshold must not be negative"));
-        }
-        if self.clamp.is_some() && self.method.is_some_and(Method::has_chains) {
+        let mmlt_depths = between("mmlt-depths", self.mmlt_depths.unwrap_or(mmlt.mmlt_depths), 2..=64)?;
+        if self.clamp.is_some() && method.has_chains() {
             return Err(Error::usage(
                 "clamp does nothing sensible to chains, whose samples are all alike: leave it out",
             ));
         }
-        Ok(MetropolisOptions {
-            chains: self.chains.map(|chains| in_range("chains", chains, 1 << 20)).transpose()?,
-            large_step,
-            lengths: self.mmlt_depths.map_or(Ok(usual.lengths), |depths| between("mmlt-depths", depths, 2..=64))?,
-            mutations: self.mutations.unwrap_or_default(),
-            limit: self.chain_threshold,
-            two_stage: self.two_stage.unwrap_or(usual.two_stage),
+        Ok(match MethodConfig::from(method) {
+            MethodConfig::Bdpt(_) => MethodConfig::Bdpt(bdpt),
+            MethodConfig::Pssmlt(_) => MethodConfig::Pssmlt(PssmltConfig { bdpt, chains, large_step }),
+            MethodConfig::Mmlt(_) => MethodConfig::Mmlt(MmltConfig { bdpt, chains, large_step, mmlt_depths }),
+            MethodConfig::Mlt(_) => {
+                MethodConfig::Mlt(MltConfig { bdpt, chains, mutations: self.mutations.unwrap_or_default() })
+            }
+            plain => plain,
+        })
+    }
+
+    fn chains_config(&self) -> Result<ChainsConfig> {
+        if self.chain_threshold.is_some_and(|threshold| !(threshold >= 0.0 && threshold.is_finite())) {
+            return Err(Error::usage("chain-threshold must not be negative"));
+        }
+        let chains = self.chains.map(|chains| in_range("chains", chains, 1 << 20)).transpose()?;
+        Ok(ChainsConfig {
+            chains,
+            chain_threshold: self.chain_threshold,
+            two_stage: self.two_stage.unwrap_or_default(),
         })
     }
 

@@ -107,12 +107,11 @@ fn request(args: &Args) -> MethodsRequest {
 fn subject(args: &Args, at: usize, threads: usize) -> Result<BenchScene> {
     let scene = SceneArgs { scene: args.scenes[at].clone(), no_config: args.no_config, choices: args.choices.clone() };
     let choices = scene.choices()?;
-    let build = |backend| scene.stage(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads);
+    let build = |backend| scene.load(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads);
     let backends = unique(args.backends.as_deref().unwrap_or(Backend::AVAILABLE));
     Ok(BenchScene {
         name: scene_name(&args.scenes, at),
         stages: backends.into_iter().map(build).collect::<Result<_>>()?,
-        look: choices.tone()?,
         reference: args.references.get(at).map(|path| (path.clone(), args.reference_noise.get(at).copied())),
     })
 }

@@ -128,8 +128,8 @@ fn request(args: &Args) -> Result<RayBenchRequest> {
 fn subject(args: &Args, at: usize, threads: usize) -> Result<RayBenchSubject> {
     let scene = SceneArgs { scene: args.scenes[at].clone(), no_config: args.no_config, choices: args.choices.clone() };
     let (backend, build) = (Some(Backend::default()), Some(Build::Robust));
-    let (stage, settings) = scene.stage(&SettingsPatch { backend, build, ..scene.choices()? }, threads)?;
-    Ok(RayBenchSubject { name: scene_name(&args.scenes, at), stage, settings })
+    let (stage, job) = scene.load(&SettingsPatch { backend, build, ..scene.choices()? }, threads)?;
+    Ok(RayBenchSubject { name: scene_name(&args.scenes, at), stage, settings: job.settings })
 }
 
 fn replay(args: &Args, request: &RayBenchRequest, address: &RayAddress, threads: usize) -> Result<()> {

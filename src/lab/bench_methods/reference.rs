@@ -50,8 +50,8 @@ impl Reference {
     /// Reads the reference given for a subject, if any.
     pub(super) fn given(subject: &BenchScene) -> Result<Option<Reference>> {
         let Some((path, noise)) = &subject.reference else { return Ok(None) };
-        let (_, settings) = subject.stages.first().ok_or_else(|| defect("a scene without a backend"))?;
-        let mut reference = Reference::read(path, settings)?;
+        let (_, job) = subject.stages.first().ok_or_else(|| defect("a scene without a backend"))?;
+        let mut reference = Reference::read(path, &job.settings)?;
         reference.record.noise = noise.or(reference.record.noise);
         Ok(Some(reference))
     }
@@ -106,7 +106,7 @@ pub(super) fn make(
     let path = request.folder.join(format!("reference-{}.exr", subject.name));
     let (host, method) = chosen(request, field)?;
     let seed = contestant::seed(host.settings.seed, SEED);
-    let settings = RenderSettings { method, seed, aovs: Vec::new(), ..host.settings.clone() };
+    let settings = RenderSettings { method: method.into(), seed, aovs: Vec::new(), ..host.settings.clone() };
     let name = label(&settings);
     let same = if request.methods.contains(&method) { ", also compared, with another seed" } else { "" };
     let origin = format!("made by {name}{same}");

@@ -38,7 +38,7 @@ impl<'a> Candidate<'a> {
         let plan = PassPlan { stop: StopCriteria::after(0), selection: PassSelection::All };
         Ok(Candidate {
             name: format!("{}/{}", method.name(), settings.backend.name()),
-            renderer: FilmRenderer::begin(method, &stage.scene, camera, &settings.options(), &layout),
+            renderer: FilmRenderer::begin(&stage.scene, camera, &settings.options(), &layout),
             provenance: Provenance::new(stage, settings, plan, choices.tone()?),
             last_block: 0.0,
             stage,
@@ -95,7 +95,7 @@ impl<'a> Candidate<'a> {
 
     /// Returns the method.
     pub fn method(&self) -> Method {
-        self.provenance.settings.method
+        self.provenance.settings.method.kind()
     }
 
     /// Returns the doubt about its errors, if there is one. The bound on unseen light fails with probability `level`.

@@ -93,10 +93,18 @@ pub(super) fn settings(
 ) -> Result<RenderSettings> {
     let aspect = stage.scene.aspect(choices.camera.as_deref())?;
     let size = choices.size.unwrap_or_else(|| default_size(aspect));
-    let settings = SettingsPatch { size: Some(size), ..choices.clone() }.settings(aspect)?;
-    let seed = seed(settings.seed, method, backend);
     // Clamping biases each method differently. AOVs are not compared.
-    Ok(RenderSettings { method, backend, seed, replicates: REPLICATES, clamp: None, aovs: Vec::new(), ..settings })
+    let choices = SettingsPatch {
+        method: Some(method),
+        backend: Some(backend),
+        seed: Some(seed(choices.seed.unwrap_or(0), method, backend)),
+        replicates: Some(REPLICATES),
+        size: Some(size),
+        clamp: None,
+        aovs: None,
+        ..choices.clone()
+    };
+    choices.settings(aspect)
 }
 
 fn seed(seed: u64, method: Method, backend: Backend) -> u64 {

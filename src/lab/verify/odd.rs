@@ -23,7 +23,7 @@ impl Outlier {
     /// Finds the smallest group involved in all differences, if one stands out.
     pub fn among(candidates: &[Candidate<'_>], judgement: &Judgement) -> Option<Outlier> {
         let settings =
-            |c: &Candidate<'_>| (c.provenance.settings.method, c.provenance.settings.backend, c.name.clone());
+            |c: &Candidate<'_>| (c.provenance.settings.method.kind(), c.provenance.settings.backend, c.name.clone());
         Outlier::of(&candidates.iter().map(settings).collect::<Vec<_>>(), judgement)
     }
 
