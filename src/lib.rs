@@ -16,18 +16,14 @@
 //! # Modules
 //!
 //! Modules are listed by layer, called floors. A module imports only its own folder and lower floors; siblings on a
-//! floor do not import each other. `tests/architecture.rs` enforces this; ARCHITECTURE.md draws it.
+//! floor do not import each other. `tests/architecture` enforces this; ARCHITECTURE.md draws it.
 
 // Tests compare floats exactly where arithmetic is exact.
 #![cfg_attr(test, allow(clippy::float_cmp))]
 
-// Scenes of the integration tests, shared with unit tests. They refer to the crate by name.
+// Scenes for tests refer to the crate by name, also where a unit test compiles them (integrator/metropolis).
 #[cfg(test)]
 extern crate self as etendue;
-#[cfg(test)]
-#[allow(dead_code)]
-#[path = "../tests/agreement/studio.rs"]
-mod studio;
 
 // floor 1
 pub mod error;

@@ -3,7 +3,8 @@
 
 #![no_main]
 
-use etendue_fuzz::{check, file, forge};
+use etendue_fuzz::{check, file};
+use etendue_testing::forge;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

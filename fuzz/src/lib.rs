@@ -1,7 +1,6 @@
 //! What the fuzz targets share: mutating glTF by its structure, and files that readers of paths can open.
 
 mod container;
-pub mod forge;
 mod structure;
 
 pub use container::Container;

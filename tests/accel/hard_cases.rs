@@ -1,12 +1,12 @@
 //! Every hard case under every backend: nothing leaks, answers differ by rounding only, and where they differ by more
 //! an exact judge says who is right. `--nocapture` prints the table.
 
-use crate::deep::deep;
 use crate::judge::{Judge, is_met};
 use etendue::accel::{Accel, Backend, Build, Intersector};
 use etendue::geometry::{Hit, Opaque, Ray};
 use etendue::lab::equivalence::{Agreement, Category, agreement};
 use etendue::lab::hard_cases::{HardCase, all, title};
+use etendue_testing::deep;
 use rayon::prelude::*;
 
 /// Rays that the judge tries all triangles of, whatever the backends say.

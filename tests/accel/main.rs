@@ -2,8 +2,6 @@
 
 mod agreement;
 mod brute_force;
-#[path = "../support/deep.rs"]
-mod deep;
 mod edge_cases;
 mod exact;
 mod filters;

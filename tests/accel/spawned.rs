@@ -1,10 +1,10 @@
 //! Rays that leave a surface do not meet it again, at any scale, and pass nothing that lies close to it.
 
-use crate::deep::deep;
 use crate::scenes::{Random, built, each, icosphere, mesh, scene_of};
 use etendue::accel::{Accel, Backend, Build, Intersector};
 use etendue::geometry::{Geometry, Hit, Opaque, Ray, Triangle, spawn_ray};
 use etendue::lab::hard_cases;
+use etendue_testing::deep;
 use glam::{Affine3A, Mat3, Vec3};
 use rayon::prelude::*;
 

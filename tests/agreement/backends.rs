@@ -1,12 +1,13 @@
 //! Embree and obvhs on real scenes: the same surfaces at the pixel centres but for ties, and the same pictures.
 
-use crate::deep::deep;
 use crate::picture::{Shot, agree, render};
 use etendue::accel::{Backend, Build};
 use etendue::geometry::{Ray, SurfacePoint};
 use etendue::integrator::Method;
 use etendue::io::gltf;
 use etendue::scene::{BuildOptions, Scene};
+use etendue_testing::deep;
+use etendue_testing::folders;
 use std::path::{Path, PathBuf};
 
 const SIDE: u32 = 512;
@@ -32,10 +33,9 @@ const SAMPLES: [&str; 12] = [
 
 fn scenes() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shared = std::env::var_os("ETENDUE_SHARED").map_or(root.join("../shared"), PathBuf::from);
     let own =
         ["cornell-box", "modified-cornell", "glass-caustic"].map(|name| root.join(format!("scenes/{name}/scene.gltf")));
-    let samples = SAMPLES.map(|name| shared.join("scenes/gltf-samples").join(name));
+    let samples = SAMPLES.map(|name| folders::shared().join("scenes/gltf-samples").join(name));
     own.into_iter().chain(samples).filter(|path| path.exists()).collect()
 }
 

@@ -3,12 +3,9 @@
 //! Splats of one walk fall on several pixels, so that pixels are not independent: every error here is that between
 //! whole renders with seeds of their own, and every judgement Welch's or Student's at a family-wise level.
 
-use crate::deep::deep;
 use crate::equilibrium::{KINDS, Kind, equilibrium};
 use crate::picture::{LEVEL, Shot, scene};
 use crate::reciprocity::{IN_GLASS, INDEX, alcove};
-use crate::studio::{camera, matte, point_light};
-use crate::worlds::{World, all};
 use etendue::film::{Crop, Filter, Layout, PassFilm};
 use etendue::integrator::{self, Guards, IntegratorConfig, Method, MetropolisOptions, PilotEstimate};
 use etendue::parallel::Cancel;
@@ -17,6 +14,9 @@ use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
 use etendue::scene::description::{CameraDescription, Projection};
 use etendue::stats::{Estimate, Moments, sidak_level, t_test, welch_test};
+use etendue_testing::deep;
+use etendue_testing::studio::{camera, matte, point_light};
+use etendue_testing::worlds::{World, all};
 use glam::DVec3;
 
 /// Independent renders of a picture.
@@ -330,7 +330,7 @@ fn threads_leave_no_trace() {
 #[test]
 fn without_scattering_there_is_only_direct_view() {
     let mut black = etendue::scene::description::Description::default();
-    crate::studio::add_room(&mut black, &matte(0.0, 0.5));
+    etendue_testing::studio::add_room(&mut black, &matte(0.0, 0.5));
     black.cameras.push(camera(DVec3::new(0.1, 0.0, 0.2), DVec3::X));
     let black = scene(black);
     for method in [Method::Light, Method::Bdpt, Method::Mlt] {

@@ -3,7 +3,6 @@
 //! over the film.
 
 use crate::picture::{Shot, agree, expect, render, scene_under};
-use crate::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, point_light};
 use etendue::accel::Backend;
 use etendue::bsdf::Shading;
 use etendue::integrator::Method;
@@ -13,6 +12,7 @@ use etendue::scene::Scene;
 use etendue::scene::description::{Description, EnvironmentDescription, Material, PunctualKind, Volume};
 use etendue::spectrum::Spectrum;
 use etendue::transport::TransportMode;
+use etendue_testing::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, point_light};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -266,7 +266,7 @@ fn a_sky_behind_panes_counts_once() {
     }
     description.environment = Some(EnvironmentDescription::Uniform(Spectrum::ONE));
     let view = camera(DVec3::new(0.0, -0.8, 0.0), DVec3::new(0.0, -1.0, 0.0));
-    description.cameras.push(crate::studio::narrow(view, 0.02));
+    description.cameras.push(etendue_testing::studio::narrow(view, 0.02));
     let n = 400;
     let mut passed = 0.0;
     for i in 0..n * n {
@@ -299,7 +299,12 @@ fn description_again(d: &Description) -> Description {
         Description { environment: d.environment.clone(), cameras: d.cameras.clone(), ..Description::default() };
     for mesh in &d.meshes {
         let p = &mesh.primitives[0];
-        crate::studio::add(&mut copy, p.positions.clone(), p.triangles.clone(), d.materials[p.material].clone());
+        etendue_testing::studio::add(
+            &mut copy,
+            p.positions.clone(),
+            p.triangles.clone(),
+            d.materials[p.material].clone(),
+        );
     }
     copy
 }
@@ -331,7 +336,7 @@ fn boundaries_bend_by_the_indices_on_both_sides() {
             let sides = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3], [4, 6, 7], [4, 7, 5], [6, 0, 1], [6, 1, 7]];
             let caps = [[0, 6, 4], [0, 4, 2], [1, 5, 7], [1, 3, 5]];
             let triangles = sides.into_iter().chain(caps).collect();
-            crate::studio::add(&mut description, corners, triangles, solid(ior as f32, 0.0));
+            etendue_testing::studio::add(&mut description, corners, triangles, solid(ior as f32, 0.0));
             description.environment = Some(EnvironmentDescription::Uniform(Spectrum::ONE));
             let scene = scene_under(backend, description);
             let origin = scene.rebase().point(DVec3::new(0.1, 2.0, 0.05)).as_vec3();

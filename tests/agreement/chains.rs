@@ -2,15 +2,15 @@
 //! compared are whole renders of seeds of their own.
 
 use crate::bidirectional::{How, agree, expect_crop, runs, some_runs, spp, times};
-use crate::deep::deep;
 use crate::equilibrium::{KINDS, Kind, equilibrium};
 use crate::picture::{LEVEL, Shot, scene};
 use crate::references::load;
-use crate::worlds::{World, all};
 use etendue::film::Filter;
 use etendue::integrator::{Method, MetropolisOptions};
 use etendue::path::Technique;
 use etendue::stats::{sidak_level, t_test};
+use etendue_testing::deep;
+use etendue_testing::worlds::{World, all};
 
 const METHODS: [Method; 3] = [Method::Pssmlt, Method::Mmlt, Method::Mlt];
 

@@ -1,12 +1,12 @@
 //! Scenes whose radiance is known on paper.
 
 use crate::picture::{LEVEL, Picture, Shot, agree, limit, render, scene};
-use crate::studio::{add_room, add_square, camera, matte, point_light};
 use etendue::integrator::Method;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
 use etendue::scene::description::{AlphaMode, Description, Material, Volume};
 use etendue::spectrum::Spectrum;
+use etendue_testing::studio::{add_room, add_square, camera, matte, point_light};
 use glam::{DVec3, Vec3, Vec4};
 
 const METHODS: [Method; 3] = [Method::PathNaive, Method::PathNee, Method::Path];

@@ -2,7 +2,6 @@
 //! they agree on. A stated 95 % interval fails where the number of renders that it covers in rejects every rate from 93
 //! to 97 %.
 
-use crate::deep::deep;
 use crate::references::load;
 use etendue::film::{Film, Filter, ImageError, Layout, PassFilm, Plane};
 use etendue::integrator::{self, IntegratorConfig, Method, MetropolisOptions};
@@ -11,6 +10,7 @@ use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
 use etendue::session::target::{self, Check};
 use etendue::stats::{sidak_level, student_quantile};
+use etendue_testing::deep;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
 

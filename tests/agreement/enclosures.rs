@@ -1,11 +1,11 @@
 //! Closed rooms: what leaves a wall comes back, so that radiance is known exactly.
 
-use crate::deep::deep;
 use crate::picture::{Shot, about, expect, render, scene, scene_under};
-use crate::studio::{Ball, add_room, add_square, camera, glass, matte, metal, narrow, point_light};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::scene::description::{Description, Material};
+use etendue_testing::deep;
+use etendue_testing::studio::{Ball, add_room, add_square, camera, glass, matte, metal, narrow, point_light};
 use glam::{DVec3, Vec3};
 
 /// Roundings of throughputs and film of one sample, a few dozen.

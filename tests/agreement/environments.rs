@@ -1,12 +1,12 @@
 //! Scenes under environment maps: closed forms, and three methods that find the light in different ways.
 
 use crate::picture::{Picture, Shot, agree, limit, render, scene};
-use crate::studio::{add, add_square, camera, matte};
 use etendue::integrator::Method;
 use etendue::scene::Scene;
 use etendue::scene::description::{Description, EnvironmentDescription, Projection};
 use etendue::spectrum::Spectrum;
 use etendue::texture::RadianceMap;
+use etendue_testing::studio::{add, add_square, camera, matte};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 

@@ -15,15 +15,15 @@
 //! renderers' images see those. Rough metal and glass lose light between their facets by an amount that depends on the
 //! angle, which no material here emits: they are in `rough_bodies.rs`.
 
-use crate::deep::deep;
 use crate::picture::{Block, Picture, Shot, limit, render, scene_under};
-use crate::random::Random;
-use crate::studio::{Ball, add, add_square, camera, glass, matte, metal};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription, Instance, Material};
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Encoding, Image, RadianceMap, Texels, Texture, TextureFilter, Wrap};
+use etendue_testing::deep;
+use etendue_testing::random::Random;
+use etendue_testing::studio::{Ball, add, add_square, camera, glass, matte, metal};
 use glam::{Affine2, DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec2, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;

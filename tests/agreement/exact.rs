@@ -1,10 +1,10 @@
 //! Pictures whose every pixel is known: what is seen scatters nothing, or is lit by a point.
 
 use crate::picture::{Picture, Shot, about, expect, render, scene};
-use crate::studio::{add_square, camera, glass, matte, narrow, point_light};
 use etendue::integrator::Method;
 use etendue::scene::description::{AlphaMode, Description, Material, PunctualKind, PunctualLight, Volume};
 use etendue::spectrum::Spectrum;
+use etendue_testing::studio::{add_square, camera, glass, matte, narrow, point_light};
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
 

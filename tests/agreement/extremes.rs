@@ -1,12 +1,12 @@
 //! What a scene has, where textures decide about it: by the texels that are used, and by nothing else.
 
 use crate::picture::{Shot, agree, render, scene};
-use crate::studio::{add_square, camera, glass, matte, metal, point_light};
 use etendue::integrator::{Method, blind_spots};
 use etendue::scene::Features;
 use etendue::scene::description::{AlphaMode, Description, Material};
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
+use etendue_testing::studio::{add_square, camera, glass, matte, metal, point_light};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 

@@ -1,13 +1,13 @@
 //! Whole renders at the edges of arithmetic: distances of 1e11 between the smallest and the largest thing, triangles a
 //! million times as long as they are wide.
 
-use crate::deep::deep;
 use crate::lamps::{FAR, add_sun};
 use crate::picture::{Shot, about, agree, expect, render, render_guarded, scene_under};
-use crate::studio::{Ball, add, add_room, add_square, camera, matte, metal, narrow};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::scene::description::Description;
+use etendue_testing::deep;
+use etendue_testing::studio::{Ball, add, add_room, add_square, camera, matte, metal, narrow};
 use glam::{DVec3, Vec3};
 
 /// Roundings of throughputs and film of one sample, a few dozen.

@@ -1,9 +1,9 @@
 //! Worlds whose tails luck may hide: small lamps with mirrors and glass, seen by methods that hardly sample what those
 //! throw.
 
-use crate::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, narrow, point_light};
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
+use etendue_testing::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, narrow, point_light};
 use glam::{DVec3, Vec3};
 
 /// A lamp below the ceiling whose half side is `half`, of the power of one with half side ¼ and radiance 8; it faces

@@ -1,11 +1,8 @@
 //! Lights seen by mirrors, through glass and over polygons: irradiances known on paper (light-transport.md, section
 //! 3.2).
 
-use crate::deep::deep;
 use crate::lamps::{ground, reflected};
 use crate::picture::{Picture, Shot, about, expect, render, scene, scene_under, verdict};
-use crate::random::Random;
-use crate::studio::{Ball, add, add_box, add_square, camera, glass, matte, metal, narrow};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::light::EnvironmentMap;
@@ -14,6 +11,9 @@ use etendue::scene::description::{
 };
 use etendue::spectrum::Spectrum;
 use etendue::texture::RadianceMap;
+use etendue_testing::deep;
+use etendue_testing::random::Random;
+use etendue_testing::studio::{Ball, add, add_box, add_square, camera, glass, matte, metal, narrow};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

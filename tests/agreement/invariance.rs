@@ -1,9 +1,9 @@
 //! What must not change a picture: where and how large the scene is, whether meshes are shared, how triangles are cut.
 
 use crate::picture::{Shot, agree, render, scene};
-use crate::studio::{Ball, add, add_square, camera, matte, point_light};
 use etendue::integrator::Method;
 use etendue::scene::description::{Description, Instance};
+use etendue_testing::studio::{Ball, add, add_square, camera, matte, point_light};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// A floor, two boxes' worth of walls and a light, with everything moved and scaled by `by`.

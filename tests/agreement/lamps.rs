@@ -1,11 +1,11 @@
 //! Lamps of known irradiance on a small matte patch: spheres, specks, the sun.
 
-use crate::deep::deep;
 use crate::picture::{Shot, about, expect, render, scene_under};
-use crate::studio::{Ball, add, add_square, camera, matte, narrow};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::scene::description::Description;
+use etendue_testing::deep;
+use etendue_testing::studio::{Ball, add, add_square, camera, matte, narrow};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 

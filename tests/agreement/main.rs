@@ -3,18 +3,6 @@
 //! Every judgement is a hypothesis test whose level is said where it is made; seeds are fixed, so a right renderer
 //! never fails by chance twice. `ETENDUE_TEST_DEEP=1` runs the long versions (`make test-deep`).
 
-#[path = "../support/deep.rs"]
-mod deep;
-#[allow(dead_code, reason = "tests/sampling uses what is not used here")]
-#[path = "../support/random.rs"]
-mod random;
-#[path = "../support/slope.rs"]
-mod slope;
-
-#[allow(dead_code, reason = "tests/path uses what is not used here")]
-#[path = "../path/worlds.rs"]
-mod worlds;
-
 #[cfg(feature = "embree")]
 mod backends;
 mod bidirectional;
@@ -43,7 +31,6 @@ mod same_mean;
 mod sides;
 mod slopes;
 mod smooth_glass;
-mod studio;
 mod symmetries;
 mod techniques;
 mod textures;

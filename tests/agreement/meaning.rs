@@ -1,7 +1,6 @@
 //! What glTF says of unlit materials, flat nodes and views, in pictures: by every method, on every backend.
 
 use crate::picture::{Shot, render, scene_under};
-use crate::studio::{add_square, matte};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::scene::Scene;
@@ -11,6 +10,7 @@ use etendue::scene::description::{
 };
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
+use etendue_testing::studio::{add_square, matte};
 use glam::{Affine2, DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 

@@ -4,12 +4,12 @@
 //! The same seed takes the same decisions at every vertex unless rounding tips one over; what is measured is how often.
 //! A path that tips over is one sample of noise and no error, but it moves its pixel by more than 1e-3.
 
-use crate::deep::deep;
 use crate::picture::{BLOCK_LEVEL, Picture, Shot, limit_at, render};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::io::gltf;
 use etendue::scene::{BuildOptions, Scene};
+use etendue_testing::deep;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

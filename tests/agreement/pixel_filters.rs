@@ -2,11 +2,11 @@
 //! integral, around the pixel's centre, across and down.
 
 use crate::picture::{Picture, Shot, limit, render, scene};
-use crate::studio::{add_square, camera, matte};
 use etendue::film::Filter;
 use etendue::integrator::Method;
 use etendue::sampling::SamplerKind;
 use etendue::scene::description::{CameraDescription, Description, Projection};
+use etendue_testing::studio::{add_square, camera, matte};
 use glam::{DVec3, Vec3};
 
 /// Pixels along a side, each a scene unit wide.

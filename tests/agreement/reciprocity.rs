@@ -5,11 +5,11 @@
 //! The pinhole is six cameras of 90 degrees. Paths that leave the pinhole or the light over a mirror would be found
 //! from one side only, so everything here is rough. Shading normals are not reciprocal in themselves: there are none.
 
-use crate::deep::deep;
 use crate::picture::{Block, Shot, limit, render, scene};
-use crate::studio::{Ball, add_square, camera, glass, matte, metal, point_light};
 use etendue::integrator::Method;
 use etendue::scene::description::{CameraDescription, Description, Material, Projection};
+use etendue_testing::deep;
+use etendue_testing::studio::{Ball, add_square, camera, glass, matte, metal, point_light};
 use glam::{DVec3, Vec3};
 
 const SIDE: usize = 32;

@@ -1,11 +1,12 @@
 //! The scenes in scenes/ against converged images of other renderers.
 
-use crate::deep::deep;
 use crate::picture::{Picture, Shot, agree, limit, render};
 use etendue::integrator::Method;
 use etendue::io::{exr, gltf};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::session::{LoadedScene, SettingsPatch};
+use etendue_testing::deep;
+use etendue_testing::folders;
 use std::path::{Path, PathBuf};
 
 fn project(path: &str) -> PathBuf {
@@ -76,9 +77,8 @@ fn mirror_and_glass_balls_have_the_right_mean() {
     if !deep() {
         return;
     }
-    let shared = std::env::var_os("ETENDUE_SHARED").map_or(project("../shared"), PathBuf::from);
     for (name, file, noise) in [("modified-cornell", "S2", 9.7e-4), ("glass-caustic", "S4", 3.0e-3)] {
-        let path = shared.join(format!("peers/references/{file}.exr"));
+        let path = folders::shared().join(format!("peers/references/{file}.exr"));
         let (Some(scene), Some(reference)) = (load(name), reference(&path, noise)) else { continue };
         for method in [Method::Path, Method::PathNee] {
             let picture = render(&scene, Shot { depth: Some(64), ..Shot::new(method, 256, 4096) });
@@ -98,8 +98,7 @@ fn the_landscape_has_the_right_mean() {
     if !deep() {
         return;
     }
-    let shared = std::env::var_os("ETENDUE_SHARED").map_or(project("../shared"), PathBuf::from);
-    let Some(reference) = reference(&shared.join("peers/references/S7.exr"), 1.54e-4) else { return };
+    let Some(reference) = reference(&folders::shared().join("peers/references/S7.exr"), 1.54e-4) else { return };
     let path = project("scenes/landscape/scene.gltf");
     let choices = SettingsPatch::beside(&path).expect("its settings");
     let (surroundings, settings) =

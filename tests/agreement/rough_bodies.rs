@@ -1,13 +1,13 @@
 //! Rough surfaces in a white furnace: a convex body between black walls of radiance 1 scatters every path once, so that
 //! it shows its directional albedo, which quadrature knows.
 
-use crate::deep::deep;
 use crate::picture::{Shot, about, expect, render, scene};
-use crate::studio::{Ball, add_room, camera, matte, metal};
 use etendue::bsdf::Ggx;
 use etendue::bsdf::albedo::{ERROR, moments};
 use etendue::integrator::Method;
 use etendue::scene::description::{CameraDescription, Description, Material, Projection};
+use etendue_testing::deep;
+use etendue_testing::studio::{Ball, add_room, camera, matte, metal};
 use glam::DVec3;
 
 /// Roundings of throughputs and film of one sample.

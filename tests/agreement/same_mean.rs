@@ -2,7 +2,6 @@
 //! share? Pairs of renders that differ in the seed alone are the hypothesis: at level .05 they are said to differ one
 //! time of twenty at most.
 
-use crate::deep::deep;
 use crate::references::load;
 use etendue::film::pyramid::Pyramid;
 use etendue::film::{Film, Filter, Layout, PassFilm};
@@ -10,6 +9,7 @@ use etendue::integrator::{self, IntegratorConfig, Method, MetropolisOptions};
 use etendue::lab::same_mean::{Outcome, TestedPicture, judge};
 use etendue::parallel::Cancel;
 use etendue::scene::Scene;
+use etendue_testing::deep;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 

@@ -1,13 +1,13 @@
 //! Single-sided surfaces: the camera does not see their backs, everything else does.
 
 use crate::picture::{Shot, render, scene};
-use crate::studio::{add_square, camera, matte, point_light};
 use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
 use etendue::geometry::Ray;
 use etendue::integrator::{self, IntegratorConfig, Method};
 use etendue::parallel::Cancel;
 use etendue::scene::Scene;
 use etendue::scene::description::{AlphaMode, Description, Instance, Material, Volume};
+use etendue_testing::studio::{add_square, camera, matte, point_light};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// Black and single-sided.

@@ -1,12 +1,12 @@
 //! How fast errors fall with the number of samples.
 
 use crate::picture::{Shot, render, scene};
-use crate::slope::slope;
-use crate::studio::{add, add_room, camera, matte, narrow};
 use etendue::integrator::Method;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
 use etendue::scene::description::Description;
+use etendue_testing::slope::slope;
+use etendue_testing::studio::{add, add_room, camera, matte, narrow};
 use glam::{DVec3, Vec3};
 
 /// Slope of the mean squared error of 32 × 32 pixels over 4 to 256 samples.
@@ -43,7 +43,7 @@ fn the_error_of_sobol_points_falls_faster_where_light_is_smooth() {
     let mut room = Description::default();
     let corners = [DVec3::new(-0.5, 1.0, -0.4), DVec3::new(0.6, 1.0, -0.3), DVec3::new(0.0, 1.0, 0.7)];
     add(&mut room, corners.map(|c| c.as_vec3()).to_vec(), vec![[0, 1, 2]], matte(0.0, 1.0));
-    crate::studio::add_square(&mut room, Vec3::ZERO, Vec3::X, Vec3::NEG_Z, matte(0.5, 0.0));
+    etendue_testing::studio::add_square(&mut room, Vec3::ZERO, Vec3::X, Vec3::NEG_Z, matte(0.5, 0.0));
     room.cameras.push(narrow(camera(DVec3::new(0.02, 0.4, 0.01), DVec3::ZERO), 1e-6)); // one point
     let edge = |i: usize| {
         let (a, b) = (corners[i].normalize(), corners[(i + 1) % 3].normalize());

@@ -3,11 +3,11 @@
 
 use crate::bidirectional::{How, agree, runs, spp};
 use crate::picture::{Shot, about, expect, render, scene, scene_under};
-use crate::studio::{add_box, camera, glass, metal};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::scene::description::{Description, EnvironmentDescription, Material};
 use etendue::spectrum::Spectrum;
+use etendue_testing::studio::{add_box, camera, glass, metal};
 use glam::{DVec3, Vec3};
 
 /// A cube with corner normals, 55 degrees from its faces, that fills most of the view.

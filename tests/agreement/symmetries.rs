@@ -3,13 +3,13 @@
 
 use crate::invariance::still_life;
 use crate::picture::{Picture, Shot, agree, render, scene};
-use crate::studio::{add_square, matte, point_light};
 use etendue::film::{Crop, Layout, PassFilm};
 use etendue::integrator::{self, IntegratorConfig, Method, PilotEstimate};
 use etendue::parallel::Cancel;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
 use etendue::scene::description::Description;
+use etendue_testing::studio::{add_square, matte, point_light};
 use glam::{DAffine3, DVec3, Vec3};
 
 fn shot() -> Shot {

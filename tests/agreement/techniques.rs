@@ -12,10 +12,8 @@
 //! All else that was rendered of it, 26,600 passes of seven seeds, has (0,5) there at 974 ± 10 millionths and (3,2) at
 //! 968 ± 4. Neither seed nor level was changed for it: the test takes 4096 passes, those included.
 
-use crate::deep::deep;
 use crate::picture::scene;
 use crate::references::load;
-use crate::studio::{Ball, add_square, camera, matte, metal};
 use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
 use etendue::integrator::{self, Guards, IntegratorConfig, Method, PilotEstimate, TechniqueImage, TechniqueImages};
 use etendue::parallel::Cancel;
@@ -25,6 +23,8 @@ use etendue::scene::description::{Description, Material};
 use etendue::spectrum::Spectrum;
 use etendue::stats::{Moments, holm, t_test};
 use etendue::texture::{Encoding, Image, Texels, Texture, Wrap};
+use etendue_testing::deep;
+use etendue_testing::studio::{Ball, add_square, camera, matte, metal};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
 //! Textures where they meet light: lamps that are brighter in some places, normals that a map bends.
 
 use crate::picture::{Picture, Shot, agree, render, scene};
-use crate::studio::{add_square, camera, matte, narrow, point_light};
 use etendue::integrator::Method;
 use etendue::scene::description::{Description, Material};
 use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
+use etendue_testing::studio::{add_square, camera, matte, narrow, point_light};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::f64::consts::PI;
 use std::sync::Arc;

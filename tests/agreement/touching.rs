@@ -1,15 +1,15 @@
 //! Surfaces that touch: each is met once, in order, whatever the gap, the scale, the place and the backend.
 
-use crate::deep::deep;
 use crate::picture::{Shot, limit, render, scene_under};
-use crate::random::Random;
-use crate::studio::{add, add_box, add_square, camera, glass, matte, narrow};
 use etendue::accel::Backend;
 use etendue::geometry::Ray;
 use etendue::integrator::Method;
 use etendue::scene::Scene;
 use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription, Instance, Material};
 use etendue::spectrum::Spectrum;
+use etendue_testing::deep;
+use etendue_testing::random::Random;
+use etendue_testing::studio::{add, add_box, add_square, camera, glass, matte, narrow};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 const RAYS: usize = 16;

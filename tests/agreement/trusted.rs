@@ -3,12 +3,12 @@
 //! coverage.rs, a count convicts that rejects all of these rates), and on plain worlds most must claim it.
 
 use crate::coverage::conviction;
-use crate::deep::deep;
 use crate::hidden_tails::{HARD, PLAIN, lit_by, world};
 use etendue::film::{Film, ImageError, Known, Layout, PassFilm, Plane, Reason};
 use etendue::integrator::{self, IntegratorConfig, Method};
 use etendue::parallel::Cancel;
 use etendue::scene::Scene;
+use etendue_testing::deep;
 use rayon::prelude::*;
 
 const SIDE: u32 = 16;

@@ -36,7 +36,7 @@ pub(crate) fn floors(source: &Source, floors: Floors<'_>) -> Vec<Finding> {
         return vec![finding(
             source,
             1,
-            format!("module `{own}` has no floor: add it to the table in tests/architecture.rs"),
+            format!("module `{own}` has no floor: add it to the table in tests/architecture"),
         )];
     };
     let judge = |(line, target): (usize, String)| {

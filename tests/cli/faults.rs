@@ -1,9 +1,9 @@
 //! What goes wrong on farms: kills at any moment, full disks, damaged films.
 
-use crate::deep::deep;
 use crate::run::{Place, cornell_file};
 use crate::signals::signal;
 use etendue::io::exr;
+use etendue_testing::deep;
 use std::io::{BufRead, BufReader, Read};
 use std::process::Command;
 use std::thread::sleep;

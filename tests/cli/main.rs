@@ -2,9 +2,6 @@
 
 #![allow(clippy::unwrap_used)]
 
-#[path = "../support/deep.rs"]
-mod deep;
-
 mod backends;
 mod batch;
 mod bench_methods;

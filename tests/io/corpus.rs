@@ -7,14 +7,10 @@ use etendue::io::gltf;
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
 use etendue::session::SettingsPatch;
+use etendue_testing::forge;
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-
-/// What the fuzz target of films reads.
-#[expect(unreachable_pub, reason = "the fuzz targets are another crate")]
-#[path = "../../fuzz/src/forge.rs"]
-mod forge;
 
 /// What one file may take: the largest takes a second. This is to find what never ends.
 const PATIENCE: Duration = Duration::from_secs(30);

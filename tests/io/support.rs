@@ -3,14 +3,13 @@
 use etendue::error::{Kind, Result};
 use etendue::io::gltf;
 use etendue::scene::description::{Description, Primitive};
+use etendue_testing::folders;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// The folder of shared assets, if this machine has it.
 pub(crate) fn shared(folder: &str) -> Option<PathBuf> {
-    let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared");
-    let shared = std::env::var_os("ETENDUE_SHARED").map_or_else(beside, PathBuf::from);
-    let path = shared.join("scenes").join(folder);
+    let path = folders::shared().join("scenes").join(folder);
     if path.is_dir() {
         return Some(path);
     }

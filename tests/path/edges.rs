@@ -1,9 +1,9 @@
 //! Numbers at the edges of the unit cube, one in millions: a walk that they begin is one that weights can count, or is
 //! none.
 
-use crate::worlds::all;
 use etendue::path::{Arrival, MisStrategy, Subpath, Techniques, TraceStats};
 use etendue::sampling::{Heuristic, Sampler, Slot};
+use etendue_testing::worlds::all;
 
 /// The same numbers for every bounce.
 struct Edge {

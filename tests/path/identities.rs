@@ -1,11 +1,11 @@
 //! Identities that hold on every path, whichever technique made it.
 
-use crate::deep::deep;
 use crate::made::{Made, Studio};
-use crate::worlds::{World, all};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::path::{FullPath, MisStrategy, Technique, Techniques};
 use etendue::sampling::Heuristic;
+use etendue_testing::deep;
+use etendue_testing::worlds::{World, all};
 use glam::DVec3;
 use std::cell::Cell;
 

@@ -1,6 +1,5 @@
 //! Paths as bidirectional path tracing makes them: both walks, kept whole, and every technique that joins them.
 
-use crate::worlds::LAMP;
 use etendue::bsdf::Lobes;
 use etendue::camera::Camera;
 use etendue::geometry::{Ray, SurfacePoint};
@@ -12,6 +11,7 @@ use etendue::path::{
 use etendue::sampling::{Address, IndependentSampler, Sampler, Slot};
 use etendue::scene::Scene;
 use etendue::spectrum::Spectrum;
+use etendue_testing::worlds::LAMP;
 use glam::{DVec3, Vec3};
 
 /// Edges that a walk has at most.

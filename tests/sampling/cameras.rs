@@ -1,8 +1,8 @@
 //! Cameras: where rays begin and go against the density that a uniform film position has there.
 
-use crate::chi_square::{SphereCells, p_value, sidak};
-use crate::random::{Random, samples};
 use etendue::camera::{Camera, Orthographic, Pinhole, Pose};
+use etendue_testing::chi_square::{SphereCells, p_value, sidak};
+use etendue_testing::random::{Random, samples};
 use glam::{DVec3, Vec3};
 
 const SAMPLES: u32 = 40_000;

@@ -1,14 +1,14 @@
 //! Discrete choices against the probabilities that they state: tables, lights, Dirac lobes.
 
-use crate::chi_square::{p_value, sidak};
 use crate::models::{Model, direction, models};
-use crate::random::{Random, samples};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::Local;
 use etendue::light::{Light, LightSampleContext, Lights, PointLight};
 use etendue::sampling::{Density, Distribution};
 use etendue::spectrum::Spectrum;
 use etendue::transport::TransportMode;
+use etendue_testing::chi_square::{p_value, sidak};
+use etendue_testing::random::{Random, samples};
 use glam::Vec3;
 
 const SAMPLES: u32 = 100_000;

@@ -1,12 +1,12 @@
 //! χ² of every BSDF sampler against its density, toward the light and toward the camera: expected counts below 5 are
 //! pooled, levels follow Šidák. Deep: 1.2 million samples a model, roughness, angle and direction of the walk.
 
-use crate::chi_square::{SphereCells, p_value, sidak};
 use crate::models::{Model, direction, models};
-use crate::random::{Random, samples};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::Local;
 use etendue::transport::TransportMode;
+use etendue_testing::chi_square::{SphereCells, p_value, sidak};
+use etendue_testing::random::{Random, samples};
 use rayon::prelude::*;
 
 const ALPHAS: [f32; 6] = [1e-4, 1e-3, 0.01, 0.05, 0.3, 1.0];

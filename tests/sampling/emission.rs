@@ -1,8 +1,6 @@
 //! Rays that lights emit: they carry the light's power, and as much of it falls on a receiver as the receiver finds by
 //! sampling the light.
 
-use crate::chi_square::sidak;
-use crate::random::{Random, samples};
 use etendue::geometry::Triangle;
 use etendue::light::{
     AreaLight, BoundingSphere, DirectionalLight, Emission, Environment, EnvironmentMap, LeRandom, Light,
@@ -11,6 +9,8 @@ use etendue::light::{ConstantEnvironment, LightSampleContext, PointLight, SpotLi
 use etendue::spectrum::Spectrum;
 use etendue::stats::{Estimate, Moments};
 use etendue::texture::RadianceMap;
+use etendue_testing::chi_square::sidak;
+use etendue_testing::random::{Random, samples};
 use glam::Vec3;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::sync::Arc;

@@ -1,11 +1,11 @@
 //! Lat-long maps: what is sampled against its density, the density against the lookup, both against the texels in f64.
 
-use crate::chi_square::{p_value, sidak};
-use crate::random::{Random, samples};
 use etendue::light::EnvironmentMap;
 use etendue::sampling::Density;
 use etendue::spectrum::{LANES, Spectrum};
 use etendue::texture::RadianceMap;
+use etendue_testing::chi_square::{p_value, sidak};
+use etendue_testing::random::{Random, samples};
 use glam::{DVec3, Vec3};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::f64::consts::{PI, TAU};

@@ -1,15 +1,15 @@
 //! The white furnace: no surface reflects more than it receives, lossless ones reflect all of it. Albedos are means of
 //! sampled weights, so that these tests also hold the samplers to the values.
 
-use crate::chi_square::sidak;
 use crate::models::{Model, direction, models, white_plastic};
-use crate::random::{Random, samples};
 use etendue::bsdf::albedo::{Albedo, ERROR, moments};
 use etendue::bsdf::{Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lambert, MetallicRoughness, Surface, Thin, Wall};
 use etendue::geometry::Local;
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
 use etendue::transport::TransportMode;
+use etendue_testing::chi_square::sidak;
+use etendue_testing::random::{Random, samples};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 const ALPHAS: [f32; 7] = [0.0, 1e-4, 1e-3, 0.01, 0.1, 0.3, 1.0];

@@ -1,13 +1,13 @@
 //! Reciprocity where it is hardest: directions along the surface, down to cosines of 1e-4, and inside narrow lobes,
 //! which random pairs of directions miss.
 
-use crate::backward::range;
 use crate::identities::value;
 use crate::models::{Model, any_direction, direction, models};
-use crate::random::{Random, samples};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::Local;
 use etendue::transport::TransportMode;
+use etendue_testing::backward::range;
+use etendue_testing::random::{Random, samples};
 
 const ALPHAS: [f32; 6] = [1e-4, 1e-3, 0.01, 0.05, 0.3, 1.0];
 

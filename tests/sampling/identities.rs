@@ -1,15 +1,15 @@
 //! Exact identities: samples carry what `eval` and `pdf` say, f32 computes what f64 does, values are reciprocal, lobes
 //! add up, densities are Jacobians.
 
-use crate::backward::range;
 use crate::models::{Model, any_direction, direction, models};
-use crate::random::{Random, samples};
 use etendue::bsdf::ggx::reflect;
 use etendue::bsdf::{Bsdf, Dielectric, Ggx, Lobes, Surface};
 use etendue::geometry::Local;
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
 use etendue::transport::TransportMode;
+use etendue_testing::backward::range;
+use etendue_testing::random::{Random, samples};
 
 const ALPHAS: [f32; 5] = [1e-4, 1e-3, 0.05, 0.3, 1.0];
 const WAYS: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];

@@ -1,13 +1,13 @@
 //! Inverses: S(S⁻¹(w)) = w, and S⁻¹(S(u)) is uniform when its choices are.
 
-use crate::chi_square::{sidak, survival};
 use crate::models::{direction, models};
-use crate::random::{Random, samples};
 use etendue::bsdf::Bsdf;
 use etendue::geometry::Local;
 use etendue::numeric::BELOW_ONE;
 use etendue::sampling::Density;
 use etendue::transport::TransportMode;
+use etendue_testing::chi_square::{sidak, survival};
+use etendue_testing::random::{Random, samples};
 
 const ALPHAS: [f32; 4] = [1e-3, 0.05, 0.3, 1.0];
 const COSINES: [f32; 4] = [0.95, 0.3, -0.6, -0.05];

@@ -1,12 +1,12 @@
 //! What lights sample against the density that they state: χ² for triangles near and far and for the sky, the solid
 //! angle for triangles seen edge-on and for needles, whose outline no quadrature resolves.
 
-use crate::chi_square::{SphereCells, p_value, sidak};
-use crate::random::{Random, samples};
 use etendue::geometry::Triangle;
 use etendue::light::{AreaLight, ConstantEnvironment, Emission, Environment, Light, LightSampleContext};
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
+use etendue_testing::chi_square::{SphereCells, p_value, sidak};
+use etendue_testing::random::{Random, samples};
 use glam::{DVec3, Vec3};
 use statrs::distribution::{ContinuousCDF, Normal};
 

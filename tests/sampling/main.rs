@@ -4,19 +4,6 @@
 // Lobes are disjoint, so their sums are exact.
 #![allow(clippy::float_cmp)]
 
-#[path = "../support/backward.rs"]
-mod backward;
-#[path = "../support/chi_square.rs"]
-mod chi_square;
-#[path = "../support/deep.rs"]
-mod deep;
-#[path = "../support/quadrature.rs"]
-mod quadrature;
-#[path = "../support/random.rs"]
-mod random;
-#[path = "../support/slope.rs"]
-mod slope;
-
 mod cameras;
 mod choices;
 mod distributions;

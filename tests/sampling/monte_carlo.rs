@@ -1,12 +1,9 @@
-//! The estimators of examples/monte_carlo.rs: their means are the closed forms, and their errors fall as theory says.
+//! The estimators of examples/monte_carlo: their means are the closed forms, and their errors fall as theory says.
 
-#[path = "../../examples/monte_carlo/estimators.rs"]
-mod estimators;
-
-use crate::chi_square::sidak;
-use crate::slope::slope;
-use estimators::{Example, pi, power_of_four, products};
 use etendue::stats::Estimate;
+use etendue_testing::chi_square::sidak;
+use etendue_testing::estimators::{Example, pi, power_of_four, products};
+use etendue_testing::slope::slope;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 const DRAWS: u32 = 1 << 19;

@@ -1,9 +1,9 @@
 //! Point, spot and directional lights: nothing about them is random, so every sample is the closed form.
 
-use crate::random::{Random, samples};
 use etendue::light::{DirectionalLight, EmitterPoint, Light, LightSampleContext, PointLight, SpotLight};
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
+use etendue_testing::random::{Random, samples};
 use glam::{DVec3, Vec3};
 
 /// Roundings of a difference, two squares, a root and quotients; the ramp's square multiplies what its cosine is off.

@@ -1,12 +1,12 @@
 //! The one place with two normals.
 
 use crate::models::{any_direction, models};
-use crate::random::{Random, samples};
 use etendue::bsdf::{Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lambert, Lobes, Shading, Surface};
 use etendue::geometry::{Frame, Hit, SurfacePoint};
 use etendue::sampling::Density;
 use etendue::spectrum::Spectrum;
 use etendue::transport::TransportMode;
+use etendue_testing::random::{Random, samples};
 use glam::Vec3;
 
 fn point(ng: Vec3, ns: Vec3) -> SurfacePoint {

@@ -2,12 +2,12 @@
 //! code.
 
 use crate::models::{any_direction, white_plastic};
-use crate::random::{Random, samples};
 use etendue::bsdf::{
     Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lobes, MetallicRoughness, Surface, Thin, Wall, fresnel,
 };
 use etendue::geometry::Local;
 use etendue::spectrum::Spectrum;
+use etendue_testing::random::{Random, samples};
 use std::f64::consts::PI;
 
 fn tan2(w: Local<f64>) -> f64 {

@@ -1,8 +1,8 @@
 //! Warps: uniform where they say so, and undone by their inverses.
 
-use crate::chi_square::{SphereCells, p_value, sidak};
-use crate::random::{Random, samples};
 use etendue::sampling::warp::*;
+use etendue_testing::chi_square::{SphereCells, p_value, sidak};
+use etendue_testing::random::{Random, samples};
 use glam::{Vec2, Vec3};
 
 /// p-value of the counts of `cell` over random squares against equal probabilities of `cells`.

@@ -14,15 +14,15 @@ use crate::mcmc::{Chain, Mixture, Numbers, stratified};
 use crate::path::TraceStats;
 use crate::sampling::Address;
 use crate::stats::Moments;
-use deep::deep;
+use etendue_testing::deep;
 use rayon::prelude::*;
+pub(super) use scenes::worlds;
 use worlds::World;
 
-#[path = "../../../tests/support/deep.rs"]
-mod deep;
-#[allow(dead_code)]
-#[path = "../../../tests/path/worlds.rs"]
-pub(super) mod worlds;
+// Compiled here once more: the scenes of `etendue_testing` are of types of another compilation of this library.
+#[allow(dead_code, unreachable_pub)]
+#[path = "../../../tests/support/src/scenes/mod.rs"]
+mod scenes;
 
 pub(super) const SIDE: u32 = 64;
 /// Samples per chain. Weights from small pools are skewed, and z is then not normal.

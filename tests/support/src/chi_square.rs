@@ -6,18 +6,18 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::{PI, TAU};
 
 /// Probability that any test of a family fails although all samplers are right.
-pub(crate) const FAMILY_LEVEL: f64 = 0.01;
+pub const FAMILY_LEVEL: f64 = 0.01;
 /// Expected count below which a cell is pooled.
 const POOL: f64 = 5.0;
 
 /// The level of one test out of a family of `tests`.
-pub(crate) fn sidak(tests: usize) -> f64 {
+pub fn sidak(tests: usize) -> f64 {
     1.0 - (1.0 - FAMILY_LEVEL).powf(1.0 / tests as f64)
 }
 
 /// The p-value of `observed` counts under `expected` ones. Samples where hardly any are expected land in the pools;
 /// that none has a density of zero is for the caller to see, since quadrature may miss the corner of a cell.
-pub(crate) fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
+pub fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
     let mut cells: Vec<(f64, f64)> = observed.iter().copied().zip(expected.iter().copied()).collect();
     cells.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (mut statistic, mut degrees, mut pooled) = (0.0, -1.0, (0.0, 0.0));
@@ -33,14 +33,14 @@ pub(crate) fn p_value(observed: &[f64], expected: &[f64]) -> f64 {
 }
 
 /// Probability that χ² with so many `degrees` of freedom exceeds `statistic`; one without any degree.
-pub(crate) fn survival(statistic: f64, degrees: f64) -> f64 {
+pub fn survival(statistic: f64, degrees: f64) -> f64 {
     if degrees < 1.0 { 1.0 } else { ChiSquared::new(degrees).expect("degrees of freedom").sf(statistic) }
 }
 
 /// The sphere in cells around an axis. With S = sin²(angle / 2), whose 2 dS dφ is solid angle, the radial coordinate x
 /// is S = k ((1 + 1/k)ˣ − 1): even in S for large k, in its logarithm from k on for small k. A lobe of half width √k
 /// and a diffuse base below it are both resolved.
-pub(crate) struct SphereCells {
+pub struct SphereCells {
     axis: [[f64; 3]; 3],
     k: f64,
     radial: usize,
@@ -49,17 +49,17 @@ pub(crate) struct SphereCells {
 
 impl SphereCells {
     /// Cells around the unit vector `axis` for lobes of half angle about 2 √`k` and more.
-    pub(crate) fn new(axis: [f64; 3], k: f64) -> Self {
+    pub fn new(axis: [f64; 3], k: f64) -> Self {
         SphereCells { axis: frame(axis), k, radial: 40, around: 32 }
     }
 
     /// How many cells there are.
-    pub(crate) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.radial * self.around
     }
 
     /// The cell of a direction.
-    pub(crate) fn index(&self, w: [f64; 3]) -> usize {
+    pub fn index(&self, w: [f64; 3]) -> usize {
         let length = dot(w, w).sqrt();
         let [s, t, n] = self.axis;
         let away: f64 = (0..3).map(|i| (w[i] / length - n[i]).powi(2)).sum::<f64>() / 4.0;
@@ -70,7 +70,7 @@ impl SphereCells {
     }
 
     /// ∫ of the density `pdf` per solid angle over each cell, each within `tolerance`.
-    pub(crate) fn integrate(&self, tolerance: f64, pdf: &impl Fn([f64; 3]) -> f64) -> Vec<f64> {
+    pub fn integrate(&self, tolerance: f64, pdf: &impl Fn([f64; 3]) -> f64) -> Vec<f64> {
         let integrand = |x: f64, turn: f64| {
             let range = self.k.recip().ln_1p();
             let away = self.k * (x * range).exp_m1();

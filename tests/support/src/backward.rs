@@ -14,7 +14,7 @@ const NEIGHBOURS: u32 = 16;
 /// The range of `f` over neighbours of two directions at relative distance 4 `epsilon`, with as much again on either
 /// side since few neighbours are tried, and the roundings of the result and of terms of size `terms` that cancel in it.
 /// `None` where the neighbours differ by a factor of two: directions of this precision do not resolve the lobe there.
-pub(crate) fn range(
+pub fn range(
     directions: [Local<f64>; 2],
     epsilon: f64,
     terms: f64,

@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use std::collections::HashMap;
 
 /// A Lambertian material.
-pub(crate) fn matte(reflectance: f32, emission: f32) -> Material {
+pub fn matte(reflectance: f32, emission: f32) -> Material {
     Material {
         base_color: Spectrum::splat(reflectance),
         emission: Spectrum::splat(emission),
@@ -21,7 +21,7 @@ pub(crate) fn matte(reflectance: f32, emission: f32) -> Material {
 }
 
 /// Adds a mesh of one material.
-pub(crate) fn add(scene: &mut Description, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, material: Material) {
+pub fn add(scene: &mut Description, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, material: Material) {
     let (mesh, id) = (scene.meshes.len(), scene.materials.len());
     let primitive = Primitive { positions, triangles, material: id, ..Primitive::default() };
     scene.meshes.push(Mesh { name: format!("mesh {mesh}"), primitives: vec![primitive] });
@@ -30,13 +30,13 @@ pub(crate) fn add(scene: &mut Description, positions: Vec<Vec3>, triangles: Vec<
 }
 
 /// Adds the square with centre `c` spanned by the half edges `u` and `v`; its front is the side of u × v.
-pub(crate) fn add_square(scene: &mut Description, c: Vec3, u: Vec3, v: Vec3, material: Material) {
+pub fn add_square(scene: &mut Description, c: Vec3, u: Vec3, v: Vec3, material: Material) {
     let corners = vec![c - u - v, c + u - v, c + u + v, c - u + v];
     add(scene, corners, vec![[0, 1, 2], [0, 2, 3]], material);
 }
 
 /// Adds the closed box around `centre` with the half sides `half`, fronts outward.
-pub(crate) fn add_box(scene: &mut Description, centre: Vec3, half: Vec3, material: Material) {
+pub fn add_box(scene: &mut Description, centre: Vec3, half: Vec3, material: Material) {
     const FACES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let side = |corner: u32, axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
     let corners = (0..8).map(|c| centre + half * Vec3::new(side(c, 0), side(c, 1), side(c, 2))).collect();
@@ -45,7 +45,7 @@ pub(crate) fn add_box(scene: &mut Description, centre: Vec3, half: Vec3, materia
 }
 
 /// Adds the six inner walls of the cube from −1 to 1, all of one material.
-pub(crate) fn add_room(scene: &mut Description, material: &Material) {
+pub fn add_room(scene: &mut Description, material: &Material) {
     for axis in 0..3 {
         for side in [-1.0, 1.0] {
             let mut n = [0.0; 3];
@@ -57,7 +57,7 @@ pub(crate) fn add_room(scene: &mut Description, material: &Material) {
 }
 
 /// A pinhole camera at `eye` that looks at `target`, with a field of view of 60 degrees.
-pub(crate) fn camera(eye: DVec3, target: DVec3) -> CameraDescription {
+pub fn camera(eye: DVec3, target: DVec3) -> CameraDescription {
     let backward = (eye - target).normalize();
     let up = if backward.y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
     let right = up.cross(backward).normalize();
@@ -67,7 +67,7 @@ pub(crate) fn camera(eye: DVec3, target: DVec3) -> CameraDescription {
 }
 
 /// A point light.
-pub(crate) fn point_light(position: DVec3, intensity: f32) -> PunctualLight {
+pub fn point_light(position: DVec3, intensity: f32) -> PunctualLight {
     PunctualLight {
         name: "point".into(),
         kind: PunctualKind::Point,
@@ -77,31 +77,33 @@ pub(crate) fn point_light(position: DVec3, intensity: f32) -> PunctualLight {
 }
 
 /// `camera` with a vertical field of view of `yfov` radians.
-pub(crate) fn narrow(camera: CameraDescription, yfov: f64) -> CameraDescription {
+pub fn narrow(camera: CameraDescription, yfov: f64) -> CameraDescription {
     CameraDescription { projection: Projection::Perspective { yfov, aspect: None }, ..camera }
 }
 
 /// A perfect reflector of `reflectance` at every angle, of perceptual roughness `roughness` (α is its square).
-pub(crate) fn metal(reflectance: f32, roughness: f32) -> Material {
+pub fn metal(reflectance: f32, roughness: f32) -> Material {
     let base = matte(reflectance, 0.0);
     Material { metallic: 1.0, specular: 1.0, roughness, metal_fresnel: MetalFresnel::Constant, ..base }
 }
 
 /// Clear solid glass of index 1.5 and perceptual roughness `roughness`.
-pub(crate) fn glass(roughness: f32) -> Material {
+pub fn glass(roughness: f32) -> Material {
     let volume = Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: Spectrum::ONE });
     Material { specular: 1.0, transmission: 1.0, roughness, volume, ..matte(1.0, 0.0) }
 }
 
 /// A polyhedron inscribed in a sphere around the origin, fronts outward.
-pub(crate) struct Ball {
-    pub(crate) positions: Vec<Vec3>,
-    pub(crate) triangles: Vec<[u32; 3]>,
+pub struct Ball {
+    /// Vertices.
+    pub positions: Vec<Vec3>,
+    /// Indices of vertices, anticlockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
 }
 
 impl Ball {
     /// An octahedron whose faces are split in four `levels` times, in a sphere of `radius`.
-    pub(crate) fn new(levels: u32, radius: f32) -> Self {
+    pub fn new(levels: u32, radius: f32) -> Self {
         let mut positions = vec![Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
         let mut triangles: Vec<[u32; 3]> =
             vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
@@ -117,17 +119,17 @@ impl Ball {
     }
 
     /// The radius of the largest sphere around the origin inside it.
-    pub(crate) fn inner_radius(&self) -> f64 {
+    pub fn inner_radius(&self) -> f64 {
         self.corners().map(|[a, b, c]| a.dot((b - a).cross(c - a).normalize())).fold(f64::INFINITY, f64::min)
     }
 
     /// Its surface.
-    pub(crate) fn area(&self) -> f64 {
+    pub fn area(&self) -> f64 {
         self.corners().map(|[a, b, c]| (b - a).cross(c - a).length() * 0.5).sum()
     }
 
     /// Adds it to `scene` around `centre`.
-    pub(crate) fn add(self, scene: &mut Description, centre: DVec3, material: Material) {
+    pub fn add(self, scene: &mut Description, centre: DVec3, material: Material) {
         add(scene, self.positions, self.triangles, material);
         scene.instances.last_mut().expect("just added").transform = DAffine3::from_translation(centre);
     }

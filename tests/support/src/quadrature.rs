@@ -2,9 +2,11 @@
 
 /// A rectangle.
 #[derive(Clone, Copy)]
-pub(crate) struct Rectangle {
-    pub(crate) x: [f64; 2],
-    pub(crate) y: [f64; 2],
+pub struct Rectangle {
+    /// From and to.
+    pub x: [f64; 2],
+    /// From and to.
+    pub y: [f64; 2],
 }
 
 /// How often a rectangle is quartered at most: along a jump, rows of 2⁻¹⁰ of it are right to a third or so.
@@ -28,7 +30,7 @@ struct Estimate {
 impl Rectangle {
     /// ∫ f, quartering until both resolutions agree within `tolerance`, or the depth is used up, as it may be along
     /// jumps. Quarters have half the tolerance: as many as are met by a curve have all of it together.
-    pub(crate) fn integrate(self, tolerance: f64, f: &impl Fn(f64, f64) -> f64) -> f64 {
+    pub fn integrate(self, tolerance: f64, f: &impl Fn(f64, f64) -> f64) -> f64 {
         self.refine(self.gauss(f), tolerance, DEPTH, f)
     }
 

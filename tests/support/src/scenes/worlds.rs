@@ -1,6 +1,6 @@
-//! Scenes that have between them all that paths can meet.
+//! Scenes that together have every kind of vertex and edge that a path can have.
 
-use crate::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, point_light};
+use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, point_light};
 use etendue::accel::Backend;
 use etendue::scene::description::{Description, EnvironmentDescription, Material, PunctualKind, PunctualLight, Volume};
 use etendue::scene::{BuildOptions, Scene};
@@ -10,15 +10,18 @@ use glam::{Affine2, DAffine3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 /// Radiance of all lamps with an area.
-pub(crate) const LAMP: Spectrum = Spectrum([8.0, 6.0, 4.0]);
+pub const LAMP: Spectrum = Spectrum([8.0, 6.0, 4.0]);
 
 const EYE: DVec3 = DVec3::new(0.1, 0.2, 0.9);
 
-/// A scene by name, and the smallest roughness α of its smooth lobes.
-pub(crate) struct World {
-    pub(crate) name: &'static str,
-    pub(crate) scene: Scene,
-    pub(crate) alpha: f64,
+/// A scene with a camera.
+pub struct World {
+    /// Name in messages.
+    pub name: &'static str,
+    /// The scene, built for the Rust backend.
+    pub scene: Scene,
+    /// The smallest roughness α of its smooth lobes; 1 if it has none.
+    pub alpha: f64,
 }
 
 fn build(name: &'static str, alpha: f64, mut description: Description) -> World {
@@ -164,6 +167,7 @@ fn nested() -> World {
     build("nested", 0.25, scene)
 }
 
-pub(crate) fn all() -> [World; 6] {
+/// Every world.
+pub fn all() -> [World; 6] {
     [rough(), dirac(), bent(), open(), tinted(), nested()]
 }

@@ -5,12 +5,9 @@
 //! number of samples, and draws how the error falls: with n^-1/2 for independent numbers, faster for Owen-scrambled
 //! Sobol' points where the integrand is smooth.
 
-#[path = "monte_carlo/estimators.rs"]
-mod estimators;
-#[path = "monte_carlo/picture.rs"]
 mod picture;
 
-use estimators::{Example, pi, power_of_four, products};
+use etendue_testing::estimators::{Example, pi, power_of_four, products};
 use picture::{Panel, Series};
 use std::error::Error;
 

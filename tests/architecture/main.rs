@@ -1,9 +1,7 @@
 //! Does the code still have the shape that ARCHITECTURE.md draws? Floors, where `unsafe` may stand, citation keys, bare
 //! epsilons, sizes, nothing unfinished. The rules are in `architecture/rules.rs`, each shown there to fail when broken.
 
-#[path = "architecture/rules.rs"]
 mod rules;
-#[path = "architecture/source.rs"]
 mod source;
 
 use rules::{Finding, Floors};

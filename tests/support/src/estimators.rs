@@ -8,21 +8,21 @@ use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 type Draw = Box<dyn Fn(&mut dyn Sampler) -> f64>;
 
 /// An integral and one way to estimate it.
-pub(crate) struct Example {
+pub struct Example {
     /// What is estimated.
-    pub(crate) integral: String,
+    pub integral: String,
     /// By which estimator.
-    pub(crate) estimator: &'static str,
+    pub estimator: &'static str,
     /// The integral.
-    pub(crate) exact: f64,
+    pub exact: f64,
     /// How many samples a draw takes: two for a combination of two densities.
-    pub(crate) samples: u32,
+    pub samples: u32,
     draw: Draw,
 }
 
 impl Example {
     /// Mean and standard error of `n` draws with independent numbers.
-    pub(crate) fn independent(&self, seed: u64, n: u32) -> Estimate {
+    pub fn independent(&self, seed: u64, n: u32) -> Estimate {
         let address = Address::new(seed);
         let draw = |i: u32| (self.draw)(&mut IndependentSampler::new(address.with(u64::from(i))));
         (0..n).map(draw).collect::<Moments>().estimate().expect("at least two draws")
@@ -30,7 +30,7 @@ impl Example {
 
     /// Mean of `replicates` Owen-scrambled Sobol' sequences of `n` / `replicates` draws each. Points of one sequence
     /// are not independent: the standard error comes from the scatter between the scramblings.
-    pub(crate) fn sobol(&self, seed: u64, n: u32, replicates: u32) -> Estimate {
+    pub fn sobol(&self, seed: u64, n: u32, replicates: u32) -> Estimate {
         let length = n / replicates;
         let sequence = |r: u32| {
             let address = Address::new(seed).with(u64::from(r));
@@ -41,7 +41,7 @@ impl Example {
 }
 
 /// π: four times the share of a square's points that fall in its circle.
-pub(crate) fn pi() -> Example {
+pub fn pi() -> Example {
     let inside = |u: [f32; 2]| u.iter().map(|&u| (2.0 * f64::from(u) - 1.0).powi(2)).sum::<f64>() < 1.0;
     let draw = move |sampler: &mut dyn Sampler| if inside(sampler.u2(0, Slot::Direction)) { 4.0 } else { 0.0 };
     let integral = "pi by the circle".into();
@@ -49,7 +49,7 @@ pub(crate) fn pi() -> Example {
 }
 
 /// ∫₀¹ 5x⁴ dx with uniform x.
-pub(crate) fn power_of_four() -> Example {
+pub fn power_of_four() -> Example {
     let draw = |sampler: &mut dyn Sampler| 5.0 * f64::from(sampler.u1(0, Slot::Direction)).powi(4);
     Example { integral: "5x^4 on [0, 1]".into(), estimator: "uniform", exact: 1.0, samples: 1, draw: Box::new(draw) }
 }
@@ -57,7 +57,7 @@ pub(crate) fn power_of_four() -> Example {
 /// The integral of the product of a Gaussian density f of deviation `sigma` and a uniform density g on [a, b). (The
 /// tutorial's slide has √(2πσ) where a density needs √(2π) σ.)
 #[derive(Clone, Copy)]
-pub(crate) struct Product {
+pub struct Product {
     gaussian: Normal,
     sigma: f64,
     interval: [f64; 2],
@@ -72,7 +72,7 @@ enum By {
 
 impl Product {
     /// The product for these parameters.
-    pub(crate) fn new(sigma: f64, interval: [f64; 2]) -> Self {
+    pub fn new(sigma: f64, interval: [f64; 2]) -> Self {
         Product { gaussian: Normal::new(0.0, sigma).expect("a positive deviation"), sigma, interval }
     }
 
@@ -109,7 +109,7 @@ impl Product {
     }
 
     /// One density alone, the other alone, both by the balance and by the power heuristic [Veach97 §9.2].
-    pub(crate) fn estimators(self) -> [Example; 4] {
+    pub fn estimators(self) -> [Example; 4] {
         let [a, b] = self.interval;
         let integral = format!("Gaussian of deviation {} times uniform on [{a:.1}, {b:.1})", self.sigma);
         let example = |estimator, samples, draw| Example {
@@ -134,6 +134,6 @@ impl Product {
 }
 
 /// Where the uniform density is the good one, and where the Gaussian is.
-pub(crate) fn products() -> [Product; 2] {
+pub fn products() -> [Product; 2] {
     [Product::new(1.0, [1.9, 2.0]), Product::new(0.05, [-3.0, 3.0])]
 }

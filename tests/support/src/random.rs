@@ -1,32 +1,32 @@
-//! Numbers for tests: each a pure function of a seed and an index, by the finaliser of SplitMix64 [Steele14].
+//! Random numbers for tests: each a pure function of a seed and an index, by the finaliser of SplitMix64 [Steele14].
 
-use crate::deep::deep;
+use crate::deep;
 
-/// A stream of independent uniform numbers.
-pub(crate) struct Random {
+/// A stream of independent uniform random numbers.
+pub struct Random {
     state: u64,
 }
 
 impl Random {
     /// The stream of `seed`.
-    pub(crate) fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
         Random { state: mix(seed) }
     }
 
     /// Uniform in [0, 1).
-    pub(crate) fn f64(&mut self) -> f64 {
+    pub fn f64(&mut self) -> f64 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         (mix(self.state) >> 11) as f64 * 2f64.powi(-53)
     }
 
     /// Uniform in [0, 1).
-    pub(crate) fn f32(&mut self) -> f32 {
+    pub fn f32(&mut self) -> f32 {
         self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         (mix(self.state) >> 40) as f32 * 2f32.powi(-24)
     }
 
     /// Uniform in the unit cube of N dimensions.
-    pub(crate) fn cube<const N: usize>(&mut self) -> [f32; N] {
+    pub fn cube<const N: usize>(&mut self) -> [f32; N] {
         std::array::from_fn(|_| self.f32())
     }
 }
@@ -38,6 +38,6 @@ fn mix(mut z: u64) -> u64 {
 }
 
 /// `shallow` samples in everyday tests; a hundred times as many with `ETENDUE_TEST_DEEP=1`.
-pub(crate) fn samples(shallow: u32) -> u32 {
+pub fn samples(shallow: u32) -> u32 {
     if deep() { 100 * shallow } else { shallow }
 }
