@@ -3,7 +3,7 @@ CARGO ?= cargo
 export PATH := $(PATH):$(HOME)/.cargo/bin
 SHELL := bash
 
-.PHONY: help setup build demo test test-deep test-farm kill-matrix kill-matrix-part bench reports fuzz scenes doc deb deny
+.PHONY: help setup build demo check test test-deep test-farm kill-matrix kill-matrix-part bench reports fuzz scenes doc deb deny
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 22
@@ -26,6 +26,12 @@ TARGET := $(abspath $(or $(CARGO_TARGET_DIR),target))
 # All tests but agreement, architecture and kill_matrix. The first renders with both backends in the run with Embree, and its killers
 # run in the kill matrix. The others read the sources, which the mutations have changed.
 WITHOUT_EMBREE := --no-default-features --features cli --lib --bins --test 'ac*' --test '[!ak]*'
+
+# What to run while working: minutes, and no test that renders for long.
+check: setup ## format, lints, architecture, mutations still fit, unit tests, tests of sampling and of paths
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
+	$(CARGO) test --locked --workspace --lib --test architecture --test kill_matrix --test sampling --test path
 
 # Crates that only the command line and the lab may bring.
 COMMAND_LINE := clap|clap_complete|indicatif|tev_client|plotters|maud

@@ -102,6 +102,6 @@ impl Loading {
     fn end(self) -> Result<LoadedScene> {
         self.thread
             .join()
-            .unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error while loading, told above")))
+            .unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error while loading, reported above")))
     }
 }

@@ -72,7 +72,7 @@ impl Document {
             format!("program    {}", self.program),
             format!("processor  {}", or(&self.processor, "unknown")),
             format!("threads    {}", self.threads),
-            format!("memory     {} to be had", or(&memory, "nobody says how much is")),
+            format!("memory     {} available", or(&memory, "an unknown amount")),
             format!("huge pages {}", or(&self.huge_pages, "unknown")),
             format!("backends   {}", self.backends.join(", ")),
             format!("embree     {}", or(&self.embree, "not built in")),

@@ -73,7 +73,7 @@ pub(super) fn watch(args: &WatchArgs) -> Result<()> {
     startup::start_threads(args.threads)?;
     let path = args.output.clone().unwrap_or_else(|| args.film_file.with_extension("png"));
     if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
-        return Err(Error::usage(format!("{}: what is watched is written as .png", path.display())));
+        return Err(Error::usage(format!("{}: watch writes .png images", path.display())));
     }
     crate::session::writable(&path)?;
     let mut seen = None;

@@ -35,7 +35,7 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// can be missing.
 fn template() -> String {
     let mut text = String::from(
-        "# RenderSettings of the scenes in this folder. The command line wins over them; remove the # of what you want to set.\n",
+        "# Settings of the scenes in this folder. The command line overrides them. Remove the # of those to set.\n",
     );
     for setting in SETTINGS {
         let Setting { name, example, .. } = setting;

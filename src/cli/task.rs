@@ -39,7 +39,7 @@ impl Task {
             ExistingOutput::Nothing => Session::begin(stage, provenance).map(Some),
             ExistingOutput::Part(earlier, film) => {
                 self.console
-                    .note(&format!("going on after {} samples per pixel of an earlier run", film.passes().len()));
+                    .note(&format!("continuing an earlier run after {} samples per pixel", film.passes().len()));
                 let provenance = Provenance { plan: provenance.plan, look: provenance.look, ..*earlier };
                 Session::resume(stage, provenance, film).map(Some)
             }

@@ -17,7 +17,7 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 /// Parses `host:port`.
 pub(super) fn address(text: &str) -> Result<SocketAddr, String> {
     let wrong = |cause: &dyn std::fmt::Display| {
-        format!("'{text}' is not a place to show pictures at, such as localhost:14158: {cause}")
+        format!("'{text}' is not the address of a viewer, such as localhost:14158: {cause}")
     };
     let mut found = text.to_socket_addrs().map_err(|cause| wrong(&cause))?;
     found.next().ok_or_else(|| wrong(&"no such host"))
@@ -53,7 +53,7 @@ impl View {
         match opened {
             Ok(client) => Some(View { client, name, next: Instant::now() }),
             Err(cause) => {
-                console.note(&format!("nobody looks at {address}: {cause}"));
+                console.note(&format!("no viewer listens at {address}: {cause}"));
                 None
             }
         }

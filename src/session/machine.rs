@@ -90,7 +90,7 @@ pub fn affordable(what: &str, need: u64, cure: &str) -> Result<()> {
             let (need, available) = (need as f64 / 1e9, available as f64 / 1e9);
             Err(Error::new(
                 Kind::Memory,
-                format!("{what} would take {need:.2} GB and {available:.2} GB are to be had: {cure}"),
+                format!("{what} would take {need:.2} GB and {available:.2} GB are available: {cure}"),
             ))
         }
         _ => Ok(()),

@@ -125,14 +125,14 @@ fn a_render_takes_what_an_earlier_one_left() {
     std::fs::remove_file(place.path("x.exr")).unwrap();
     place.run(&format!("render {} --passes 0..3 -o x.film", cornell()));
     let ran = place.run(&line);
-    assert!(ran.stderr().contains("going on after 3 samples"), "{}", ran.stderr());
+    assert!(ran.stderr().contains("continuing an earlier run after 3 samples"), "{}", ran.stderr());
     assert!(!place.path("x.film").exists());
     assert_eq!(place.pixels(&line.replace("x.exr", "y.exr")), whole);
     // One of another picture is not.
     std::fs::remove_file(place.path("x.exr")).unwrap();
     place.run(&format!("render {} --passes 0..3 --seed 7 -o x.film", cornell()));
     let ran = place.run(&line);
-    assert!(!ran.stderr().contains("going on"), "{}", ran.stderr());
+    assert!(!ran.stderr().contains("continuing"), "{}", ran.stderr());
     assert!(place.path("x.film").exists());
 }
 
@@ -225,7 +225,7 @@ fn films_and_machines_are_described() {
 #[test]
 fn what_takes_too_much_memory_is_refused_in_time() {
     let place = Place::new();
-    place.run(&format!("render {} --memory 1M -o x.exr", cornell())).fails(33, "GB are to be had");
+    place.run(&format!("render {} --memory 1M -o x.exr", cornell())).fails(33, "GB are available");
     place
         .run(&format!("render {} --memory plenty -o x.exr", cornell()))
         .fails(2, "'plenty' is not an amount of memory");
@@ -253,7 +253,7 @@ fn viewers_are_shown_the_picture() {
     assert!(String::from_utf8_lossy(&bytes[..length]).contains("cornell-box"));
     assert!(bytes.len() > length + 32 * 32 * 3 * 4, "{} bytes", bytes.len());
     let alone = place.run(&format!("{line} --json"));
-    assert!(alone.stderr().contains("nobody looks"), "{}", alone.stderr());
+    assert!(alone.stderr().contains("no viewer listens"), "{}", alone.stderr());
     assert!(alone.stdout().contains(&shown));
     place.run(&format!("render {} --view nowhere", cornell())).fails(2, "'nowhere' is not a place");
 }

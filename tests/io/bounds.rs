@@ -70,7 +70,7 @@ fn parts_at_places_are_bounded_and_so_are_lights() {
     assert!(lights.load().is_ok());
     let error = with_memory(&lights, 500_000_000).expect_err("too many");
     assert_eq!(error.kind, Kind::Memory);
-    let what = "2000000 emitting triangles would take 0.51 GB as lights and 0.50 GB are to be had: 1000 of mesh 'm' emit at each of 2000";
+    let what = "2000000 emitting triangles would take 0.51 GB as lights and 0.50 GB are available: 1000 of mesh 'm' emit at each of 2000";
     assert!(error.chain().contains(what) && error.chain().contains("--memory"), "{}", error.chain());
 }
 
@@ -167,7 +167,7 @@ fn images_that_claim_more_than_the_memory_are_refused_by_their_headers() {
         });
         let error = with_memory(&file, 4_000_000_000).expect_err("too large");
         assert_eq!(error.kind, Kind::Memory);
-        let what = "decoding the images would take 4.50 GB and 4.00 GB are to be had: the largest is 'image 0' with 30000×30000 texels";
+        let what = "decoding the images would take 4.50 GB and 4.00 GB are available: the largest is 'image 0' with 30000×30000 texels";
         assert!(error.chain().contains(what) && error.chain().contains("--memory"), "{}", error.chain());
     }
 }

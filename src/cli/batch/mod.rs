@@ -20,7 +20,7 @@ use std::time::Instant;
 
 /// Text at the end of the help.
 pub(super) const AFTER: &str = r#"A batch file:
-  output = "out/{scene}.{camera}.{method}.exr"   # also {frame:04}, {seed}; seen from the file's folder
+  output = "out/{scene}.{camera}.{method}.exr"   # also {frame:04}, {seed}; relative to the file's folder
   report = "out/{scene}.{camera}.{method}.json"  # if reports are wanted
 
   [settings]                                     # as in render.toml, for all
@@ -193,5 +193,5 @@ impl Batch<'_> {
 /// Converts a panic to an error.
 fn surviving<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     let done = catch_unwind(AssertUnwindSafe(work));
-    done.unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error, told above")))
+    done.unwrap_or_else(|_| Err(Error::new(Kind::Internal, "internal error, reported above")))
 }

@@ -126,7 +126,7 @@ fn afford(images: &[Encoded], memory: u64) -> Result<()> {
     let Some((claims, image)) = largest.filter(|_| need > memory) else { return Ok(()) };
     let (Claims { width, height, .. }, name) = (claims, &image.name);
     let (need, have) = (need as f64 / 1e9, memory as f64 / 1e9);
-    let what = format!("decoding the images would take {need:.2} GB and {have:.2} GB are to be had");
+    let what = format!("decoding the images would take {need:.2} GB and {have:.2} GB are available");
     let cure = "give it more with --memory, or make it smaller";
     Err(Error::new(Kind::Memory, format!("{what}: the largest is '{name}' with {width}×{height} texels; {cure}")))
 }

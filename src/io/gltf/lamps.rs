@@ -31,7 +31,7 @@ pub(super) fn afford(out: &Description, materials: &[Material], memory: u64) -> 
     Err(Error::new(
         Kind::Memory,
         format!(
-            "{lights} emitting triangles would take {need:.2} GB as lights and {have:.2} GB are to be had: {triangles} of mesh \
+            "{lights} emitting triangles would take {need:.2} GB as lights and {have:.2} GB are available: {triangles} of mesh \
              '{name}' emit at each of {places} places; give it more with --memory, or let fewer triangles emit"
         ),
     ))

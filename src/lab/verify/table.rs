@@ -51,7 +51,7 @@ impl VerifyReport {
         let of = self.judgement.pairs.len();
         match &self.odd {
             Some(odd) if odd.from_all => {
-                format!("DIFFERENT at level {level}: {count} of {of} pairs; the odd one out is {}", odd.who)
+                format!("DIFFERENT at level {level}: {count} of {of} pairs; the outlier is {}", odd.who)
             }
             Some(odd) => format!("DIFFERENT at level {level}: {count} of {of} pairs; all of them involve {}", odd.who),
             None => format!("DIFFERENT at level {level}: {count} of {of} pairs"),
