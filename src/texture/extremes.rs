@@ -4,7 +4,7 @@
 //! therefore bound every lookup in it. An image stores the extremes of its blocks in encoded form; all encodings are
 //! monotone.
 
-use super::{Image, Texture, TextureFilter, Wrap};
+use super::{Bitmap, Texture, TextureFilter, Wrap};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -69,7 +69,7 @@ impl Stored {
 type Span = RangeInclusive<usize>;
 
 /// Returns the extremes of all blocks, row by row.
-pub(super) fn blocks(image: &Image) -> Box<[Stored]> {
+pub(super) fn blocks(image: &Bitmap) -> Box<[Stored]> {
     let [columns, rows] = image.size().map(|side| (side as usize).div_ceil(BLOCK));
     let block = |i: usize| scan(image, span(i % columns, image.size()[0]), span(i / columns, image.size()[1]));
     (0..columns * rows).into_par_iter().map(block).collect()
@@ -80,7 +80,7 @@ fn span(i: usize, side: u32) -> Span {
     i * BLOCK..=(i * BLOCK + BLOCK - 1).min(side as usize - 1)
 }
 
-fn scan(image: &Image, columns: Span, rows: Span) -> Stored {
+fn scan(image: &Bitmap, columns: Span, rows: Span) -> Stored {
     let mut found = Stored::NONE;
     for y in rows {
         for x in columns.clone() {
@@ -93,7 +93,7 @@ fn scan(image: &Image, columns: Span, rows: Span) -> Stored {
 
 /// Adds the extremes of a rectangle: those of complete blocks from the table, those of partial blocks by texel, unless
 /// the block cannot extend the result.
-fn rectangle(image: &Image, columns: &Span, rows: &Span, found: &mut Stored) {
+fn rectangle(image: &Bitmap, columns: &Span, rows: &Span, found: &mut Stored) {
     let [width, height] = image.size();
     let known = image.blocks();
     let (across, common) =

@@ -17,7 +17,7 @@ fn random_texture(random: &mut Random) -> Texture {
     };
     let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
     Texture {
-        image: Arc::new(Image::new(w as u32, h as u32, texels)),
+        image: Arc::new(Bitmap::new(w as u32, h as u32, texels)),
         encoding: [Encoding::Srgb, Encoding::Linear][pick(random, 2)],
         wrap: [wraps[pick(random, 3)], wraps[pick(random, 3)]],
         filter: [TextureFilter::Nearest, TextureFilter::Linear][pick(random, 2)],
@@ -64,7 +64,7 @@ fn texels_that_are_not_touched_do_not_count() {
     for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
         let mut texels = vec![[200u8; 4]; (w * h) as usize];
         texels[(40 * w + 70) as usize] = [0; 4];
-        let image = Arc::new(Image::new(w, h, Texels::Rgba8(texels.into())));
+        let image = Arc::new(Bitmap::new(w, h, Texels::Rgba8(texels.into())));
         for (filter, reach) in [(TextureFilter::Nearest, 0.6), (TextureFilter::Linear, 1.1)] {
             let (encoding, transform) = (Encoding::Linear, Affine2::IDENTITY);
             let texture =

@@ -1,11 +1,11 @@
 //! Textures: decoded images and their lookup.
 
+mod bitmap;
 mod extremes;
-mod image;
 mod radiance_map;
 
+pub use bitmap::{Bitmap, Texels};
 pub use extremes::Extremes;
-pub use image::{Image, Texels};
 pub use radiance_map::RadianceMap;
 
 use glam::{Affine2, Vec2};
@@ -46,7 +46,7 @@ pub enum TextureFilter {
 #[derive(Debug, Clone)]
 pub struct Texture {
     /// The image; shared between the textures that use it.
-    pub image: Arc<Image>,
+    pub image: Arc<Bitmap>,
     /// Encoding of the stored values.
     pub encoding: Encoding,
     /// Wrapping along u and v.
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn bilinear_lookup_is_exact_at_texel_centres_and_midway() {
-        let image = Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[0, 0, 0, 255], [255, 255, 255, 255]].into())));
+        let image = Arc::new(Bitmap::new(2, 1, Texels::Rgba8(vec![[0, 0, 0, 255], [255, 255, 255, 255]].into())));
         let texture = Texture {
             image,
             encoding: Encoding::Linear,

@@ -20,7 +20,7 @@ use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription, Instance, Material};
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Image, RadianceMap, Texels, Texture, TextureFilter, Wrap};
+use etendue::texture::{Bitmap, Encoding, RadianceMap, Texels, Texture, TextureFilter, Wrap};
 use etendue_testing::deep;
 use etendue_testing::random::Random;
 use etendue_testing::studio::{Ball, add, add_square, camera, glass, matte, metal};
@@ -122,7 +122,7 @@ impl Maker {
         let negative = texels.iter().map(|t| t.map(|x| 255 - x)).collect();
         let [base, emission] = [texels, negative].map(|texels| {
             Some(Texture {
-                image: Arc::new(Image::new(8, 6, Texels::Rgba8(texels.into()))),
+                image: Arc::new(Bitmap::new(8, 6, Texels::Rgba8(texels.into()))),
                 encoding: Encoding::Linear,
                 wrap: [Wrap::Repeat, Wrap::Mirror],
                 filter: TextureFilter::Linear,

@@ -5,13 +5,13 @@ use etendue::integrator::{Method, blind_spots};
 use etendue::scene::Features;
 use etendue::scene::description::{AlphaMode, Description, Material};
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
+use etendue::texture::{Bitmap, Encoding, Texels, Texture, TextureFilter, Wrap};
 use etendue_testing::studio::{add_square, camera, glass, matte, metal, point_light};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
 fn strip(texels: Vec<[u8; 4]>) -> Option<Texture> {
-    let image = Arc::new(Image::new(texels.len() as u32, 1, Texels::Rgba8(texels.into())));
+    let image = Arc::new(Bitmap::new(texels.len() as u32, 1, Texels::Rgba8(texels.into())));
     let (wrap, filter, encoding) = ([Wrap::Repeat; 2], TextureFilter::Linear, Encoding::Linear);
     Some(Texture { image, encoding, wrap, filter, uv_set: 0, transform: Affine2::IDENTITY })
 }

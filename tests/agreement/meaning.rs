@@ -9,7 +9,7 @@ use etendue::scene::description::{
     CameraDescription, Description, EnvironmentDescription, Instance, Material, MetalFresnel, Projection, PunctualKind,
 };
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
+use etendue::texture::{Bitmap, Encoding, Texels, Texture, TextureFilter, Wrap};
 use etendue_testing::studio::{add_square, matte};
 use glam::{Affine2, DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -186,7 +186,7 @@ fn a_normal_map_is_turned_with_its_transform() {
 /// A floor whose normal map leans along u everywhere, in slanting sunlight.
 fn sloped(set: usize, mirrored: bool, angle: f32, baked: bool) -> Description {
     let texel = [[230, 128, 230, 255]];
-    let image = Arc::new(Image::new(1, 1, Texels::Rgba8(texel.to_vec().into())));
+    let image = Arc::new(Bitmap::new(1, 1, Texels::Rgba8(texel.to_vec().into())));
     let turn = Affine2::from_angle(angle) * Affine2::from_scale(Vec2::new(if mirrored { -2.0 } else { 2.0 }, 0.5));
     let transform = if baked { Affine2::IDENTITY } else { turn };
     let (wrap, filter) = ([Wrap::Repeat; 2], TextureFilter::Nearest);

@@ -22,7 +22,7 @@ use etendue::scene::Scene;
 use etendue::scene::description::{Description, Material};
 use etendue::spectrum::Spectrum;
 use etendue::stats::{Moments, holm, t_test};
-use etendue::texture::{Encoding, Image, Texels, Texture, Wrap};
+use etendue::texture::{Bitmap, Encoding, Texels, Texture, Wrap};
 use etendue_testing::deep;
 use etendue_testing::studio::{Ball, add_square, camera, matte, metal};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
@@ -158,7 +158,7 @@ fn rounded(mut room: Description) -> Description {
 fn leaning(mut room: Description) -> Description {
     let texels = Texels::Rgba8(vec![[176, 150, 230, 255]].into());
     let map = Texture {
-        image: Arc::new(Image::new(1, 1, texels)),
+        image: Arc::new(Bitmap::new(1, 1, texels)),
         encoding: Encoding::Linear,
         wrap: [Wrap::Clamp; 2],
         filter: etendue::texture::TextureFilter::Nearest,

@@ -3,14 +3,14 @@
 use crate::picture::{Picture, Shot, agree, render, scene};
 use etendue::integrator::Method;
 use etendue::scene::description::{Description, Material};
-use etendue::texture::{Encoding, Image, Texels, Texture, TextureFilter, Wrap};
+use etendue::texture::{Bitmap, Encoding, Texels, Texture, TextureFilter, Wrap};
 use etendue_testing::studio::{add_square, camera, matte, narrow, point_light};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 fn texture(width: u32, encoding: Encoding, texels: Vec<[u8; 4]>) -> Texture {
-    let image = Arc::new(Image::new(width, texels.len() as u32 / width, Texels::Rgba8(texels.into())));
+    let image = Arc::new(Bitmap::new(width, texels.len() as u32 / width, Texels::Rgba8(texels.into())));
     let (wrap, filter) = ([Wrap::Clamp; 2], TextureFilter::Nearest);
     Texture { image, encoding, wrap, filter, uv_set: 0, transform: Affine2::IDENTITY }
 }

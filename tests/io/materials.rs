@@ -162,9 +162,9 @@ fn every_mode_of_a_sampler_is_read() {
 
 #[test]
 fn sixteen_bits_have_the_curve_of_eight() {
-    use etendue::texture::{Image, Texels};
-    let eight = Image::new(256, 1, Texels::Rgba8((0..=255).map(|i| [i, i, i, i]).collect::<Vec<_>>().into()));
-    let sixteen = Image::new(256, 1, Texels::Rgba16((0..=255u16).map(|i| [i * 257; 4]).collect::<Vec<_>>().into()));
+    use etendue::texture::{Bitmap, Texels};
+    let eight = Bitmap::new(256, 1, Texels::Rgba8((0..=255).map(|i| [i, i, i, i]).collect::<Vec<_>>().into()));
+    let sixteen = Bitmap::new(256, 1, Texels::Rgba16((0..=255u16).map(|i| [i * 257; 4]).collect::<Vec<_>>().into()));
     for encoding in [Encoding::Srgb, Encoding::Linear] {
         for x in 0..256 {
             let (a, b) = (eight.texel(x, 0, encoding), sixteen.texel(x, 0, encoding));
@@ -174,7 +174,7 @@ fn sixteen_bits_have_the_curve_of_eight() {
         }
     }
     // IEC 61966-2-1 at 32768/65535, in double precision; two roundings of the argument at a slope below 1.
-    let half = Image::new(1, 1, Texels::Rgba16(vec![[32768; 4]].into())).texel(0, 0, Encoding::Srgb);
+    let half = Bitmap::new(1, 1, Texels::Rgba16(vec![[32768; 4]].into())).texel(0, 0, Encoding::Srgb);
     assert!((half[0] - 0.214_048_2).abs() < 2e-7 && half[3] > 0.5, "{half:?}");
 }
 

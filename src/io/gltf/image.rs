@@ -6,7 +6,7 @@
 use super::document::{Document, name_or};
 use super::resource;
 use crate::error::{Error, Kind, Result};
-use crate::texture::{Image, Texels};
+use crate::texture::{Bitmap, Texels};
 use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, Rgba};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -23,7 +23,7 @@ const LARGEST_IMAGE: u64 = 1 << 31;
 /// # Errors
 /// An error that names the image if it cannot be read or is neither PNG nor JPEG. An error of class memory that names
 /// the largest image if all together exceed the available memory.
-pub(super) fn decode(document: &Document, indices: &[usize]) -> Result<Vec<Arc<Image>>> {
+pub(super) fn decode(document: &Document, indices: &[usize]) -> Result<Vec<Arc<Bitmap>>> {
     let mut distinct: Vec<Encoded> = Vec::new();
     let mut known = HashMap::new();
     let mut places = Vec::with_capacity(indices.len());
@@ -36,7 +36,8 @@ pub(super) fn decode(document: &Document, indices: &[usize]) -> Result<Vec<Arc<I
         }
     }
     afford(&distinct, document.memory)?;
-    let decoded: Vec<Result<Image>> = distinct.par_iter().map(|e| e.decode().map_err(|error| e.named(error))).collect();
+    let decoded: Vec<Result<Bitmap>> =
+        distinct.par_iter().map(|e| e.decode().map_err(|error| e.named(error))).collect();
     let decoded = decoded.into_iter().map(|image| image.map(Arc::new)).collect::<Result<Vec<_>>>()?;
     Ok(places.into_iter().map(|place| Arc::clone(&decoded[place])).collect())
 }
@@ -95,7 +96,7 @@ impl<'a> Encoded<'a> {
         Ok(Claims { width, height, bytes: held.saturating_add(decoder.total_bytes()) })
     }
 
-    fn decode(&self) -> Result<Image> {
+    fn decode(&self) -> Result<Bitmap> {
         let decoded = DynamicImage::from_decoder(self.decoder()?).map_err(undecodable)?;
         let (width, height) = (decoded.width(), decoded.height());
         let texels = if is_deep(decoded.color()) {
@@ -103,7 +104,7 @@ impl<'a> Encoded<'a> {
         } else {
             Texels::Rgba8(decoded.into_rgba8().pixels().map(|&Rgba(p)| p).collect::<Vec<_>>().into())
         };
-        Ok(Image::new(width, height, texels))
+        Ok(Bitmap::new(width, height, texels))
     }
 }
 

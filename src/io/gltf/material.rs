@@ -7,7 +7,7 @@ use super::{extras, image};
 use crate::error::{Error, Result};
 use crate::scene::description::{AlphaMode, Material, Volume};
 use crate::spectrum::Spectrum;
-use crate::texture::{Image, Texture};
+use crate::texture::{Bitmap, Texture};
 use ::gltf::json;
 use json::material::AlphaMode as JsonAlphaMode;
 use json::validation::Checked;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Decoded images by their index in the file.
-type Images = BTreeMap<usize, Arc<Image>>;
+type Images = BTreeMap<usize, Arc<Bitmap>>;
 
 /// Loads the materials with these indices, in this order (`None` is the default material), and the images they use.
 ///
@@ -25,7 +25,7 @@ pub(super) fn load(
     document: &Document,
     indices: &[Option<usize>],
     notes: &mut Notes,
-) -> Result<(Vec<Material>, Vec<Arc<Image>>)> {
+) -> Result<(Vec<Material>, Vec<Arc<Bitmap>>)> {
     let name = |index: usize| name_or(&document.root.materials[index].name, "material", index);
     let mut slots_of = |index: &Option<usize>| match *index {
         Some(i) => texture::slots(document, &document.root.materials[i], &name(i), notes),

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::notes::Notes;
-use crate::texture::{Encoding, Image, Texture, TextureFilter, Wrap};
+use crate::texture::{Bitmap, Encoding, Texture, TextureFilter, Wrap};
 use ::gltf::json::extensions::texture::TextureTransform;
 use ::gltf::json::material::{Material, NormalTexture};
 use ::gltf::json::texture::{Info, MagFilter, MinFilter, Sampler, WrappingMode};
@@ -56,7 +56,7 @@ pub(super) struct Slot {
 
 impl Slot {
     /// Builds the texture from its decoded image.
-    pub(super) fn texture(&self, document: &Document, image: Arc<Image>) -> Texture {
+    pub(super) fn texture(&self, document: &Document, image: Arc<Bitmap>) -> Texture {
         let sampler = self.sampler.and_then(|s| document.root.samplers.get(s));
         Texture {
             image,

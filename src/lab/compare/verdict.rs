@@ -217,7 +217,9 @@ fn pixel_errors(side: &Side) -> Result<PixelErrors<'_>, String> {
             let spp = side.origin.spp.unwrap_or(1);
             Ok(PixelErrors { crop: side.crop, means: &side.colors, errors, replicates, spp })
         }
-        None => Err(lacks(side, "known method in its header, so that it is unknown which of its pixels are independent")),
+        None => {
+            Err(lacks(side, "known method in its header, so that it is unknown which of its pixels are independent"))
+        }
         Some(_) if side.origin.hash_matches == Some(false) => Err(format!(
             "the pixels of {} were changed after rendering, and those of {method} are not independent",
             side.origin.path

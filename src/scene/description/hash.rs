@@ -9,7 +9,7 @@ use super::{
     Primitive, Projection, PunctualKind, PunctualLight, Volume,
 };
 use crate::spectrum::Spectrum;
-use crate::texture::{Encoding, Image, RadianceMap, Texture, TextureFilter, Wrap};
+use crate::texture::{Bitmap, Encoding, RadianceMap, Texture, TextureFilter, Wrap};
 use glam::{Affine2, DAffine3};
 use std::sync::Arc;
 
@@ -276,7 +276,7 @@ impl Content for TextureFilter {
     }
 }
 
-impl Content for Image {
+impl Content for Bitmap {
     fn feed(&self, bytes: &mut Bytes) {
         self.size().feed(bytes);
         bytes.update(self.texel_hash().as_bytes());

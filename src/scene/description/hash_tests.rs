@@ -5,7 +5,7 @@ use crate::texture::Texels;
 
 fn texture() -> Texture {
     Texture {
-        image: Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[1; 4], [2; 4]].into()))),
+        image: Arc::new(Bitmap::new(2, 1, Texels::Rgba8(vec![[1; 4], [2; 4]].into()))),
         encoding: Encoding::Linear,
         wrap: [Wrap::Repeat; 2],
         filter: TextureFilter::Linear,
@@ -66,11 +66,11 @@ fn whatever_a_picture_depends_on_changes_the_hash() {
         }),
         ("which texture", |d| d.materials[0].emission_texture = d.materials[0].base_color_texture.take()),
         ("texel", |d| {
-            let image = Arc::new(Image::new(2, 1, Texels::Rgba8(vec![[1; 4], [3; 4]].into())));
+            let image = Arc::new(Bitmap::new(2, 1, Texels::Rgba8(vec![[1; 4], [3; 4]].into())));
             d.materials[0].base_color_texture = Some(Texture { image, ..texture() });
         }),
         ("shape of an image", |d| {
-            let image = Arc::new(Image::new(1, 2, Texels::Rgba8(vec![[1; 4], [2; 4]].into())));
+            let image = Arc::new(Bitmap::new(1, 2, Texels::Rgba8(vec![[1; 4], [2; 4]].into())));
             d.materials[0].base_color_texture = Some(Texture { image, ..texture() });
         }),
         ("wrap", |d| {

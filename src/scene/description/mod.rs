@@ -3,7 +3,7 @@
 pub(in crate::scene) mod hash;
 
 use crate::spectrum::Spectrum;
-use crate::texture::{Image, RadianceMap, Texture};
+use crate::texture::{Bitmap, RadianceMap, Texture};
 use glam::{DAffine3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ pub struct Description {
     /// Materials of the primitives.
     pub materials: Vec<Material>,
     /// Decoded images of the textures; shared images are decoded once.
-    pub images: Vec<Arc<Image>>,
+    pub images: Vec<Arc<Bitmap>>,
     /// Point, spot and directional lights.
     pub lights: Vec<PunctualLight>,
     /// Whether the file has punctual lights, including hidden ones: see [`Description::lights`].

@@ -5,7 +5,7 @@ use etendue::accel::Backend;
 use etendue::scene::description::{Description, EnvironmentDescription, Material, PunctualKind, PunctualLight, Volume};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Spectrum;
-use etendue::texture::{Encoding, Image, RadianceMap, Texels, Texture, TextureFilter, Wrap};
+use etendue::texture::{Bitmap, Encoding, RadianceMap, Texels, Texture, TextureFilter, Wrap};
 use glam::{Affine2, DAffine3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -83,7 +83,7 @@ fn dirac() -> World {
 fn ripples() -> Texture {
     let lean = |i: u8| [128 + 9 * (i % 7), 110 + 6 * (i % 5), 245, 255];
     Texture {
-        image: Arc::new(Image::new(4, 4, Texels::Rgba8((0..16).map(lean).collect::<Vec<_>>().into()))),
+        image: Arc::new(Bitmap::new(4, 4, Texels::Rgba8((0..16).map(lean).collect::<Vec<_>>().into()))),
         encoding: Encoding::Linear,
         wrap: [Wrap::Repeat; 2],
         filter: TextureFilter::Linear,

@@ -15,7 +15,7 @@ pub enum Texels {
 }
 
 /// An image in memory.
-pub struct Image {
+pub struct Bitmap {
     width: u32,
     height: u32,
     texels: Texels,
@@ -26,9 +26,9 @@ pub struct Image {
 }
 
 /// Prints size and content hash, but not the texels.
-impl std::fmt::Debug for Image {
+impl std::fmt::Debug for Bitmap {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Image({}x{} {})", self.width, self.height, self.texel_hash().to_hex())
+        write!(f, "Bitmap({}x{} {})", self.width, self.height, self.texel_hash().to_hex())
     }
 }
 
@@ -65,7 +65,7 @@ fn linear16(texel: [u16; 4], encoding: Encoding) -> [f32; 4] {
     }
 }
 
-impl Image {
+impl Bitmap {
     /// Returns an image of `width` × `height` texels.
     ///
     /// # Panics
@@ -79,7 +79,7 @@ impl Image {
             width > 0 && height > 0 && count == width as usize * height as usize,
             "{count} texels for {width}x{height}"
         );
-        Image { width, height, texels, hash: OnceLock::new(), means: Default::default(), blocks: OnceLock::new() }
+        Bitmap { width, height, texels, hash: OnceLock::new(), means: Default::default(), blocks: OnceLock::new() }
     }
 
     /// Returns a hash of the stored texels.
