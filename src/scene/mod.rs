@@ -10,6 +10,7 @@ pub mod description;
 mod edge;
 mod extent;
 mod info;
+mod interior;
 mod material;
 mod query;
 mod rebase;

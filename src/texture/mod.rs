@@ -1,5 +1,6 @@
 //! Textures: decoded images and their lookup.
 
+mod block_extremes;
 mod extremes;
 mod image;
 mod radiance_map;

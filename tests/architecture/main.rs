@@ -1,6 +1,8 @@
-//! Does the code still have the shape that ARCHITECTURE.md draws? Floors, where `unsafe` may stand, citation keys, bare
-//! epsilons, sizes, nothing unfinished. The rules are in `architecture/rules.rs`, each shown there to fail when broken.
+//! Checks that the code has the shape that ARCHITECTURE.md describes: floors, no circles of imports, where `unsafe` may
+//! stand, citation keys, bare epsilons, sizes, nothing unfinished. The rules are in `rules.rs` and `circles.rs`, each
+//! with a test that it fails where it is broken.
 
+mod circles;
 mod rules;
 mod source;
 
@@ -22,6 +24,8 @@ const FLOORS: Floors<'static> = &[
     &["lab", "batch"],
     &["cli"],
 ];
+/// The first files of circles of imports that are still to be cut.
+const CIRCLES_LEFT: [&str; 1] = ["src/cli/args.rs"];
 const UNSAFE_ALLOWED: [&str; 2] = ["sys/", "src/accel/embree/"];
 const LONGEST_FILE: usize = 600;
 const LONGEST_FUNCTION: usize = 120;
@@ -51,6 +55,12 @@ fn assert_none(mut findings: Vec<Finding>) {
 #[test]
 fn modules_import_lower_floors_only() {
     assert_none(crate_files().iter().flat_map(|s| rules::floors(s, FLOORS)).collect());
+}
+
+#[test]
+fn files_do_not_import_each_other() {
+    let found = circles::circles(&crate_files()).into_iter();
+    assert_none(found.filter(|circle| !CIRCLES_LEFT.contains(&circle.path.as_str())).collect());
 }
 
 #[test]

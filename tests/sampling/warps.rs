@@ -17,7 +17,7 @@ fn uniform(seed: u64, cells: usize, cell: impl Fn([f32; 2]) -> usize) -> f64 {
 fn follows(seed: u64, warp: impl Fn([f32; 2]) -> Vec3, pdf: impl Fn(Vec3) -> f32) -> f64 {
     let cells = SphereCells::new([0.6, 0.0, 0.8], 1.0);
     let (mut random, n) = (Random::new(seed), samples(200_000));
-    let mut observed = vec![0.0; cells.len()];
+    let mut observed = vec![0.0; cells.count()];
     (0..n).for_each(|_| observed[cells.index(warp(random.cube()).to_array().map(f64::from))] += 1.0);
     let density = |w: [f64; 3]| f64::from(pdf(Vec3::from_array(w.map(|x| x as f32))));
     let expected: Vec<f64> = cells.integrate(1e-7, &density).iter().map(|p| p * f64::from(n)).collect();

@@ -1,6 +1,6 @@
 //! Timed renders of one method with one backend on one scene.
 
-use super::curve::Mark;
+use super::mark::Mark;
 use super::reference::Reference;
 use super::{Result, defect};
 use crate::error::Error;

@@ -54,7 +54,7 @@ impl SphereCells {
     }
 
     /// How many cells there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.radial * self.around
     }
 
@@ -79,7 +79,7 @@ impl SphereCells {
         let edge = |i: usize, n: usize| [i as f64 / n as f64, (i + 1) as f64 / n as f64];
         let cell =
             |i: usize| Rectangle { x: edge(i / self.around, self.radial), y: edge(i % self.around, self.around) };
-        (0..self.len()).map(|i| cell(i).integrate(tolerance, &integrand)).collect()
+        (0..self.count()).map(|i| cell(i).integrate(tolerance, &integrand)).collect()
     }
 
     fn direction(&self, away: f64, turn: f64) -> [f64; 3] {
