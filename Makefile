@@ -25,13 +25,18 @@ demo: build ## render scenes/cornell-box to out/cornell-box.exr and .png
 TARGET := $(abspath $(or $(CARGO_TARGET_DIR),target))
 # All tests but agreement, architecture and kill_matrix. The first renders with both backends in the run with Embree, and its killers
 # run in the kill matrix. The others read the sources, which the mutations have changed.
-WITHOUT_EMBREE := --no-default-features --lib --bins --test 'ac*' --test '[!ak]*'
+WITHOUT_EMBREE := --no-default-features --features cli --lib --bins --test 'ac*' --test '[!ak]*'
+
+# Crates that only the command line and the lab may bring.
+COMMAND_LINE := clap|clap_complete|indicatif|tev_client|plotters|maud
 
 test: setup ## format, lints, architecture, all tests with and without Embree, documentation
 	$(CARGO) fmt --all --check
 	$(CARGO) test --locked --workspace --test architecture
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	$(CARGO) clippy --locked --workspace --all-targets --no-default-features -- -D warnings
+	$(CARGO) clippy --locked --workspace --all-targets --no-default-features --features cli -- -D warnings
+	$(CARGO) clippy --locked --lib --no-default-features -- -D warnings
+	! $(CARGO) tree --locked --edges normal --no-default-features --prefix none | grep -E '^($(COMMAND_LINE)) '
 	$(CARGO) test --locked --workspace
 	$(CARGO) test --locked --workspace --test kill_matrix -- --build
 	cd target/kill-matrix/tree && CARGO_TARGET_DIR=$(TARGET) $(CARGO) test --locked --workspace $(WITHOUT_EMBREE)
@@ -61,11 +66,12 @@ reports: build ## the example pages in docs/reports, on a quiet machine (see ben
 	bench/reports.sh
 
 # Needs cargo-fuzz and a nightly toolchain; FUZZ_SECONDS for each of the six targets. New finds go to fuzz/artifacts/.
+# --release leaves the checks of debug builds to fuzz/Cargo.toml, which spares exr's wrapping arithmetic.
 FUZZ_SECONDS ?= 900
 fuzz: setup ## fuzz the readers of glTF, film, EXR, environments, render.toml and rays, a quarter of an hour each (FUZZ_SECONDS)
 	for target in gltf film exr environment config rays; do \
 	  mkdir -p fuzz/work/$$target fuzz/regressions/$$target && \
-	  $(CARGO) +nightly fuzz run --fuzz-dir fuzz $$target fuzz/work/$$target fuzz/corpus/$$target \
+	  $(CARGO) +nightly fuzz run --release --fuzz-dir fuzz $$target fuzz/work/$$target fuzz/corpus/$$target \
 	    fuzz/regressions/$$target -- -dict=fuzz/gltf.dict -max_len=16384 -rss_limit_mb=2048 -malloc_limit_mb=512 -timeout=10 \
 	    -max_total_time=$(FUZZ_SECONDS) || exit 1; done
 

@@ -1,5 +1,20 @@
 //! étendue: a physically based CPU renderer. It reads glTF, writes EXR and estimates the error of every image.
 //!
+//! [`Scene::load`] and [`Render`] are the facade. The command line, `etendue`, is built on them.
+//!
+//! # A picture of a file
+#![doc = concat!("```\n", include_str!("../examples/render.rs"), "```")]
+//! # A scene that is described in code
+#![doc = concat!("```\n", include_str!("../examples/own_scene.rs"), "```")]
+//! # An integrator of the caller's own
+#![doc = concat!("```\n", include_str!("../examples/own_integrator.rs"), "```")]
+//! # Stability
+//!
+//! The items at the root of the crate are stable, as are [`film::Film`], [`integrator::Integrator`], the errors and the
+//! settings ([`session::SettingsPatch`]). All others serve the program and its tests, and may change with any version.
+//!
+//! # Modules
+//!
 //! Modules are listed by layer, called floors. A module imports only its own folder and lower floors; siblings on a
 //! floor do not import each other. `tests/architecture` enforces this; ARCHITECTURE.md draws it.
 
@@ -13,6 +28,7 @@ extern crate self as etendue;
 // floor 1
 pub mod error;
 pub mod huge_vec;
+pub mod named;
 pub mod numeric;
 pub mod parallel;
 // floor 2
@@ -42,9 +58,20 @@ pub mod io;
 pub mod session;
 // floor 10
 pub mod batch;
+#[cfg(feature = "cli")]
 pub mod lab;
 // floor 11
+#[cfg(feature = "cli")]
 pub mod cli;
+
+pub use error::{Error, Result};
+pub use integrator::Method;
+pub use scene::Scene;
+pub use scene::description::Description;
+pub use session::{Image, Render};
+
+/// The vectors and matrices of scene descriptions.
+pub use glam;
 
 #[doc = include_str!("references.md")]
 pub mod references {}

@@ -23,8 +23,22 @@ pub trait Intersector: Send + Sync {
 }
 
 /// Build quality of the acceleration structure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Hash,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+    strum::EnumMessage,
+    serde::Serialize,
+    serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Build {
     /// Fastest queries and builds; edges may leak.
     Fast,
@@ -38,8 +52,21 @@ pub enum Build {
 }
 
 /// Intersection backend.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+    strum::EnumMessage,
+    serde::Serialize,
+    serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Backend {
     /// Intel Embree 4, the fastest.
     Embree,
@@ -58,14 +85,6 @@ impl Backend {
         match self {
             Backend::Embree => 150,
             Backend::Obvhs => 450,
-        }
-    }
-
-    /// Returns the name on the command line and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Backend::Embree => "embree",
-            Backend::Obvhs => "obvhs",
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::JobPicture;
 use crate::error::{Error, Kind, Result};
 use crate::scene::BuildOptions;
-use crate::session::{LoadedScene, Moment, Surroundings};
+use crate::session::{LoadedScene, Moment, PassSelection, Surroundings};
 use std::path::PathBuf;
 use std::thread::JoinHandle;
 
@@ -20,10 +20,13 @@ impl SceneKey {
     /// Returns the inputs of a picture's scene.
     pub fn of(picture: &JobPicture, threads: usize) -> Result<Self> {
         let named = |e: Error| e.context(picture.output.display());
-        let (choices, scene) = (&picture.choices, picture.scene.clone());
-        let settings = choices.settings(None).map_err(named)?;
-        let (moment, options) = (settings.moment(), settings.build_options(threads));
-        Ok(SceneKey { scene, surroundings: choices.surroundings().map_err(named)?, moment, options })
+        let job = picture.choices.resolve(PassSelection::All).map_err(named)?;
+        Ok(SceneKey {
+            scene: picture.scene.clone(),
+            moment: job.settings.moment(),
+            options: job.settings.build_options(threads),
+            surroundings: job.surroundings,
+        })
     }
 }
 

@@ -1,10 +1,8 @@
 //! Groups of flags shared by several subcommands.
 
-use super::Console;
-use super::progress::ProgressArgs;
-use super::task::Task;
+use super::settings_args::SettingsArgs;
 use crate::error::{Error, Result};
-use crate::session::{Budget, Bytes, LoadedScene, Outputs, PassPlan, PassSelection, RenderSettings, SettingsPatch};
+use crate::session::{Budget, Bytes, LoadedScene, Outputs, PassPlan, PassSelection, RenderJob, SettingsPatch};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -17,24 +15,23 @@ pub(super) struct SceneArgs {
     #[arg(long)]
     pub(super) no_config: bool,
     #[command(flatten)]
-    pub(super) choices: SettingsPatch,
+    pub(super) choices: SettingsArgs,
 }
 
 impl SceneArgs {
     /// Returns the choices of the command line, completed by those of `render.toml`.
     pub(super) fn choices(&self) -> Result<SettingsPatch> {
         let beside = if self.no_config { SettingsPatch::default() } else { SettingsPatch::beside(&self.scene)? };
-        Ok(self.choices.clone().or(beside))
+        Ok(self.choices.0.clone().or(beside))
     }
 
-    /// Loads and builds the scene as `choices` say, and resolves the settings with its camera. Must be called from
-    /// outside the rayon pool.
-    pub(super) fn stage(&self, choices: &SettingsPatch, threads: usize) -> Result<(LoadedScene, RenderSettings)> {
-        let early = choices.settings(None)?;
-        let stage =
-            LoadedScene::open(&self.scene, choices.surroundings()?, &early.moment(), &early.build_options(threads))?;
-        let settings = stage.settings(choices)?;
-        Ok((stage, settings))
+    /// Loads and builds the scene for `choices`, and fits the job to its camera. Must be called from outside the rayon
+    /// pool.
+    pub(super) fn load(&self, choices: &SettingsPatch, threads: usize) -> Result<(LoadedScene, RenderJob)> {
+        let job = choices.resolve(PassSelection::All)?;
+        let stage = job.load(&self.scene, threads)?;
+        let job = job.fitted(&stage)?;
+        Ok((stage, job))
     }
 }
 
@@ -78,19 +75,6 @@ impl OutputArgs {
         };
         let outputs = if self.png { outputs.with_png() } else { outputs };
         Ok(outputs.with_film(self.film.clone(), selection))
-    }
-
-    /// Combines the outputs with the other arguments to a task.
-    pub(super) fn task(
-        &self,
-        outputs: Outputs,
-        keep: KeepArgs,
-        strict: StrictArgs,
-        progress: ProgressArgs,
-        console: Console,
-    ) -> Task {
-        let (report, checkpoint) = (self.report.clone(), keep.checkpoint.map(|every| every.0));
-        Task { outputs, report, checkpoint, skip_complete: keep.skip_complete, strict, progress, console }
     }
 
     /// Checks that all outputs can be written, before the work begins.

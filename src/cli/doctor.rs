@@ -4,6 +4,7 @@ use super::args::ThreadArgs;
 use super::{Console, startup};
 use crate::accel::{self, Backend};
 use crate::error::{Error, Kind, Result};
+use crate::named::Named;
 use crate::session::{Program, machine, megabytes};
 use serde::Serialize;
 

@@ -103,7 +103,7 @@ impl Document {
         Document {
             film: path.display().to_string(),
             scene: provenance.scene.path.display().to_string(),
-            method: serde_json::json!(settings.method),
+            method: serde_json::json!(settings.method.kind()),
             size: [settings.width, settings.height],
             frame: settings.frame.map(|frame| frame.to_string()),
             passes: film.passes().to_string(),

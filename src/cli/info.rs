@@ -48,12 +48,13 @@ struct Memory {
 pub(super) fn run(args: Args) -> Result<()> {
     let choices = args.scene.choices()?;
     let threads = startup::start_threads(args.threads)?;
-    let (stage, settings) = args.scene.stage(&choices, threads)?;
+    let (stage, job) = args.scene.load(&choices, threads)?;
+    let settings = job.settings;
     let document = Document {
         path: stage.path.display().to_string(),
         hash: stage.scene.hash().to_owned(),
         cameras: stage.scene.cameras(),
-        blind_spots: integrator::blind_spots(settings.method, &stage.scene),
+        blind_spots: integrator::blind_spots(settings.method.kind(), &stage.scene),
         memory: Memory::estimate(&settings, &stage.info),
         settings,
         load_seconds: stage.preparation.load_seconds,

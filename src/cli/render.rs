@@ -8,7 +8,7 @@ use super::techniques::TechniqueArgs;
 use super::{Console, startup, task};
 use crate::batch::{Frames, Job, JobRequest};
 use crate::error::Result;
-use crate::session::{Ended, PassPlan, PassSelection, Provenance, SettingsPatch, picture_name};
+use crate::session::{Ended, PassPlan, PassSelection, SettingsPatch, picture_name};
 use std::path::Path;
 
 /// Arguments of `render`.
@@ -72,19 +72,17 @@ pub(super) fn run(args: Args) -> Result<()> {
     let console = args.console;
     let choices = args.scene.choices()?;
     let selection = args.share.shard.or(args.share.passes).unwrap_or_default();
-    let plan = choices.plan(selection)?;
-    args.strict.check(&plan)?;
     // Errors that do not depend on the scene are reported before it is loaded.
-    let (look, early) = (choices.look()?, choices.settings(None)?);
-    choices.surroundings()?;
+    let job = choices.resolve(selection)?;
+    args.strict.check(&job.plan)?;
     let outputs = args.output.outputs(&picture_name(&args.scene.scene), selection)?;
     args.output.check(&outputs)?;
-    let techniques = args.techniques.files(early.method, &outputs)?;
-    say_rounding(console, &choices, plan, early.replicates);
+    let techniques = args.techniques.files(job.settings.method.kind(), &outputs)?;
+    say_rounding(console, &choices, job.plan, job.settings.replicates);
     let signals = Signals::heed()?;
     let threads = startup::start_threads(args.threads)?;
-    let (stage, settings) = args.scene.stage(&choices, threads)?;
-    let provenance = Provenance::new(&stage, settings, plan, look);
+    let stage = job.load(&args.scene.scene, threads)?;
+    let provenance = job.fitted(&stage)?.provenance(&stage);
     task::warn(console, &provenance);
     if args.strict.strict {
         stage.refuse_ignored()?;
@@ -101,7 +99,8 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// Renders frames as a batch.
 fn run_frames(frames: Frames, args: Args) -> Result<()> {
     let Args { scene: SceneArgs { scene, no_config, choices }, output, strict, threads, progress, console, .. } = args;
-    let request = JobRequest { scenes: vec![scene], frames: Some(frames), settings: choices, ..JobRequest::default() };
+    let request =
+        JobRequest { scenes: vec![scene], frames: Some(frames), settings: choices.0, ..JobRequest::default() };
     let job = Job {
         output: Some(output.output.unwrap_or_else(|| "{scene}.{frame:04}.exr".into())),
         report: output.report,

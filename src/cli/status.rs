@@ -85,7 +85,7 @@ impl Status {
         Status {
             scene: crate::session::picture_name(&provenance.scene.path).to_string_lossy().into_owned(),
             camera: settings.camera.clone().unwrap_or_else(|| "0".into()),
-            method: serde_json::json!(settings.method),
+            method: serde_json::json!(settings.method.kind()),
             shard,
             begun: Instant::now(),
             next: Instant::now(),

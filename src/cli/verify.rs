@@ -1,6 +1,7 @@
 //! `etendue verify`: tests whether all methods and backends agree on a scene.
 
 use super::args::{SceneArgs, ThreadArgs};
+use super::named_value::named;
 use super::progress::Meter;
 use super::signals::Signals;
 use super::{Console, startup};
@@ -53,10 +54,10 @@ pub(super) struct Args {
 #[command(next_help_heading = "Comparison")]
 struct Who {
     /// Methods to compare, separated by commas [default: all that see the whole scene]
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_parser = named::<Method>(), value_delimiter = ',')]
     methods: Option<Vec<Method>>,
     /// Backends to compare, separated by commas [default: all there are]
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_parser = named::<Backend>(), value_delimiter = ',')]
     backends: Option<Vec<Backend>>,
     /// Time for rendering, split evenly [default: 120s, unless --spp says how many samples each takes]
     #[arg(long, value_name = "TIME", conflicts_with = "spp")]
@@ -86,7 +87,7 @@ const BUDGET: Duration = Duration::from_secs(120);
 /// Verifies a scene.
 pub(super) fn run(args: Args) -> Result<()> {
     let console = args.console;
-    refuse_senseless(&args.scene.choices)?;
+    refuse_senseless(&args.scene.choices.0)?;
     let choices = choices(&args.scene)?;
     choices.settings(None)?;
     if let Some(folder) = &args.who.output {
@@ -98,7 +99,7 @@ pub(super) fn run(args: Args) -> Result<()> {
         request.backends().into_iter().map(|b| stage(&args.scene, &choices, b, threads)).collect::<Result<Vec<_>>>()?;
     let lineup = request.lineup(&stages[0].scene)?;
     let mut candidates = candidates(&stages, &lineup.methods, &choices)?;
-    render_all(&mut candidates, effort(&args.who, &args.scene.choices), console)?;
+    render_all(&mut candidates, effort(&args.who, &args.scene.choices.0), console)?;
     let pyramids = candidates.iter().map(Candidate::pyramid).collect::<Result<Vec<Pyramid>>>()?;
     let pictures: Vec<TestedPicture<'_, Method>> = candidates
         .iter()
@@ -115,7 +116,7 @@ pub(super) fn run(args: Args) -> Result<()> {
 /// Adapts the command for clap: flags of `render` without a meaning here are hidden, and those with another meaning get
 /// their own help.
 pub(super) fn command(mut command: clap::Command) -> clap::Command {
-    for flag in ["method", "backend", "time", "target_error", "replicates", "clamp", "aovs"] {
+    for flag in ["method", "backend", "time", "target-error", "replicates", "clamp", "aov"] {
         command = command.mut_arg(flag, |arg| arg.hide(true));
     }
     let spp = "Samples per pixel of each candidate instead of a time, rounded up to 32 times a power of two";
@@ -142,7 +143,7 @@ fn refuse_senseless(line: &SettingsPatch) -> Result<()> {
 
 /// Returns the picture's choices: those of `render.toml`, except for its size and its stopping criteria.
 fn choices(scene: &SceneArgs) -> Result<SettingsPatch> {
-    let (size, crop) = (scene.choices.size, scene.choices.crop);
+    let (size, crop) = (scene.choices.0.size, scene.choices.0.crop);
     Ok(SettingsPatch { size, crop, spp: None, time: None, target_error: None, ..scene.choices()? })
 }
 
@@ -154,7 +155,7 @@ fn effort(who: &Who, line: &SettingsPatch) -> Effort {
 }
 
 fn stage(scene: &SceneArgs, choices: &SettingsPatch, backend: Backend, threads: usize) -> Result<LoadedScene> {
-    Ok(scene.stage(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads)?.0)
+    Ok(scene.load(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads)?.0)
 }
 
 fn candidates<'a>(

@@ -6,8 +6,22 @@ use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
 
 /// A separable reconstruction filter. Radii are in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Default,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+    strum::EnumMessage,
+    serde::Serialize,
+    serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Filter {
     /// Constant over the pixel: radius 0.5.
     Box,

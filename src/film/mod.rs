@@ -15,6 +15,8 @@ mod noise;
 mod pass_film;
 mod pass_set;
 mod prior;
+// The lab reads what films write.
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
 pub mod pyramid;
 mod relmse;
 mod replicates;

@@ -7,7 +7,7 @@
 //! seen in a mirror.
 
 use super::camera_pass::Radiance;
-use super::{IntegratorConfig, PilotEstimate};
+use super::{BdptConfig, IntegratorConfig, PilotEstimate};
 use crate::bsdf::Shading;
 use crate::camera::Camera;
 use crate::geometry::Ray;
@@ -71,7 +71,7 @@ pub(super) struct Bidirectional<'a> {
 
 impl<'a> Bidirectional<'a> {
     pub(super) fn new(scene: &'a Scene, camera: &Camera, options: &IntegratorConfig, pilot: &PilotEstimate) -> Self {
-        let IntegratorConfig { techniques, heuristic, .. } = *options;
+        let BdptConfig { techniques, heuristic } = options.method.bdpt();
         let weights = MisStrategy { techniques, heuristic, light_walks: options.pixels() as f64 };
         let events = 0..=options.max_depth.map_or(usize::MAX, |d| d as usize);
         let worthwhile = WORTHWHILE * pilot.typical;

@@ -3,8 +3,22 @@
 use crate::film::Independent;
 
 /// A rendering method, as named on the command line, in `render.toml` and in reports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Default,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+    strum::EnumMessage,
+    serde::Serialize,
+    serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Method {
     /// Path tracing with uniformly sampled directions and no light sampling: a slow reference. Blind to point, spot and
     /// directional lights and to mirrors and clear glass.

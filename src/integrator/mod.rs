@@ -4,8 +4,10 @@
 mod bidirectional;
 mod camera_pass;
 mod features;
+mod film_renderer;
 mod ids;
 mod method;
+mod method_config;
 mod metropolis;
 mod path;
 mod pilot;
@@ -13,9 +15,11 @@ mod prior;
 mod samples;
 mod technique_images;
 
+pub use film_renderer::FilmRenderer;
 pub use ids::ids;
 pub use method::Method;
-pub use metropolis::{ChainDigest, ChainReport, MetropolisOptions, Mutations, Normalisation, Tiles};
+pub use method_config::{BdptConfig, ChainsConfig, MethodConfig, MltConfig, MmltConfig, PssmltConfig};
+pub use metropolis::{ChainDigest, ChainReport, Mutations, Normalisation, Tiles};
 pub use pilot::PilotEstimate;
 pub use prior::prior;
 pub use technique_images::{TechniqueImage, TechniqueImages, technique_images};
@@ -23,16 +27,17 @@ pub use technique_images::{TechniqueImage, TechniqueImages, technique_images};
 use crate::camera::Camera;
 use crate::film::{Crop, Filter, Layout, PassFilm};
 use crate::parallel::Cancel;
-use crate::path::Techniques;
-use crate::sampling::{Heuristic, SamplerKind};
+use crate::sampling::SamplerKind;
 use crate::scene::Scene;
 use bidirectional::Bidirectional;
 use camera_pass::CameraPass;
 use path::{Combined, Naive, NextEvent, PathTracer};
 
-/// Parameters common to all methods. All of them change pixels, so that all are part of the settings hash.
+/// Parameters of an integrator. All of them change pixels, so that all are part of the settings hash.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntegratorConfig {
+    /// The method with its own parameters.
+    pub method: MethodConfig,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Generator of random numbers.
@@ -47,31 +52,24 @@ pub struct IntegratorConfig {
     pub replicates: u32,
     /// Whether the directly visible environment is hidden.
     pub transparent: bool,
-    /// Enabled techniques of bidirectional path tracing.
-    pub techniques: Techniques,
-    /// MIS heuristic.
-    pub heuristic: Heuristic,
     /// Rendered part of the image.
     pub crop: Crop,
-    /// Parameters of the Metropolis methods.
-    pub metropolis: MetropolisOptions,
 }
 
 impl IntegratorConfig {
-    /// Returns the defaults for an image of `layout`: 4 replicates, seed 0, no limits.
-    pub fn new(layout: &Layout) -> Self {
+    /// Returns the defaults of `method` for an image of `layout`: the method's replicates, seed 0, no limits.
+    pub fn new(method: impl Into<MethodConfig>, layout: &Layout) -> Self {
+        let method = method.into();
         IntegratorConfig {
+            method,
             seed: 0,
             sampler: SamplerKind::default(),
             filter: Filter::default(),
             max_depth: None,
             clamp: None,
-            replicates: 4,
+            replicates: method.kind().replicates(),
             transparent: false,
-            techniques: Techniques::ALL,
-            heuristic: Heuristic::default(),
             crop: layout.crop,
-            metropolis: MetropolisOptions::default(),
         }
     }
 
@@ -81,44 +79,34 @@ impl IntegratorConfig {
     }
 }
 
-/// Builds the integrator of `method` for `scene` and `camera`; all passes share `pilot`.
+/// Builds the integrator of the method that `options` name, for `scene` and `camera`; all passes share `pilot`.
 pub fn build<'a>(
-    method: Method,
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
     pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
     let (depth, transparent) = (options.max_depth, options.transparent);
-    match method {
-        Method::PathNaive => {
+    match options.method {
+        MethodConfig::PathNaive => {
             let tracer = PathTracer::<Naive>::new(scene, depth, transparent);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
-        Method::PathNee => {
+        MethodConfig::PathNee => {
             let tracer = PathTracer::<NextEvent>::new(scene, depth, transparent);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
-        Method::Path => {
+        MethodConfig::Path => {
             let tracer = PathTracer::<Combined>::new(scene, depth, transparent);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
-        Method::Light => {
-            let tracer = Bidirectional::new(
-                scene,
-                &camera,
-                &IntegratorConfig { techniques: Techniques::LIGHT, ..*options },
-                pilot,
-            );
-            Box::new(CameraPass::new(tracer, scene, camera, options))
-        }
-        Method::Bdpt => {
+        MethodConfig::Light | MethodConfig::Bdpt(_) => {
             let tracer = Bidirectional::new(scene, &camera, options, pilot);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
-        Method::Pssmlt => metropolis::pssmlt(scene, camera, options, pilot),
-        Method::Mmlt => metropolis::mmlt(scene, camera, options, pilot),
-        Method::Mlt => metropolis::mlt(scene, camera, options, pilot),
+        MethodConfig::Pssmlt(config) => metropolis::pssmlt(scene, camera, options, config, pilot),
+        MethodConfig::Mmlt(config) => metropolis::mmlt(scene, camera, options, config, pilot),
+        MethodConfig::Mlt(config) => metropolis::mlt(scene, camera, options, config, pilot),
     }
 }
 
@@ -127,7 +115,8 @@ pub fn pilot(scene: &Scene, camera: &Camera, options: &IntegratorConfig, layout:
     // The naive tracer is blind to some lights. The pilot uses a method without this limit, so that all methods get the
     // same units.
     PilotEstimate::new(scene, layout, options, camera, |camera, options| {
-        build(Method::Path, scene, camera, options, &PilotEstimate::default())
+        let options = IntegratorConfig { method: MethodConfig::Path, ..*options };
+        build(scene, camera, &options, &PilotEstimate::default())
     })
 }
 

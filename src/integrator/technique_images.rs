@@ -68,7 +68,8 @@ impl TechniqueImages {
 
 /// Enumerates the enabled techniques of paths with at most `deepest` scattering events.
 fn techniques(options: &IntegratorConfig, deepest: u32) -> impl Iterator<Item = (usize, usize)> {
-    let (techniques, deepest) = (options.techniques, options.max_depth.map_or(deepest, |most| most.min(deepest)));
+    let (techniques, deepest) =
+        (options.method.bdpt().techniques, options.max_depth.map_or(deepest, |most| most.min(deepest)));
     let all = (0..=deepest as usize).flat_map(|events| (0..=events + 1).map(move |s| (s, events + 2 - s)));
     all.filter(move |&(s, t)| techniques.has(s, t))
 }

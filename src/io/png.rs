@@ -8,8 +8,22 @@ use std::io::{self, BufReader, BufWriter, Write};
 use std::path::Path;
 
 /// Tone curve from linear to display values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Default,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+    strum::EnumMessage,
+    serde::Serialize,
+    serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum ToneCurve {
     /// The sRGB transfer function of IEC 61966-2-1; values above 1 clip.
     #[default]

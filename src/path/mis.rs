@@ -22,9 +22,22 @@ use glam::Vec3;
 
 /// Kind of technique, as named on the command line, in `render.toml` and in reports.
 #[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize,
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+    strum::EnumMessage,
+    serde::Serialize,
+    serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Technique {
     /// Camera subpaths hit an emitter (s = 0).
     Hit,
@@ -64,6 +77,19 @@ impl Techniques {
             connect: has(Technique::Connect),
             splat: has(Technique::Splat),
         }
+    }
+
+    /// Returns the disabled kinds.
+    pub fn disabled(&self) -> Vec<Technique> {
+        use crate::named::Named;
+        let Techniques { hit, next_event, connect, splat } = *self;
+        let is_disabled = |technique: &Technique| match technique {
+            Technique::Hit => !hit,
+            Technique::NextEvent => !next_event,
+            Technique::Connect => !connect,
+            Technique::Splat => !splat,
+        };
+        Technique::all().iter().copied().filter(is_disabled).collect()
     }
 
     /// Whether the technique with `s` light vertices and `t` camera vertices is enabled. Paths of one edge belong to

@@ -1,8 +1,22 @@
 //! MIS weights, from density *ratios*: squares of densities may overflow where their ratio does not.
 
 /// MIS heuristic for two techniques.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Hash,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+    strum::EnumMessage,
+    serde::Serialize,
+    serde::Deserialize,
+)]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Heuristic {
     /// Weights proportional to the densities [Veach97 §9.2.2]. relMSE × CPU seconds of bidirectional path tracing with
     /// the power and the balance heuristic: .0424 and .0395 on the modified Cornell box, .90 and .83 on the ajar door,

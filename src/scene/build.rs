@@ -23,13 +23,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Options of scene construction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct BuildOptions {
     /// Intersection backend.
     pub backend: Backend,
     /// Build quality and robustness of the acceleration structure.
     pub build: Build,
-    /// Number of threads for its construction.
+    /// Number of threads for its construction; 0 leaves it to the backend.
     pub threads: usize,
 }
 

@@ -44,7 +44,7 @@ pub fn write(
     let settings = &provenance.settings;
     let layout = settings.layout();
     if let Some(path) = &outputs.exr {
-        let record = Pyramid::of_film(film, settings.method.independent());
+        let record = Pyramid::of_film(film, settings.method.kind().independent());
         let record = record.map(|pyramid| (RECORD.to_owned(), Attribute::Text(encode(&pyramid))));
         let attributes: Vec<_> = report.attributes().into_iter().chain(record).collect();
         exr::write(path, layout.width, layout.height, settings.crop, layers, &attributes)?;

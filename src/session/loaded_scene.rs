@@ -1,9 +1,10 @@
 //! A loaded and built scene, with the time that loading and building took.
 
 use super::machine::{self, Stopwatch};
-use super::{FrameNumber, Moment, RenderSettings, SettingsPatch, Surroundings};
+use super::{FrameNumber, Moment, Surroundings};
 use crate::error::{Error, Result};
 use crate::io::gltf;
+use crate::scene::description::Description;
 use crate::scene::{BuildOptions, Scene, SceneInfo};
 use std::path::{Path, PathBuf};
 
@@ -54,34 +55,30 @@ impl LoadedScene {
         if let Some(surroundings) = &surroundings {
             surroundings.surround(&mut description)?;
         }
-        let triangles =
-            description.meshes.iter().flat_map(|mesh| &mesh.primitives).map(|p| p.triangles.len() as u64).sum::<u64>();
-        let need = triangles * options.backend.building_bytes();
+        let load_seconds = loading.wall().as_secs_f64();
+        let stage = LoadedScene::build(description, path, surroundings, options)?;
+        Ok(LoadedScene { preparation: LoadTimings { load_seconds, ..stage.preparation }, ..stage })
+    }
+
+    /// Builds `description`, which came from `path` and has `surroundings`. Must be called from outside the rayon pool.
+    ///
+    /// # Errors
+    /// The description is invalid, or memory does not suffice.
+    pub fn build(
+        description: Description,
+        path: &Path,
+        surroundings: Option<Surroundings>,
+        options: &BuildOptions,
+    ) -> Result<LoadedScene> {
+        let primitives = description.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let need = primitives.map(|p| p.triangles.len() as u64).sum::<u64>() * options.backend.building_bytes();
         machine::affordable("building the scene", need, "give it more with --memory, or use embree")
             .map_err(|e| e.context(path.display()))?;
         let building = Stopwatch::start();
-        let load_seconds = loading.wall().as_secs_f64();
         let scene = Scene::build(description, options).map_err(|e| e.context(path.display()))?;
-        let info = scene.info().clone();
-        Ok(LoadedScene {
-            info,
-            path: path.to_owned(),
-            surroundings,
-            preparation: LoadTimings {
-                load_seconds,
-                build_seconds: building.wall().as_secs_f64(),
-                threads: options.threads,
-            },
-            scene,
-        })
-    }
-
-    /// Resolves the settings with the aspect ratio of the scene's camera.
-    ///
-    /// # Errors
-    /// The camera does not exist, or a value is out of range.
-    pub fn settings(&self, choices: &SettingsPatch) -> Result<RenderSettings> {
-        choices.settings(self.scene.aspect(choices.camera.as_deref())?)
+        let build_seconds = building.wall().as_secs_f64();
+        let preparation = LoadTimings { load_seconds: 0.0, build_seconds, threads: options.threads };
+        Ok(LoadedScene { info: scene.info().clone(), path: path.to_owned(), surroundings, preparation, scene })
     }
 
     /// Rejects a scene that uses features ignored by étendue.

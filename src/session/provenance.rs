@@ -116,8 +116,8 @@ impl Provenance {
             hash: stage.scene.hash().to_owned(),
             ignored: stage.info.ignored.clone(),
             warnings: stage.info.warnings.iter().cloned().chain(beyond).collect(),
-            blind_spots: integrator::blind_spots(settings.method, &stage.scene),
-            prior: integrator::prior(settings.method, &stage.scene),
+            blind_spots: integrator::blind_spots(settings.method.kind(), &stage.scene),
+            prior: integrator::prior(settings.method.kind(), &stage.scene),
         };
         let work = Work { started: now(), finished: now(), ..Work::default() };
         Provenance { program: Program::current(), scene, settings, plan, look, work }
@@ -126,13 +126,13 @@ impl Provenance {
     /// Returns a hash that identifies the complete image: a run with the same hash renders the same image. Render time
     /// and machine do not enter it.
     pub fn identity(&self) -> String {
-        let what = (&self.program, &self.scene.hash, self.settings.read(), self.plan, self.look);
+        let what = (&self.program, &self.scene.hash, self.settings.json(), self.plan, self.look);
         blake3::hash(serde_json::json!(what).to_string().as_bytes()).to_hex()[..32].to_owned()
     }
 
     /// Returns prior knowledge about the samples.
     pub fn known(&self) -> Known {
-        Known { independent: self.settings.method.independent(), prior: self.scene.prior }
+        Known { independent: self.settings.method.kind().independent(), prior: self.scene.prior }
     }
 
     /// Returns the error of `film`, which has this provenance: see [`Film::image_error`].
@@ -161,7 +161,7 @@ impl Provenance {
             return Err(differ("seeds", &self.settings.seed.to_string(), &other.settings.seed.to_string()));
         }
         if self.settings.hash() != other.settings.hash() {
-            let (a, b) = (self.settings.read(), other.settings.read());
+            let (a, b) = (self.settings.json(), other.settings.json());
             let (a, b) = first_difference(&a, &b);
             return Err(differ("settings", &a, &b));
         }

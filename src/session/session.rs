@@ -2,10 +2,12 @@
 
 use super::machine::{self, Stopwatch};
 use super::{Checkpoint, LoadedScene, Observer, Pace, Progress, Provenance, Rendered, images, provenance, target};
+use crate::camera::Camera;
 use crate::error::{Error, Kind, Result};
-use crate::film::{Film, Layout, PassFilm};
-use crate::integrator::{self, Integrator, PassReport, PilotEstimate, TechniqueImages};
+use crate::film::{Film, Layout};
+use crate::integrator::{self, FilmRenderer, Integrator, IntegratorConfig, PassReport, PilotEstimate, TechniqueImages};
 use crate::parallel::Cancel;
+use crate::scene::Scene;
 use std::time::Duration;
 
 /// A render session: a film in progress.
@@ -38,7 +40,7 @@ impl<'a> Session<'a> {
         let settings = &provenance.settings;
         let layout = settings.layout();
         affordable("the film", Film::bytes_per_pixel(&layout, settings.replicates), layout.pixels())?;
-        if let Some(refusal) = integrator::refusal(settings.method, &stage.scene) {
+        if let Some(refusal) = integrator::refusal(settings.method.kind(), &stage.scene) {
             return Err(Error::new(Kind::Usage, refusal));
         }
         let clock = Stopwatch::start();
@@ -102,34 +104,50 @@ impl<'a> Session<'a> {
         &mut self,
         cancel: &Cancel,
         observer: &mut dyn Observer,
-        mut checkpoint: Option<Checkpoint>,
+        checkpoint: Option<Checkpoint>,
     ) -> Result<Ended> {
-        let (stage, settings) = (self.stage, self.provenance.settings.clone());
+        self.run_with(cancel, observer, checkpoint, integrator::build)
+    }
+
+    /// [`Session::run`] with the integrator that `build` returns.
+    ///
+    /// # Errors
+    /// The camera does not exist.
+    pub fn run_with(
+        &mut self,
+        cancel: &Cancel,
+        observer: &mut dyn Observer,
+        mut checkpoint: Option<Checkpoint>,
+        build: impl FnOnce(&'a Scene, Camera, &IntegratorConfig, &PilotEstimate) -> Box<dyn Integrator + 'a>,
+    ) -> Result<Ended> {
+        let (stage, settings) = (self.stage, &self.provenance.settings);
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
         let pilot = PilotEstimate::with(self.film.units());
-        let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options(), &pilot);
-        let mut scratch = PassFilm::new(&self.layout).with_unit(self.film.units().radiance);
-        let (earlier, mut done) = (self.provenance.work.clone(), 0);
-        self.provenance.work.sessions += 1;
+        let integrator = build(&stage.scene, camera, &settings.options(), &pilot);
+        let Session { film, provenance, check, clock: session_clock, .. } = self;
+        let (earlier, mut done) = (provenance.work.clone(), 0);
+        provenance.work.sessions += 1;
         let clock = Stopwatch::start();
-        let held = self.film.passes().clone();
-        let wanted = self.provenance.plan.count().map(|_| self.missing(&held).count() as u64);
-        self.look();
-        for pass in self.missing(&held) {
-            if self.is_good_enough() || !self.time_left(done, clock.wall()) {
+        let held = film.passes().clone();
+        let plan = provenance.plan;
+        let missing = || plan.passes().filter(|&pass| !held.contains(pass));
+        let wanted = provenance.plan.count().map(|_| missing().count() as u64);
+        look(film, provenance, check);
+        let mut renderer = FilmRenderer::new(integrator, film);
+        for pass in missing() {
+            let is_good_enough = check.is_some_and(|check| check.reached);
+            if is_good_enough || !time_left(renderer.film(), provenance, done, clock.wall()) {
                 break;
             }
-            let Some(report) = self.render(&*integrator, pass, cancel, &mut scratch) else {
-                return Ok(Ended::Interrupted);
-            };
+            let Some(report) = renderer.pass(pass, cancel) else { return Ok(Ended::Interrupted) };
             done += 1;
-            self.account(&earlier, report);
-            self.look();
-            let (budget, wanted) = (self.provenance.plan.budget(), self.forecast(held.len(), wanted));
+            account(provenance, session_clock, &earlier, report);
+            look(renderer.film(), provenance, check);
+            let (budget, wanted) = (provenance.plan.budget(), forecast(check.as_ref(), held.len(), wanted));
             let pace = Pace { done, wanted, elapsed: clock.wall(), budget };
-            observer.pass(&Progress { film: &self.film, provenance: &self.provenance, pace });
+            observer.pass(&Progress { film: renderer.film(), provenance, pace });
             if let Some(checkpoint) = &mut checkpoint {
-                checkpoint.save_if_due(&self.provenance, &self.film).unwrap_or_else(|error| observer.unsaved(&error));
+                checkpoint.save_if_due(provenance, renderer.film()).unwrap_or_else(|error| observer.unsaved(&error));
             }
         }
         Ok(Ended::Complete)
@@ -144,58 +162,33 @@ impl<'a> Session<'a> {
         let ids = images::ids(stage, &provenance.settings)?;
         Ok(Rendered { provenance, film, ids, preparation: Some(stage.preparation), check })
     }
+}
 
-    /// The passes wanted and not held, in order.
-    fn missing<'b>(&self, held: &'b crate::film::PassSet) -> impl Iterator<Item = u64> + use<'b> {
-        self.provenance.plan.passes().filter(|&pass| !held.contains(pass))
-    }
+/// Looks at the error if there is a target and a look is due.
+fn look(film: &Film, provenance: &Provenance, check: &mut Option<target::Check>) {
+    let target = provenance.plan.stop.target_error;
+    *check = target.and_then(|target| target::check(film, provenance.known(), target)).or(*check);
+}
 
-    /// Looks at the error if there is a target and a look is due.
-    fn look(&mut self) {
-        let target = self.provenance.plan.stop.target_error;
-        let known = self.provenance.known();
-        self.check = target.and_then(|target| target::check(&self.film, known, target)).or(self.check);
-    }
+/// Forecasts the number of passes of a session from the error target, at most `wanted`. The film held `held` before.
+fn forecast(check: Option<&target::Check>, held: u64, wanted: Option<u64>) -> Option<u64> {
+    let needed = check.map(|check| target::passes_needed(check).saturating_sub(held));
+    wanted.map(|wanted| needed.map_or(wanted, |needed| needed.min(wanted))).or(needed)
+}
 
-    fn is_good_enough(&self) -> bool {
-        self.check.is_some_and(|check| check.reached)
-    }
+/// Whether the time budget, if there is one, admits another pass.
+fn time_left(film: &Film, provenance: &Provenance, done: u64, used: Duration) -> bool {
+    let Some(budget) = provenance.plan.budget() else { return true };
+    let first_round = film.passes().len() < u64::from(provenance.settings.replicates);
+    if first_round { done == 0 || used < budget } else { admits(done, used, budget) }
+}
 
-    /// Forecasts the number of passes of this session from the error target, at most `wanted`.
-    fn forecast(&self, held: u64, wanted: Option<u64>) -> Option<u64> {
-        let needed = self.check.map(|check| target::passes_needed(&check).saturating_sub(held));
-        wanted.map(|wanted| needed.map_or(wanted, |needed| needed.min(wanted))).or(needed)
-    }
-
-    fn time_left(&self, done: u64, used: Duration) -> bool {
-        let Some(budget) = self.provenance.plan.budget() else { return true };
-        let first_round = self.film.passes().len() < u64::from(self.provenance.settings.replicates);
-        if first_round { done == 0 || used < budget } else { admits(done, used, budget) }
-    }
-
-    fn render(
-        &mut self,
-        integrator: &dyn Integrator,
-        pass: u64,
-        cancel: &Cancel,
-        scratch: &mut PassFilm,
-    ) -> Option<PassReport> {
-        if cancel.requested() {
-            return None;
-        }
-        scratch.clear();
-        let report = integrator.run_pass(pass, cancel, scratch)?;
-        self.film.commit(pass, scratch);
-        Some(report)
-    }
-
-    fn account(&mut self, earlier: &provenance::Work, report: PassReport) {
-        let work = &mut self.provenance.work;
-        work.passes.absorb(report);
-        work.wall_seconds = earlier.wall_seconds + self.clock.wall().as_secs_f64();
-        work.cpu_seconds = earlier.cpu_seconds + self.clock.cpu().as_secs_f64();
-        work.finished = provenance::now();
-    }
+fn account(provenance: &mut Provenance, clock: &Stopwatch, earlier: &provenance::Work, report: PassReport) {
+    let work = &mut provenance.work;
+    work.passes.absorb(report);
+    work.wall_seconds = earlier.wall_seconds + clock.wall().as_secs_f64();
+    work.cpu_seconds = earlier.cpu_seconds + clock.cpu().as_secs_f64();
+    work.finished = provenance::now();
 }
 
 /// Whether another pass will finish in time at the pace so far; the first one always runs.

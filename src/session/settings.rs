@@ -4,17 +4,17 @@
 use super::{Aov, FrameNumber, Moment};
 use crate::accel::{Backend, Build};
 use crate::film::{Crop, Filter, Layout, Plane};
-use crate::integrator::{IntegratorConfig, Method, MetropolisOptions};
-use crate::path::{Technique, Techniques};
-use crate::sampling::{Heuristic, SamplerKind};
+use crate::integrator::{IntegratorConfig, MethodConfig};
+use crate::sampling::SamplerKind;
 use crate::scene::BuildOptions;
 
 /// All settings, besides the scene, that the pixels of a pass depend on.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct RenderSettings {
-    /// Light transport algorithm.
-    pub method: Method,
+    /// Light transport algorithm with its own parameters.
+    #[serde(flatten)]
+    pub method: MethodConfig,
     /// Width of the full image in pixels.
     pub width: u32,
     /// Height of the full image in pixels.
@@ -50,13 +50,6 @@ pub struct RenderSettings {
     pub clamp: Option<f32>,
     /// Whether the environment is hidden from the camera.
     pub transparent: bool,
-    /// Techniques excluded from bidirectional path tracing, sorted.
-    pub without: Vec<Technique>,
-    /// Heuristic of the MIS weights.
-    pub heuristic: Heuristic,
-    /// Options of the Metropolis methods.
-    #[serde(default)]
-    pub metropolis: MetropolisOptions,
 }
 
 impl RenderSettings {
@@ -70,65 +63,23 @@ impl RenderSettings {
         Moment { frame: self.frame, animation: self.animation.clone() }
     }
 
-    /// Returns a hexadecimal hash of the settings that the method reads. The others change no pixel.
+    /// Returns a hexadecimal hash of the settings.
     pub fn hash(&self) -> String {
         // serde_json sorts fields by name and writes floats in their shortest exact form.
-        let text = self.read().to_string();
+        let text = self.json().to_string();
         blake3::hash(text.as_bytes()).to_hex().to_string()
     }
 
-    /// Returns the settings that the method reads. The destructuring has no `..`: a new setting does not compile until
-    /// it is handled here.
-    pub fn read(&self) -> serde_json::Value {
-        let RenderSettings {
-            method,
-            width,
-            height,
-            crop,
-            camera,
-            frame,
-            animation,
-            depth,
-            filter,
-            sampler,
-            seed,
-            replicates,
-            backend,
-            build,
-            aovs,
-            clamp,
-            transparent,
-            without,
-            heuristic,
-            metropolis,
-        } = self;
-        let by_all = serde_json::json!({
-            "method": method, "width": width, "height": height, "crop": crop, "camera": camera, "frame": frame,
-            "animation": animation, "depth": depth,
-            "filter": filter, "sampler": sampler, "seed": seed, "replicates": replicates, "backend": backend, "build": build,
-            "aovs": aovs, "clamp": clamp, "transparent": transparent,
-        });
-        // Light tracing has a single technique. Its MIS weight is 1 under every heuristic.
-        let of_techniques = serde_json::json!({ "without": without, "heuristic": heuristic });
-        let MetropolisOptions { chains, large_step, lengths, mutations, limit, two_stage } = metropolis;
-        let of_chains = serde_json::json!({ "chains": chains, "limit": limit, "two-stage": two_stage });
-        let large_step = serde_json::json!({ "large-step": large_step });
-        let parts = match method {
-            Method::PathNaive | Method::PathNee | Method::Path | Method::Light => vec![by_all],
-            Method::Bdpt => vec![by_all, of_techniques],
-            Method::Pssmlt => vec![by_all, of_techniques, of_chains, large_step],
-            Method::Mmlt => {
-                vec![by_all, of_techniques, of_chains, large_step, serde_json::json!({ "lengths": lengths })]
-            }
-            Method::Mlt => vec![by_all, of_techniques, of_chains, serde_json::json!({ "mutations": mutations })],
-        };
-        let fields = parts.into_iter().filter_map(|part| part.as_object().cloned()).flatten();
-        serde_json::Value::Object(fields.filter(|(_, value)| !value.is_null()).collect())
+    /// Returns the settings as JSON, without those that are not set.
+    pub fn json(&self) -> serde_json::Value {
+        let fields = serde_json::json!(self).as_object().cloned().unwrap_or_default();
+        serde_json::Value::Object(fields.into_iter().filter(|(_, value)| !value.is_null()).collect())
     }
 
     /// Returns the configuration of the integrators.
     pub fn options(&self) -> IntegratorConfig {
         IntegratorConfig {
+            method: self.method,
             seed: self.seed,
             sampler: self.sampler,
             filter: self.filter,
@@ -136,10 +87,7 @@ impl RenderSettings {
             clamp: self.clamp,
             replicates: self.replicates,
             transparent: self.transparent,
-            techniques: Techniques::without(&self.without),
-            heuristic: self.heuristic,
             crop: self.layout().crop,
-            metropolis: self.metropolis,
         }
     }
 
@@ -157,6 +105,10 @@ impl RenderSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrator::{Method, Mutations};
+    use crate::named::Named;
+    use crate::path::Technique;
+    use crate::sampling::Heuristic;
     use crate::session::SettingsPatch;
 
     fn settings() -> RenderSettings {
@@ -181,7 +133,7 @@ mod tests {
             RenderSettings { depth: Some(3), ..base.clone() },
             RenderSettings { clamp: Some(1.0), ..base.clone() },
             RenderSettings { transparent: true, ..base.clone() },
-            RenderSettings { method: Method::Bdpt, ..base.clone() },
+            RenderSettings { method: Method::Bdpt.into(), ..base.clone() },
             RenderSettings { width: 7, ..base.clone() },
             RenderSettings { height: 7, ..base.clone() },
             RenderSettings { crop: Some(Crop { x0: 0, y0: 0, x1: 1, y1: 1 }), ..base.clone() },
@@ -196,33 +148,33 @@ mod tests {
         assert!(changed.iter().all(|s| s.hash() != base.hash()));
     }
 
-    /// Change of one option.
-    type Change = fn(&mut RenderSettings);
+    /// Change of one choice.
+    type Change = fn(&mut SettingsPatch);
 
-    /// Options read by some methods only, each with those methods.
-    const OPTIONS: &[(&str, &[Method], Change)] = {
+    /// Choices read by some methods only, each with those methods.
+    const CHOICES: &[(&str, &[Method], Change)] = {
         use Method::{Bdpt, Mlt, Mmlt, Pssmlt};
         &[
-            ("heuristic", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.heuristic = Heuristic::Power),
-            ("without", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.without = vec![Technique::Splat]),
-            ("large-step", &[Pssmlt, Mmlt], |s| s.metropolis.large_step = 0.5),
-            ("lengths", &[Mmlt], |s| s.metropolis.lengths = 5),
-            ("mutations", &[Mlt], |s| s.metropolis.mutations.lens = 2.0),
-            ("chains", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.chains = Some(7)),
-            ("limit", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.limit = Some(0.0)),
-            ("two-stage", &[Pssmlt, Mmlt, Mlt], |s| s.metropolis.two_stage = true),
+            ("heuristic", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.heuristic = Some(Heuristic::Power)),
+            ("without", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.without = Some(vec![Technique::Splat])),
+            ("large-step", &[Pssmlt, Mmlt], |s| s.large_step = Some(0.5)),
+            ("mmlt-depths", &[Mmlt], |s| s.mmlt_depths = Some(5)),
+            ("mutations", &[Mlt], |s| s.mutations = Some(Mutations { lens: 2.0, ..Mutations::default() })),
+            ("chains", &[Pssmlt, Mmlt, Mlt], |s| s.chains = Some(7)),
+            ("chain-threshold", &[Pssmlt, Mmlt, Mlt], |s| s.chain_threshold = Some(0.0)),
+            ("two-stage", &[Pssmlt, Mmlt, Mlt], |s| s.two_stage = Some(true)),
         ]
     };
 
     #[test]
     fn a_method_hashes_what_it_reads_and_nothing_else() {
-        for &method in <Method as clap::ValueEnum>::value_variants() {
-            let base = RenderSettings { method, ..settings() };
-            for (name, readers, change) in OPTIONS {
+        for &method in Method::all() {
+            let base = SettingsPatch { method: Some(method), ..SettingsPatch::default() };
+            let hash = |patch: &SettingsPatch| patch.settings(None).unwrap().hash();
+            for (name, readers, change) in CHOICES {
                 let mut changed = base.clone();
                 change(&mut changed);
-                assert_ne!(changed, base, "{name} changes nothing");
-                assert_eq!(changed.hash() != base.hash(), readers.contains(&method), "{name} of {method:?}");
+                assert_eq!(hash(&changed) != hash(&base), readers.contains(&method), "{name} of {method:?}");
             }
         }
     }

@@ -2,6 +2,7 @@
 //! The same names therefore mean the same in both places, and the command line overrides the file field by field.
 
 use super::plan::round_spp;
+use super::setting_value::{Form, SettingValue};
 use super::{
     Aov, Budget, EnvironmentChoice, FrameNumber, PassPlan, PassSelection, RenderSettings, Size, StopCriteria,
     Surroundings, Window,
@@ -9,10 +10,13 @@ use super::{
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
-use crate::integrator::{Method, MetropolisOptions, Mutations};
+use crate::integrator::{
+    BdptConfig, ChainsConfig, Method, MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig,
+};
 use crate::io::png::ToneCurve;
-use crate::path::Technique;
+use crate::path::{Technique, Techniques};
 use crate::sampling::{Heuristic, SamplerKind};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 /// Default samples per pixel if no stopping criterion is given.
@@ -24,119 +28,149 @@ const DEFAULT_FPS: f64 = 24.0;
 /// Limit of samples per pixel if only an error target is given, so that a render that cannot reach it ends.
 const MOST_SPP_UNASKED: u32 = 1 << 16;
 
-/// Choices about a render; `None` stands for the default.
-#[derive(Debug, Clone, Default, clap::Args, serde::Deserialize)]
-#[command(next_help_heading = "Picture")]
-#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
-pub struct SettingsPatch {
+/// A render setting: the source of its `render.toml` key, its flag and its explanation.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting {
+    /// Key in `render.toml`, and flag.
+    pub name: &'static str,
+    /// Another spelling of the name.
+    pub alias: Option<&'static str>,
+    /// Short flag.
+    pub short: Option<char>,
+    /// Explanation.
+    pub help: &'static str,
+    /// Placeholder of the value.
+    pub value: &'static str,
+    /// A valid value, as written in `render.toml`.
+    pub example: &'static str,
+    /// Form of the value on the command line.
+    pub form: Form,
+    /// Names and explanations of the possible values; empty if they cannot be listed.
+    pub values: fn() -> Vec<(&'static str, &'static str)>,
+    /// Parses a value and sets it.
+    set: fn(&mut SettingsPatch, &str) -> std::result::Result<(), String>,
+}
+
+impl Setting {
+    /// Parses `text`, as written on the command line, and sets the value in `patch`.
+    ///
+    /// # Errors
+    /// A sentence about the text.
+    pub fn set(&self, patch: &mut SettingsPatch, text: &str) -> std::result::Result<(), String> {
+        (self.set)(patch, text)
+    }
+}
+
+/// Writes [`SettingsPatch`] and [`SETTINGS`] from one row a setting.
+macro_rules! settings {
+    ($($(#[doc = $doc:literal])+ $name:literal $(| $alias:literal)? => $field:ident: $type:ty {
+        value: $value:literal, example: $example:literal $(, short: $short:expr)?
+    })*) => {
+        /// Choices about a render; `None` stands for the default.
+        #[derive(Debug, Clone, Default, serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct SettingsPatch {
+            $($(#[doc = $doc])+ #[serde(rename = $name $(, alias = $alias)?)] pub $field: Option<$type>,)*
+        }
+
+        impl SettingsPatch {
+            /// Returns these choices, each with that of `fallback` where there is none.
+            fn completed(self, fallback: SettingsPatch) -> SettingsPatch {
+                SettingsPatch { $($field: self.$field.or(fallback.$field),)* }
+            }
+        }
+
+        /// All settings.
+        pub const SETTINGS: &[Setting] = &[$(Setting {
+            name: $name,
+            alias: [$(Some($alias),)? None][0],
+            short: [$($short,)? None][0],
+            help: concat!($($doc),+),
+            value: $value,
+            example: $example,
+            form: <$type as SettingValue>::FORM,
+            values: <$type as SettingValue>::values,
+            set: |patch, text| {
+                patch.$field = Some(SettingValue::parse(text)?);
+                Ok(())
+            },
+        },)*];
+    };
+}
+
+settings! {
     /// Light transport algorithm [default: path]
-    #[arg(long, short, value_enum)]
-    pub method: Option<Method>,
+    "method" => method: Method { value: "METHOD", example: r#""path""#, short: Some('m') }
     /// Samples per pixel at most, rounded up to the replicates times a power of two [default: 64; none with --time;
     /// 65536 with --target-error alone]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 30))]
-    pub spp: Option<u32>,
+    "spp" => spp: u32 { value: "SPP", example: r#"64"# }
     /// Render for this long at most, e.g. 30s or 5m
-    #[arg(long, value_name = "TIME")]
-    pub time: Option<Budget>,
+    "time" => time: Budget { value: "TIME", example: r#""5m""# }
     /// Stop once the relative mean squared error is below this with 95 % confidence, e.g. 1e-3
-    #[arg(long, value_name = "RELMSE", allow_negative_numbers = true)]
-    pub target_error: Option<f64>,
+    "target-error" => target_error: f64 { value: "RELMSE", example: r#"1e-3"# }
     /// Image size; without a height the camera's aspect decides [default: 1280 wide, or 1280x720]
-    #[arg(long, value_name = "WIDTH[xHEIGHT]")]
-    pub size: Option<Size>,
+    "size" => size: Size { value: "WIDTH[xHEIGHT]", example: r#""1280x720""# }
     /// Render only these pixels, from the top left, X1 and Y1 exclusive
-    #[arg(long, value_name = "X0,Y0,X1,Y1")]
-    pub crop: Option<Window>,
+    "crop" => crop: Window { value: "X0,Y0,X1,Y1", example: r#""0,0,640,360""# }
     /// Camera by name or number from 0 [default: the first]
-    #[arg(long, value_name = "NAME")]
-    pub camera: Option<String>,
+    "camera" => camera: String { value: "NAME", example: r#""0""# }
     /// Frame of the scene's animations; frame 0 is at time 0 [default: the scene as it stands]
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    pub frame: Option<u32>,
+    "frame" => frame: u32 { value: "NUMBER", example: r#"0"# }
     /// The only animation that is played, by name or number from 0, from frame 0 if no other is chosen [default: all
     /// together; where two move the same the later one]
-    #[arg(long, value_name = "NAME|NUMBER")]
-    pub animation: Option<String>,
+    "animation" => animation: String { value: "NAME|NUMBER", example: r#""walk""# }
     /// Frames per second, for --frame [default: 24]
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
-    pub fps: Option<f64>,
+    "fps" => fps: f64 { value: "RATE", example: r#"24.0"# }
     /// Longest light path, in scattering events [default: unlimited, ended by roulette]
-    #[arg(long, value_name = "EVENTS")]
-    pub depth: Option<u32>,
+    "depth" => depth: u32 { value: "EVENTS", example: r#"64"# }
     /// Pixel filter [default: blackman-harris]
-    #[arg(long, value_enum)]
-    pub filter: Option<Filter>,
+    "filter" => filter: Filter { value: "FILTER", example: r#""blackman-harris""# }
     /// Sample generator [default: sobol]
-    #[arg(long, value_enum)]
-    pub sampler: Option<SamplerKind>,
+    "sampler" => sampler: SamplerKind { value: "SAMPLER", example: r#""sobol""# }
     /// Seed of all random numbers [default: 0]
-    #[arg(long)]
-    pub seed: Option<u64>,
+    "seed" => seed: u64 { value: "SEED", example: r#"0"# }
     /// Independent replicates, between which the error is measured; 1 measures none [default: 16 for methods with
     /// chains, else 4]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=256))]
-    pub replicates: Option<u32>,
+    "replicates" => replicates: u32 { value: "REPLICATES", example: r#"4"# }
     /// Ray-tracing backend [default: embree; obvhs where étendue was built without it]
-    #[arg(long, value_enum)]
-    pub backend: Option<Backend>,
+    "backend" => backend: Backend { value: "BACKEND", example: r#""obvhs""# }
     /// Build of the acceleration structure [default: robust]
-    #[arg(long, value_enum)]
-    pub build: Option<Build>,
+    "build" => build: Build { value: "BUILD", example: r#""robust""# }
     /// Extra layers of the EXR image, separated by commas
-    #[arg(long = "aov", value_enum, value_delimiter = ',', value_name = "LAYERS")]
-    #[serde(rename = "aov")]
-    pub aovs: Option<Vec<Aov>>,
+    "aov" => aovs: Vec<Aov> { value: "LAYERS", example: r#"["albedo", "normal"]"# }
     /// Clamp each sample to this radiance: less noise, but the image is biased (darker)
-    #[arg(long, value_name = "RADIANCE", allow_negative_numbers = true)]
-    pub clamp: Option<f32>,
+    "clamp" => clamp: f32 { value: "RADIANCE", example: r#"10.0"# }
     /// Hide the environment, map or not, from the camera and write coverage as alpha: it still lights the scene
-    #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
-    pub transparent: Option<bool>,
+    "transparent" => transparent: bool { value: "BOOL", example: r#"true"# }
     /// Techniques to exclude from bdpt, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "TECHNIQUES")]
-    pub without: Option<Vec<Technique>>,
+    "without" => without: Vec<Technique> { value: "TECHNIQUES", example: r#"["splat"]"# }
     /// Heuristic of the MIS weights of bdpt [default: balance]
-    #[arg(long, value_enum)]
-    pub heuristic: Option<Heuristic>,
+    "heuristic" => heuristic: Heuristic { value: "HEURISTIC", example: r#""balance""# }
     /// Chains per pass of a Metropolis method [default: one for 500 pixels, 1024 at most]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    pub chains: Option<u32>,
+    "chains" => chains: u32 { value: "CHAINS", example: r#"128"# }
     /// Large-step probability in primary sample space, for pssmlt and mmlt [default: 0.3]
-    #[arg(long, value_name = "PROBABILITY", allow_negative_numbers = true)]
-    pub large_step: Option<f64>,
+    "large-step" => large_step: f64 { value: "PROBABILITY", example: r#"0.3"# }
     /// Scattering events up to which mmlt has chains for each path length; longer paths share theirs [default: 8]
-    #[arg(long, value_name = "EVENTS", value_parser = clap::value_parser!(u32).range(2..=64))]
-    pub lengths: Option<u32>,
+    "mmlt-depths" | "lengths" => mmlt_depths: u32 { value: "EVENTS", example: r#"8"# }
     /// Relative frequencies of the mutations of mlt, e.g. bidirectional=1,lens=2; others are off [default: all alike]
-    #[arg(long, value_name = "NAME=WEIGHT,...")]
-    pub mutations: Option<Mutations>,
+    "mutations" => mutations: Mutations { value: "NAME=WEIGHT,...", example: r#""bidirectional=1,lens=2""# }
     /// Contribution above which chains estimate a sample's excess, in units of the typical radiance at its position; 0
     /// leaves all to chains [default: 10 where a pilot finds little noise, else 0]
-    #[arg(long, value_name = "TIMES", allow_negative_numbers = true)]
-    pub limit: Option<f64>,
+    "chain-threshold" | "limit" => chain_threshold: f64 { value: "TIMES", example: r#"10.0"# }
     /// Two-stage MLT: let chains visit dark parts of the image as often as bright ones
-    #[arg(long, num_args = 0..=1, default_missing_value = "true", require_equals = true, value_name = "BOOL")]
-    pub two_stage: Option<bool>,
+    "two-stage" => two_stage: bool { value: "BOOL", example: r#"true"# }
     /// Environment that replaces the scene's own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)
-    #[arg(long, alias = "environment", value_name = "RADIANCE|FILE", allow_negative_numbers = true)]
-    #[serde(alias = "environment")]
-    pub env: Option<EnvironmentChoice>,
+    "env" | "environment" => env: EnvironmentChoice { value: "RADIANCE|FILE", example: r#""sky.hdr""# }
     /// Turn the map about the up axis, counter-clockwise seen from above [default: 0]
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
-    pub env_rotation: Option<f64>,
+    "env-rotation" => env_rotation: f64 { value: "DEGREES", example: r#"90.0"# }
     /// Take this layer or part of an EXR map [default: the plain channels, else Combined, else the first]
-    #[arg(long, value_name = "NAME")]
-    pub env_layer: Option<String>,
+    "env-layer" => env_layer: String { value: "NAME", example: r#""ViewLayer.Combined""# }
     /// Multiply the radiance of --env [default: 1]
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
-    pub env_scale: Option<f32>,
+    "env-scale" => env_scale: f32 { value: "FACTOR", example: r#"1.0"# }
     /// Exposure of PNG images, in stops [default: 0]
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
-    pub exposure: Option<f32>,
+    "exposure" => exposure: f32 { value: "STOPS", example: r#"0.0"# }
     /// Tone curve of PNG images [default: srgb]
-    #[arg(long, value_enum)]
-    pub curve: Option<ToneCurve>,
+    "curve" => curve: ToneCurve { value: "CURVE", example: r#""filmic""# }
 }
 
 /// Tone mapping of 8-bit images.
@@ -182,42 +216,14 @@ impl SettingsPatch {
         let stops_here = self.stops();
         // Rotation and scale belong to the environment that they were given with.
         let surrounds_here = self.env.is_some();
-        SettingsPatch {
-            method: self.method.or(fallback.method),
-            spp: if stops_here { self.spp } else { fallback.spp },
-            time: if stops_here { self.time } else { fallback.time },
-            target_error: if stops_here { self.target_error } else { fallback.target_error },
-            size: self.size.or(fallback.size),
-            crop: self.crop.or(fallback.crop),
-            camera: self.camera.or(fallback.camera),
-            frame: self.frame.or(fallback.frame),
-            animation: self.animation.or(fallback.animation),
-            fps: self.fps.or(fallback.fps),
-            depth: self.depth.or(fallback.depth),
-            filter: self.filter.or(fallback.filter),
-            sampler: self.sampler.or(fallback.sampler),
-            seed: self.seed.or(fallback.seed),
-            replicates: self.replicates.or(fallback.replicates),
-            backend: self.backend.or(fallback.backend),
-            build: self.build.or(fallback.build),
-            aovs: self.aovs.or(fallback.aovs),
-            clamp: self.clamp.or(fallback.clamp),
-            transparent: self.transparent.or(fallback.transparent),
-            without: self.without.or(fallback.without),
-            heuristic: self.heuristic.or(fallback.heuristic),
-            chains: self.chains.or(fallback.chains),
-            large_step: self.large_step.or(fallback.large_step),
-            lengths: self.lengths.or(fallback.lengths),
-            mutations: self.mutations.or(fallback.mutations),
-            limit: self.limit.or(fallback.limit),
-            two_stage: self.two_stage.or(fallback.two_stage),
-            env: self.env.or(fallback.env),
-            env_rotation: self.env_rotation.or(fallback.env_rotation.filter(|_| !surrounds_here)),
-            env_layer: self.env_layer.or(fallback.env_layer.filter(|_| !surrounds_here)),
-            env_scale: self.env_scale.or(fallback.env_scale.filter(|_| !surrounds_here)),
-            exposure: self.exposure.or(fallback.exposure),
-            curve: self.curve.or(fallback.curve),
+        let mut fallback = fallback;
+        if stops_here {
+            (fallback.spp, fallback.time, fallback.target_error) = (None, None, None);
         }
+        if surrounds_here {
+            (fallback.env_rotation, fallback.env_layer, fallback.env_scale) = (None, None, None);
+        }
+        self.completed(fallback)
     }
 
     /// Resolves the settings, for a camera with aspect ratio `aspect` (width over height).
@@ -229,11 +235,8 @@ impl SettingsPatch {
         let mut aovs = self.aovs.clone().unwrap_or_default();
         aovs.sort_unstable();
         aovs.dedup();
-        let mut without = self.without.clone().unwrap_or_default();
-        without.sort_unstable();
-        without.dedup();
         Ok(RenderSettings {
-            method: self.method.unwrap_or_default(),
+            method: self.method_config()?,
             width,
             height,
             crop: self.crop.map(|w| within(w.0, width, height)).transpose()?,
@@ -250,9 +253,6 @@ impl SettingsPatch {
             aovs,
             clamp: self.clamp.map(positive).transpose()?,
             transparent: self.transparent.unwrap_or(false),
-            without,
-            heuristic: self.heuristic.unwrap_or_default(),
-            metropolis: self.metropolis()?,
         })
     }
 
@@ -266,30 +266,48 @@ impl SettingsPatch {
         Ok(self.frame.or(first).map(|number| FrameNumber { number, fps }))
     }
 
-    /// Resolves the options of the Metropolis methods.
-    fn metropolis(&self) -> Result<MetropolisOptions> {
-        let usual = MetropolisOptions::default();
-        let large_step = self.large_step.unwrap_or(usual.large_step);
+    /// Resolves the method and its parameters.
+    ///
+    /// # Errors
+    /// A value is out of range, whether or not the method reads it, or contradicts the method.
+    pub fn method_config(&self) -> Result<MethodConfig> {
+        let method = self.method.unwrap_or_default();
+        let techniques = Techniques::without(self.without.as_deref().unwrap_or_default());
+        let bdpt = BdptConfig { techniques, heuristic: self.heuristic.unwrap_or_default() };
+        let chains = self.chains_config()?;
+        let (pssmlt, mmlt) = (PssmltConfig::default(), MmltConfig::default());
+        let large_step = self.large_step.unwrap_or(pssmlt.large_step);
         if !(large_step > 0.0 && large_step <= 1.0) {
             return Err(Error::usage(
                 "large-step must be above 0 and at most 1: small steps alone do not reach every path",
             ));
         }
-        if self.limit.is_some_and(|limit| !(limit >= 0.0 && limit.is_finite())) {
-            return Err(Error::usage("limit must not be negative"));
-        }
-        if self.clamp.is_some() && self.method.is_some_and(Method::has_chains) {
+        let mmlt_depths = between("mmlt-depths", self.mmlt_depths.unwrap_or(mmlt.mmlt_depths), 2..=64)?;
+        if self.clamp.is_some() && method.has_chains() {
             return Err(Error::usage(
                 "clamp does nothing sensible to chains, whose samples are all alike: leave it out",
             ));
         }
-        Ok(MetropolisOptions {
-            chains: self.chains.map(|chains| in_range("chains", chains, 1 << 20)).transpose()?,
-            large_step,
-            lengths: self.lengths.unwrap_or(usual.lengths).clamp(2, 64),
-            mutations: self.mutations.unwrap_or_default(),
-            limit: self.limit,
-            two_stage: self.two_stage.unwrap_or(usual.two_stage),
+        Ok(match MethodConfig::from(method) {
+            MethodConfig::Bdpt(_) => MethodConfig::Bdpt(bdpt),
+            MethodConfig::Pssmlt(_) => MethodConfig::Pssmlt(PssmltConfig { bdpt, chains, large_step }),
+            MethodConfig::Mmlt(_) => MethodConfig::Mmlt(MmltConfig { bdpt, chains, large_step, mmlt_depths }),
+            MethodConfig::Mlt(_) => {
+                MethodConfig::Mlt(MltConfig { bdpt, chains, mutations: self.mutations.unwrap_or_default() })
+            }
+            plain => plain,
+        })
+    }
+
+    fn chains_config(&self) -> Result<ChainsConfig> {
+        if self.chain_threshold.is_some_and(|threshold| !(threshold >= 0.0 && threshold.is_finite())) {
+            return Err(Error::usage("chain-threshold must not be negative"));
+        }
+        let chains = self.chains.map(|chains| in_range("chains", chains, 1 << 20)).transpose()?;
+        Ok(ChainsConfig {
+            chains,
+            chain_threshold: self.chain_threshold,
+            two_stage: self.two_stage.unwrap_or_default(),
         })
     }
 
@@ -338,7 +356,7 @@ impl SettingsPatch {
     ///
     /// # Errors
     /// An exposure that is not finite.
-    pub fn look(&self) -> Result<ToneMapping> {
+    pub fn tone(&self) -> Result<ToneMapping> {
         let exposure = self.exposure.unwrap_or(0.0);
         if !exposure.is_finite() {
             return Err(Error::usage("exposure must be finite"));
@@ -355,7 +373,12 @@ impl SettingsPatch {
 }
 
 fn in_range(name: &str, value: u32, most: u32) -> Result<u32> {
-    if (1..=most).contains(&value) { Ok(value) } else { Err(Error::usage(format!("{name} must be from 1 to {most}"))) }
+    between(name, value, 1..=most)
+}
+
+fn between(name: &str, value: u32, range: RangeInclusive<u32>) -> Result<u32> {
+    let (least, most) = (range.start(), range.end());
+    if range.contains(&value) { Ok(value) } else { Err(Error::usage(format!("{name} must be from {least} to {most}"))) }
 }
 
 fn positive(clamp: f32) -> Result<f32> {

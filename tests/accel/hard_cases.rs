@@ -6,6 +6,7 @@ use etendue::accel::{Accel, Backend, Build, Intersector};
 use etendue::geometry::{Hit, Opaque, Ray};
 use etendue::lab::equivalence::{Agreement, Category, agreement};
 use etendue::lab::hard_cases::{HardCase, all, title};
+use etendue::named::Named;
 use etendue_testing::deep;
 use rayon::prelude::*;
 

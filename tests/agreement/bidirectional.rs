@@ -7,7 +7,7 @@ use crate::equilibrium::{KINDS, Kind, equilibrium};
 use crate::picture::{LEVEL, Shot, scene};
 use crate::reciprocity::{IN_GLASS, INDEX, alcove};
 use etendue::film::{Crop, Filter, Layout, PassFilm};
-use etendue::integrator::{self, Guards, IntegratorConfig, Method, MetropolisOptions, PilotEstimate};
+use etendue::integrator::{self, Guards, IntegratorConfig, Method, PilotEstimate};
 use etendue::parallel::Cancel;
 use etendue::path::{Technique, Techniques};
 use etendue::sampling::SamplerKind;
@@ -15,6 +15,7 @@ use etendue::scene::Scene;
 use etendue::scene::description::{CameraDescription, Projection};
 use etendue::stats::{Estimate, Moments, sidak_level, t_test, welch_test};
 use etendue_testing::deep;
+use etendue_testing::methods::ChainOptions;
 use etendue_testing::studio::{camera, matte, point_light};
 use etendue_testing::worlds::{World, all};
 use glam::DVec3;
@@ -34,7 +35,7 @@ pub(crate) struct How {
     pub(crate) shot: Shot,
     pub(crate) techniques: Techniques,
     pub(crate) crop: Option<Crop>,
-    pub(crate) metropolis: MetropolisOptions,
+    pub(crate) chains: ChainOptions,
 }
 
 impl How {
@@ -43,7 +44,7 @@ impl How {
             shot: Shot::new(method, side, spp),
             techniques: Techniques::ALL,
             crop: None,
-            metropolis: MetropolisOptions::default(),
+            chains: ChainOptions::default(),
         }
     }
 
@@ -62,13 +63,11 @@ pub(crate) fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f
         filter: how.shot.filter,
         sampler: SamplerKind::Sobol,
         replicates: 1,
-        techniques: how.techniques,
-        metropolis: how.metropolis,
-        ..IntegratorConfig::new(&layout)
+        ..IntegratorConfig::new(how.chains.config(method, how.techniques), &layout)
     };
     let camera = scene.camera(Some(&camera.to_string()), side, side).expect("a camera");
     let pilot = integrator::pilot(scene, &camera, &options, &layout);
-    let integrator = integrator::build(method, scene, camera, &options, &pilot);
+    let integrator = integrator::build(scene, camera, &options, &pilot);
     let (mut pass, mut sums) = (PassFilm::new(&layout), vec![0.0; layout.pixels() * 3]);
     for k in 0..spp {
         pass.clear();
@@ -311,10 +310,10 @@ fn a_limit_of_depth_means_the_same() {
 fn threads_leave_no_trace() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     let layout = Layout::new(40, 40, None, &[]);
-    let options = IntegratorConfig::new(&layout);
     let camera = scene.camera(None, 40, 40).expect("a camera");
     for method in [Method::Light, Method::Bdpt, Method::Pssmlt, Method::Mmlt, Method::Mlt] {
-        let integrator = integrator::build(method, &scene, camera.clone(), &options, &PilotEstimate::default());
+        let options = IntegratorConfig::new(method, &layout);
+        let integrator = integrator::build(&scene, camera.clone(), &options, &PilotEstimate::default());
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             let mut pass = PassFilm::new(&layout);

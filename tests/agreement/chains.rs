@@ -6,18 +6,19 @@ use crate::equilibrium::{KINDS, Kind, equilibrium};
 use crate::picture::{LEVEL, Shot, scene};
 use crate::references::load;
 use etendue::film::Filter;
-use etendue::integrator::{Method, MetropolisOptions};
+use etendue::integrator::Method;
 use etendue::path::Technique;
 use etendue::stats::{sidak_level, t_test};
 use etendue_testing::deep;
+use etendue_testing::methods::ChainOptions;
 use etendue_testing::worlds::{World, all};
 
 const METHODS: [Method; 3] = [Method::Pssmlt, Method::Mmlt, Method::Mlt];
 
 /// With everything left to chains, or what is above so many times the usual.
 fn how(method: Method, samples: u64, limit: f64) -> How {
-    let metropolis = MetropolisOptions { limit: Some(limit), lengths: 5, ..MetropolisOptions::default() };
-    How { metropolis, ..How::new(method, 16, spp(samples)) }
+    let chains = ChainOptions { threshold: Some(limit), depths: Some(5), ..ChainOptions::default() };
+    How { chains, ..How::new(method, 16, spp(samples)) }
 }
 
 /// Rough and Dirac surfaces, mixtures, bent normals, absorption, lights of all kinds under a map.
@@ -74,8 +75,8 @@ fn chains_show_what_is_in_the_scenes() {
         let bdpt = of(How::new(Method::Bdpt, 64, 64));
         for method in METHODS {
             for limit in [None, Some(0.0)] {
-                let metropolis = MetropolisOptions { limit, ..MetropolisOptions::default() };
-                let found = of(How { metropolis, ..How::new(method, 64, 64) });
+                let chains = ChainOptions { threshold: limit, ..ChainOptions::default() };
+                let found = of(How { chains, ..How::new(method, 64, 64) });
                 agree(&bdpt, &found).unwrap_or_else(|e| panic!("{name}, {method:?}, {limit:?}: {e}"));
                 assert!(
                     agree(&bdpt, &found.scaled(1.1)).is_err(),
@@ -87,36 +88,32 @@ fn chains_show_what_is_in_the_scenes() {
 }
 
 /// A picture so small that a chain is short and its seed matters.
-fn expect_small_picture(method: Method, count: u64, metropolis: MetropolisOptions) {
+fn expect_small_picture(method: Method, count: u64, chains: ChainOptions) {
     let World { scene, .. } = all().into_iter().find(|w| w.name == "dirac").expect("dirac");
     let [bdpt, found] =
-        [Method::Bdpt, method].map(|m| some_runs(&scene, &How { metropolis, ..How::new(m, 16, 16) }, count));
+        [Method::Bdpt, method].map(|m| some_runs(&scene, &How { chains, ..How::new(m, 16, 16) }, count));
     agree(&bdpt, &found).unwrap_or_else(|e| panic!("{method:?}: {e}"));
 }
 
 #[test]
 fn a_small_picture_of_paths_is_right() {
-    expect_small_picture(Method::Mlt, 16, MetropolisOptions { limit: Some(0.0), ..MetropolisOptions::default() });
+    expect_small_picture(Method::Mlt, 16, ChainOptions::all());
 }
 
 #[test]
 fn a_small_picture_of_techniques_is_right() {
-    expect_small_picture(
-        Method::Mmlt,
-        10,
-        MetropolisOptions { limit: Some(0.0), lengths: 2, ..MetropolisOptions::default() },
-    );
+    expect_small_picture(Method::Mmlt, 10, ChainOptions { depths: Some(2), ..ChainOptions::all() });
 }
 
 #[test]
 fn a_small_picture_of_two_stages_is_right() {
-    let metropolis = MetropolisOptions { limit: Some(0.0), two_stage: true, ..MetropolisOptions::default() };
-    expect_small_picture(Method::Mlt, 6, metropolis);
+    let chains = ChainOptions { two_stage: true, ..ChainOptions::all() };
+    expect_small_picture(Method::Mlt, 6, chains);
 }
 
 #[test]
 fn a_small_picture_above_a_limit_is_right() {
-    expect_small_picture(Method::Mlt, 6, MetropolisOptions { limit: Some(0.5), ..MetropolisOptions::default() });
+    expect_small_picture(Method::Mlt, 6, ChainOptions { threshold: Some(0.5), ..ChainOptions::default() });
 }
 
 /// Depth counts scattering events, in chains too.

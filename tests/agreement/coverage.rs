@@ -4,13 +4,15 @@
 
 use crate::references::load;
 use etendue::film::{Film, Filter, ImageError, Layout, PassFilm, Plane};
-use etendue::integrator::{self, IntegratorConfig, Method, MetropolisOptions};
+use etendue::integrator::{self, IntegratorConfig, Method};
 use etendue::parallel::Cancel;
+use etendue::path::Techniques;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
 use etendue::session::target::{self, Check};
 use etendue::stats::{sidak_level, student_quantile};
 use etendue_testing::deep;
+use etendue_testing::methods::ChainOptions;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
 
@@ -58,7 +60,7 @@ struct Subject {
     method: Method,
     filter: Filter,
     spp: u64,
-    /// See [`MetropolisOptions::limit`].
+    /// See [`ChainOptions::threshold`].
     limit: Option<f64>,
 }
 
@@ -78,20 +80,18 @@ impl Study<'_> {
     fn run(&self, seed: u64) -> Run {
         let Subject { method, filter, spp, .. } = self.subject;
         let replicates = method.replicates();
-        let metropolis = MetropolisOptions { limit: self.subject.limit, ..MetropolisOptions::default() };
+        let chains = ChainOptions { threshold: self.subject.limit, ..ChainOptions::default() };
         let layout = Layout::new(SIDE, SIDE, None, &[]);
         let options = IntegratorConfig {
             seed,
             sampler: self.sampler,
             filter,
-            replicates,
-            metropolis,
-            ..IntegratorConfig::new(&layout)
+            ..IntegratorConfig::new(chains.config(method, Techniques::ALL), &layout)
         };
         let camera = self.scene.camera(None, SIDE, SIDE).expect("a camera");
         let pilot = integrator::pilot(self.scene, &camera, &options, &layout);
         let mut film = Film::new(layout.clone(), replicates, seed, pilot.units);
-        let integrator = integrator::build(method, self.scene, camera, &options, &pilot);
+        let integrator = integrator::build(self.scene, camera, &options, &pilot);
         let (mut values, mut looks) = (PassFilm::new(&layout), Vec::new());
         let mut means = vec![vec![0.0; layout.pixels() * 3]; replicates as usize];
         for pass in 0..spp {

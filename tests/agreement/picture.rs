@@ -1,9 +1,8 @@
 //! Rendered pictures with their errors, and the tests they are put to.
 
 use etendue::accel::Backend;
-use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
-use etendue::integrator::{self, Guards, IntegratorConfig, Method, PassReport};
-use etendue::parallel::Cancel;
+use etendue::film::{Filter, Layout, Plane};
+use etendue::integrator::{FilmRenderer, Guards, IntegratorConfig, Method};
 use etendue::sampling::SamplerKind;
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
@@ -72,20 +71,12 @@ pub(crate) fn render_guarded(scene: &Scene, shot: Shot) -> (Picture, Guards) {
         filter: shot.filter,
         max_depth: shot.depth,
         replicates: REPLICATES,
-        ..IntegratorConfig::new(&layout)
+        ..IntegratorConfig::new(shot.method, &layout)
     };
     let camera = scene.camera(None, shot.side, shot.side).expect("a camera");
-    let pilot = integrator::pilot(scene, &camera, &options, &layout);
-    let mut film = Film::new(layout.clone(), REPLICATES, shot.seed, pilot.units);
-    let integrator = integrator::build(shot.method, scene, camera, &options, &pilot);
-    let mut pass_film = PassFilm::new(&layout).with_unit(pilot.units.radiance);
-    let mut total = PassReport::default();
-    for pass in 0..shot.spp {
-        pass_film.clear();
-        let report = integrator.run_pass(pass, &Cancel::new(), &mut pass_film).expect("not cancelled");
-        total.absorb(report);
-        film.commit(pass, &pass_film);
-    }
+    let mut renderer = FilmRenderer::begin(scene, camera, &options, &layout);
+    let total = renderer.passes(shot.spp);
+    let film = renderer.film();
     let mean = film.mean(Plane::Color).into_iter().map(f64::from).collect();
     let error = film.standard_error().expect("replicates");
     let variance = error.into_iter().map(|e| f64::from(e).powi(2)).collect();

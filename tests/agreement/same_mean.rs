@@ -5,11 +5,13 @@
 use crate::references::load;
 use etendue::film::pyramid::Pyramid;
 use etendue::film::{Film, Filter, Layout, PassFilm};
-use etendue::integrator::{self, IntegratorConfig, Method, MetropolisOptions};
+use etendue::integrator::{self, IntegratorConfig, Method};
 use etendue::lab::same_mean::{Outcome, TestedPicture, judge};
 use etendue::parallel::Cancel;
+use etendue::path::Techniques;
 use etendue::scene::Scene;
 use etendue_testing::deep;
+use etendue_testing::methods::ChainOptions;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -37,19 +39,18 @@ impl Subject {
     /// A picture with more light by `factor` than there is.
     fn render(&self, scene: &Scene, seed: u64, factor: f32) -> Pyramid {
         let Subject { method, side, spp, replicates, .. } = *self;
-        let metropolis = MetropolisOptions { limit: self.all_to_chains.then_some(0.0), ..MetropolisOptions::default() };
+        let chains = if self.all_to_chains { ChainOptions::all() } else { ChainOptions::default() };
         let layout = Layout::new(side, side, None, &[]);
         let options = IntegratorConfig {
             seed,
             replicates,
-            metropolis,
             filter: Filter::BlackmanHarris,
-            ..IntegratorConfig::new(&layout)
+            ..IntegratorConfig::new(chains.config(method, Techniques::ALL), &layout)
         };
         let camera = scene.camera(None, side, side).expect("a camera");
         let pilot = integrator::pilot(scene, &camera, &options, &layout);
         let mut film = Film::new(layout.clone(), replicates, seed, pilot.units);
-        let integrator = integrator::build(method, scene, camera, &options, &pilot);
+        let integrator = integrator::build(scene, camera, &options, &pilot);
         let mut values = PassFilm::new(&layout).with_unit(pilot.units.radiance);
         for pass in 0..spp {
             values.clear();

@@ -1,10 +1,9 @@
 //! Single-sided surfaces: the camera does not see their backs, everything else does.
 
 use crate::picture::{Shot, render, scene};
-use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
+use etendue::film::{Filter, Layout, Plane};
 use etendue::geometry::Ray;
-use etendue::integrator::{self, IntegratorConfig, Method};
-use etendue::parallel::Cancel;
+use etendue::integrator::{self, FilmRenderer, IntegratorConfig, Method};
 use etendue::scene::Scene;
 use etendue::scene::description::{AlphaMode, Description, Instance, Material, Volume};
 use etendue_testing::studio::{add_square, camera, matte, point_light};
@@ -124,15 +123,11 @@ fn features_are_those_of_what_is_seen() {
     let layout = Layout::new(side, side, None, &[Plane::Depth, Plane::Alpha]);
     let scene = before_a_wall(curtain());
     let camera = scene.camera(None, side, side).expect("a camera");
-    let options = IntegratorConfig { seed: 1, filter: Filter::Box, ..IntegratorConfig::new(&layout) };
-    let pilot = integrator::pilot(&scene, &camera, &options, &layout);
-    let mut film = Film::new(layout.clone(), options.replicates, options.seed, pilot.units);
-    let mut pass = PassFilm::new(&layout);
+    let options = IntegratorConfig { seed: 1, filter: Filter::Box, ..IntegratorConfig::new(Method::Path, &layout) };
     let ids = integrator::ids(&scene, &camera, &layout);
-    integrator::build(Method::Path, &scene, camera, &options, &pilot)
-        .run_pass(0, &Cancel::new(), &mut pass)
-        .expect("a pass");
-    film.commit(0, &pass);
+    let mut renderer = FilmRenderer::begin(&scene, camera, &options, &layout);
+    renderer.passes(1);
+    let film = renderer.film();
     assert!(film.mean(Plane::Alpha).iter().all(|&a| a >= 1.0));
     // The field of view is 60 degrees: its corners are √(1 + 2/3) times as far as its middle, and the panel is at 2.
     let furthest = 6.0 * (1.0f32 + 2.0 / 3.0).sqrt();

@@ -64,10 +64,10 @@ fn resolution_does_not_change_what_is_seen() {
 /// One pass over `crop`.
 fn pass(scene: &Scene, crop: Option<Crop>, sampler: SamplerKind) -> PassFilm {
     let layout = Layout::new(32, 24, crop, &[]);
-    let options = IntegratorConfig { seed: 5, sampler, ..IntegratorConfig::new(&layout) };
+    let options = IntegratorConfig { seed: 5, sampler, ..IntegratorConfig::new(Method::Path, &layout) };
     let camera = scene.camera(None, 32, 24).expect("a camera");
     let mut film = PassFilm::new(&layout);
-    integrator::build(Method::Path, scene, camera, &options, &PilotEstimate::default())
+    integrator::build(scene, camera, &options, &PilotEstimate::default())
         .run_pass(6, &Cancel::new(), &mut film)
         .expect("a pass");
     film

@@ -55,7 +55,7 @@ fn picture(scene: &Scene, options: &IntegratorConfig, passes: u64) -> Film {
     let (layout, camera) = (layout(), scene.camera(None, SIDE as u32, SIDE as u32).expect("a camera"));
     let units = integrator::pilot(scene, &camera, options, &layout).units;
     let mut film = Film::new(layout.clone(), options.replicates, options.seed, units);
-    let method = integrator::build(Method::Bdpt, scene, camera, options, &PilotEstimate::default());
+    let method = integrator::build(scene, camera, options, &PilotEstimate::default());
     for pass in 0..passes {
         let mut samples = PassFilm::new(&layout).with_unit(units.radiance);
         method.run_pass(pass, &Cancel::new(), &mut samples).expect("not cancelled");
@@ -75,8 +75,13 @@ fn picture(scene: &Scene, options: &IntegratorConfig, passes: u64) -> Film {
 fn weighted_images_sum_to_the_picture() {
     let Some(scene) = load("cornell-box") else { return };
     for (sampler, filter) in [(SamplerKind::Sobol, Filter::BlackmanHarris), (SamplerKind::Independent, Filter::Box)] {
-        let options =
-            IntegratorConfig { seed: 5, sampler, filter, max_depth: Some(DEEPEST), ..IntegratorConfig::new(&layout()) };
+        let options = IntegratorConfig {
+            seed: 5,
+            sampler,
+            filter,
+            max_depth: Some(DEEPEST),
+            ..IntegratorConfig::new(Method::Bdpt, &layout())
+        };
         let (whole, parts) = (picture(&scene, &options, 16), images(&scene, &options, 16));
         let units = 2.0 * 2.0 * 11.0 * parts.images.len() as f64 * whole.units().radiance;
         let means: Vec<Vec<f32>> = parts.images.iter().map(|image| image.weighted.mean(Plane::Color)).collect();
@@ -97,7 +102,7 @@ fn weighted_images_sum_to_the_picture() {
 #[test]
 fn technique_images_do_not_depend_on_threads_or_order() {
     let scene = scene(pavilion(matte(0.6, 0.0)));
-    let (layout, options) = (layout(), IntegratorConfig::new(&layout()));
+    let (layout, options) = (layout(), IntegratorConfig::new(Method::Bdpt, &layout()));
     let camera = scene.camera(None, SIDE as u32, SIDE as u32).expect("a camera");
     let run = |threads: usize, passes: [u64; 4]| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
@@ -242,7 +247,7 @@ fn judge(name: &str, room: Description, sees: f64) {
         sampler: SamplerKind::Independent,
         filter: Filter::Box,
         replicates: 64,
-        ..IntegratorConfig::new(&layout())
+        ..IntegratorConfig::new(Method::Bdpt, &layout())
     };
     let found = images(&scene(room), &options, passes);
     let all: Vec<Tiles> = found.images.iter().map(Tiles::of).collect();

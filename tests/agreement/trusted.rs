@@ -4,9 +4,8 @@
 
 use crate::coverage::conviction;
 use crate::hidden_tails::{HARD, PLAIN, lit_by, world};
-use etendue::film::{Film, ImageError, Known, Layout, PassFilm, Plane, Reason};
-use etendue::integrator::{self, IntegratorConfig, Method};
-use etendue::parallel::Cancel;
+use etendue::film::{ImageError, Known, Layout, Plane, Reason};
+use etendue::integrator::{self, FilmRenderer, IntegratorConfig, Method};
 use etendue::scene::Scene;
 use etendue_testing::deep;
 use rayon::prelude::*;
@@ -17,28 +16,24 @@ const LEVEL: f64 = 1e-3;
 const METHODS: [Method; 3] = [Method::Path, Method::Bdpt, Method::Light];
 
 /// A render's mean and error at one number of samples.
-struct ToneMapping {
+struct Observation {
     image: Vec<f64>,
     error: ImageError,
 }
 
 /// The looks at a render of `seed` when it has so many samples as `counts` says, in rising order.
-fn looks(scene: &Scene, method: Method, counts: &[u64], seed: u64) -> Vec<ToneMapping> {
+fn looks(scene: &Scene, method: Method, counts: &[u64], seed: u64) -> Vec<Observation> {
     let layout = Layout::new(SIDE, SIDE, None, &[]);
-    let options = IntegratorConfig { seed, ..IntegratorConfig::new(&layout) };
+    let options = IntegratorConfig { seed, ..IntegratorConfig::new(method, &layout) };
     let camera = scene.camera(None, SIDE, SIDE).expect("a camera");
-    let pilot = integrator::pilot(scene, &camera, &options, &layout);
-    let mut film = Film::new(layout.clone(), options.replicates, seed, pilot.units);
-    let integrator = integrator::build(method, scene, camera, &options, &pilot);
+    let mut renderer = FilmRenderer::begin(scene, camera, &options, &layout);
     let known = Known { independent: method.independent(), prior: integrator::prior(method, scene) };
-    let (mut values, mut found) = (PassFilm::new(&layout), Vec::new());
-    for pass in 0..*counts.last().expect("a count") {
-        values.clear();
-        integrator.run_pass(pass, &Cancel::new(), &mut values).expect("not cancelled");
-        film.commit(pass, &values);
-        if counts.contains(&(pass + 1)) {
-            let image = film.mean(Plane::Color).into_iter().map(f64::from).collect();
-            found.push(ToneMapping { image, error: film.image_error(known).expect("replicates") });
+    let mut found = Vec::new();
+    for pass in 1..=*counts.last().expect("a count") {
+        renderer.passes(1);
+        if counts.contains(&pass) {
+            let image = renderer.film().mean(Plane::Color).into_iter().map(f64::from).collect();
+            found.push(Observation { image, error: renderer.film().image_error(known).expect("replicates") });
         }
     }
     found
@@ -53,14 +48,14 @@ struct Study {
 
 impl Study {
     fn of(scene: &Scene, method: Method, counts: &[u64], runs: u64) -> Self {
-        let all: Vec<Vec<ToneMapping>> =
+        let all: Vec<Vec<Observation>> =
             (0..runs).into_par_iter().map(|seed| looks(scene, method, counts, 0x7e57_0000 + seed)).collect();
         let (n, last) = (runs as f64, counts.len() - 1);
         let values = all[0][last].image.len();
         let means: Vec<f64> = (0..values).map(|v| all.iter().map(|run| run[last].image[v]).sum::<f64>() / n).collect();
         let epsilon = (0.1 * means.iter().sum::<f64>() / values as f64).powi(2);
         let relative = |(x, m): (&f64, &f64)| (x - m).powi(2) / (m * m + epsilon);
-        let error = |look: &ToneMapping| look.image.iter().zip(&means).map(relative).sum::<f64>() / values as f64;
+        let error = |look: &Observation| look.image.iter().zip(&means).map(relative).sum::<f64>() / values as f64;
         let found = |i: usize| all.iter().map(|run| error(&run[i])).sum::<f64>() / n;
         // Images are part of the mean that they are held against, each with the samples of its earlier looks.
         let of_mean = found(last) / (n - 1.0);
@@ -152,8 +147,13 @@ fn the_pilot_decides_alike_for_all_seeds() {
     let typical = |power: f32, seed: u64| {
         let scene = lit_by(power);
         let camera = scene.camera(None, SIDE, SIDE).expect("a camera");
-        integrator::pilot(&scene, &camera, &IntegratorConfig { seed, ..IntegratorConfig::new(&layout) }, &layout)
-            .typical
+        integrator::pilot(
+            &scene,
+            &camera,
+            &IntegratorConfig { seed, ..IntegratorConfig::new(Method::Path, &layout) },
+            &layout,
+        )
+        .typical
     };
     let (mut below, mut above) = (1.0, 2.0);
     let first = typical(below, 0);

@@ -53,6 +53,15 @@ pub(crate) fn floors(source: &Source, floors: Floors<'_>) -> Vec<Finding> {
     imports(source).into_iter().filter_map(judge).collect()
 }
 
+/// Only `of` names the crate `clap`: the library is free of the command line.
+pub(crate) fn clap_outside(source: &Source, of: &str) -> Vec<Finding> {
+    if source.path.starts_with(of) {
+        return Vec::new();
+    }
+    let named = (0..source.tokens.len()).filter(|&i| source.text(i) == "clap");
+    named.map(|i| finding(source, source.tokens[i].line, "`clap` is named outside of the command line")).collect()
+}
+
 /// The modules at the crate's root that the file names, by `crate::` or by a chain of `super::`, in code of any kind.
 pub(crate) fn imports(source: &Source) -> BTreeSet<(usize, String)> {
     let mut found = BTreeSet::new();
@@ -265,6 +274,14 @@ mod tests {
     fn what_is_not_an_import_is_left_alone() {
         let text = "//! See crate::film.\npub(crate) fn f() { g(\"crate::film\") }\nmod tests { use super::*; use super::super::mesh; }";
         assert!(broken_floors("src/geometry/mesh.rs", text).is_empty());
+    }
+
+    #[test]
+    fn clap_is_caught_outside_of_its_folder() {
+        let code = "#[derive(clap::Args)]\nstruct Args;";
+        assert_eq!(clap_outside(&Source::new("src/film/mod.rs", code), "src/cli/").len(), 1);
+        assert!(clap_outside(&Source::new("src/cli/mod.rs", code), "src/cli/").is_empty());
+        assert!(clap_outside(&Source::new("src/film/mod.rs", "// clap\nfn clap_on() {}"), "src/cli/").is_empty());
     }
 
     #[test]

@@ -27,7 +27,16 @@ pub(crate) fn locate(killers: &[Killer], tree: &Path) -> Result<Vec<Located>, St
 
 fn executables(tests: &[&str], tree: &Path) -> Result<HashMap<String, PathBuf>, String> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(tree).args(["test", "--locked", "--workspace", "--no-default-features", "--no-run", "--lib"]);
+    cargo.current_dir(tree).args([
+        "test",
+        "--locked",
+        "--workspace",
+        "--no-default-features",
+        "--features",
+        "cli",
+        "--no-run",
+        "--lib",
+    ]);
     cargo.args(tests.iter().flat_map(|test| ["--test", test]));
     cargo.arg("--message-format=json").stderr(Stdio::inherit());
     // The target folder of this binary, so that dependencies are shared.

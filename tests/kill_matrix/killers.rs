@@ -61,6 +61,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "stats::multiple::tests::holm_steps_down"),
     of("lib", "mcmc::tests::a_normal_distribution_has_its_moments"),
     of("lib", "mcmc::tests::forbidden_places_are_not_visited"),
+    of("lib", "mcmc::tests::small_steps_are_as_long_as_they_say"),
     of("lib", "mcmc::tests::numbers_that_come_and_go_keep_the_target"),
     of("lib", "integrator::metropolis::stationarity::mutations_keep_the_density_of_paths_among_mirrors"),
     of("lib", "integrator::metropolis::stationarity::the_lens_perturbation_keeps_the_density_of_paths_in_the_open"),

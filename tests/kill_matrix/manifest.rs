@@ -8,8 +8,8 @@ use toml::{Table, Value};
 pub(crate) fn of_copy(text: &str) -> Result<String, String> {
     let mut manifest: Table = toml::from_str(text).map_err(|e| format!("Cargo.toml: {e}"))?;
     manifest.remove("lints");
-    let profile = ["profile", "dev", "package", "etendue"].iter().fold(Some(&mut manifest), |table, &name| {
-        table?.entry(name).or_insert_with(|| Value::Table(Table::new())).as_table_mut()
+    let profile = ["profile", "dev", "package", "etendue"].iter().try_fold(&mut manifest, |table, &name| {
+        table.entry(name).or_insert_with(|| Value::Table(Table::new())).as_table_mut()
     });
     profile.ok_or("Cargo.toml: a profile is no table")?.insert("debug".into(), Value::Boolean(false));
     toml::to_string(&manifest).map_err(|e| format!("Cargo.toml of the copy: {e}"))

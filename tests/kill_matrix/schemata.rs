@@ -3,7 +3,6 @@
 
 use crate::mutations::Mutation;
 use crate::sites::Site;
-use std::fmt::Write;
 use std::ops::Range;
 
 /// Module of the copy that says which mutation is on.
@@ -38,10 +37,7 @@ fn choice(sites: &[Site], right: &str) -> String {
 
 /// Returns the source of [`SWITCH`].
 pub(crate) fn switch(mutations: &[Mutation]) -> String {
-    let mut names = String::new();
-    for mutation in mutations {
-        _ = write!(names, "    {:?},\n", mutation.name);
-    }
+    let names: String = mutations.iter().map(|mutation| format!("    {:?},\n", mutation.name)).collect();
     format!(
         r#"//! Which mutation is on: the one of `ETENDUE_MUTANT`. Written by tests/kill_matrix.
 

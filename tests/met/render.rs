@@ -49,7 +49,7 @@ pub(crate) fn try_render(file: &str, options: &str, backend: &str) -> Result<Pic
 
 /// The backends of this build.
 pub(crate) fn backends() -> impl Iterator<Item = &'static str> {
-    etendue::accel::Backend::AVAILABLE.iter().map(|backend| backend.name())
+    etendue::accel::Backend::AVAILABLE.iter().map(|&backend| etendue::named::Named::name(backend))
 }
 
 impl Picture {

@@ -37,12 +37,12 @@ impl Cells {
     }
 
     fn len(&self) -> usize {
-        self.sides[0].len() + self.sides[1].len()
+        self.sides[0].count() + self.sides[1].count()
     }
 
     fn index(&self, w: Local) -> usize {
         let d = [w.x, w.y, w.z].map(f64::from);
-        if self.known.same_side(w) { self.sides[0].index(d) } else { self.sides[0].len() + self.sides[1].index(d) }
+        if self.known.same_side(w) { self.sides[0].index(d) } else { self.sides[0].count() + self.sides[1].index(d) }
     }
 
     /// Probability of each cell.
@@ -65,7 +65,7 @@ fn directions_follow_the_density(model: &Model, alpha: f32, known: Local, seed: 
     let total: f64 = expected.iter().sum();
     let n = samples(SAMPLES);
     assert!(
-        total < 1.0 + TOLERANCE * cells.count() as f64 / f64::from(n),
+        total < 1.0 + TOLERANCE * cells.len() as f64 / f64::from(n),
         "{}: the density integrates to {total}",
         model.name
     );
@@ -76,7 +76,7 @@ fn directions_follow_the_density(model: &Model, alpha: f32, known: Local, seed: 
 }
 
 fn counts(model: &Model, known: Local, mode: TransportMode, cells: &Cells, seed: u64) -> Vec<f64> {
-    let mut observed = vec![0.0; cells.count() + 1];
+    let mut observed = vec![0.0; cells.len() + 1];
     let mut random = Random::new(seed + 7919 * (mode == TransportMode::Importance) as u64);
     for _ in 0..samples(SAMPLES) {
         let cell = match model.surface.sample(known, mode, random.cube()) {
@@ -84,7 +84,7 @@ fn counts(model: &Model, known: Local, mode: TransportMode, cells: &Cells, seed:
                 assert!(sample.density.value() > 0.0, "{}: sampled where the density is zero", model.name);
                 cells.index(sample.direction)
             }
-            _ => cells.count(),
+            _ => cells.len(),
         };
         observed[cell] += 1.0;
     }

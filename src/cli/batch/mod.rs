@@ -5,13 +5,14 @@ mod rows;
 
 use super::args::{StrictArgs, ThreadArgs};
 use super::progress::ProgressArgs;
+use super::settings_args::SettingsArgs;
 use super::signals::Signals;
 use super::task::{Task, warn};
 use super::{Console, startup};
 use crate::batch::{Job, JobPicture, SceneCache, SceneKey};
 use crate::error::{Error, Kind, Result};
 use crate::session::checkpoint::INTERVAL;
-use crate::session::{Ended, Outputs, PassSelection, Provenance, Rendered, SettingsPatch};
+use crate::session::{Ended, Outputs, PassSelection, Rendered};
 use rows::{Entry, Outcome, WriterQueue};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -45,7 +46,7 @@ pub(super) struct Args {
     /// The batch file, .toml, with the scenes, cameras, methods and output paths
     job: PathBuf,
     #[command(flatten)]
-    choices: SettingsPatch,
+    choices: SettingsArgs,
     /// Render complete pictures again
     #[arg(long)]
     again: bool,
@@ -80,7 +81,7 @@ pub(super) struct BatchOptions {
 /// Renders the pictures of a batch file.
 pub(super) fn run(args: Args) -> Result<()> {
     let job = Job::read(&args.job)?;
-    let pictures = job.pictures(args.job.parent().unwrap_or(Path::new("")), &args.choices)?;
+    let pictures = job.pictures(args.job.parent().unwrap_or(Path::new("")), &args.choices.0)?;
     if args.dry_run {
         return pictures.iter().try_for_each(|picture| args.console.line(&picture.output.display().to_string()));
     }
@@ -94,7 +95,7 @@ pub(super) fn render_all(pictures: &[JobPicture], means: BatchOptions) -> Result
     let threads = startup::start_threads(means.threads)?;
     let wanted = pictures.iter().map(|picture| SceneKey::of(picture, threads)).collect::<Result<Vec<_>>>()?;
     for picture in pictures {
-        means.strict.check(&picture.choices.plan(PassSelection::All)?)?;
+        means.strict.check(&picture.choices.resolve(PassSelection::All)?.plan)?;
         Outputs::of(&picture.output)?;
     }
     let signals = Signals::heed()?;
@@ -153,12 +154,11 @@ impl Batch<'_> {
         self.stages.load(wanted, || self.written.wait());
         self.stages.load_ahead(next);
         let (stage, task) = (self.stages.here()?, self.task(picture)?);
-        let (choices, strict) = (&picture.choices, self.means.strict);
-        let settings = stage.settings(choices)?;
-        if strict.strict {
+        let job = picture.choices.resolve(PassSelection::All)?.fitted(stage)?;
+        if self.means.strict.strict {
             stage.refuse_ignored()?;
         }
-        let provenance = Provenance::new(stage, settings, choices.plan(PassSelection::All)?, choices.look()?);
+        let provenance = job.provenance(stage);
         warn(task.console, &provenance);
         let begun = match task.begin(stage, provenance.clone()) {
             // The previous picture occupies memory until it is written.

@@ -3,12 +3,14 @@
 use super::{command, scene_name, unique};
 use crate::accel::Backend;
 use crate::cli::args::{SceneArgs, ThreadArgs};
+use crate::cli::named_value::named;
+use crate::cli::settings_args::SettingsArgs;
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
 use crate::integrator::Method;
 use crate::lab::bench_methods::{self, BenchScene, MethodsReport, MethodsRequest, SceneReport};
+use crate::named::Named;
 use crate::session::{Budget, SettingsPatch};
-use clap::ValueEnum;
 use std::path::PathBuf;
 
 /// Arguments of `bench methods`.
@@ -24,10 +26,10 @@ pub(in crate::cli) struct Args {
     #[arg(long, short, value_name = "FOLDER")]
     output: PathBuf,
     /// Methods to compare, separated by commas [default: all]
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_parser = named::<Method>(), value_delimiter = ',')]
     methods: Option<Vec<Method>>,
     /// Backends to compare, separated by commas [default: all there are]
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_parser = named::<Backend>(), value_delimiter = ',')]
     backends: Option<Vec<Backend>>,
     /// Time for each curve, all its repetitions together
     #[arg(long, default_value = "20s", value_name = "TIME")]
@@ -45,7 +47,7 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "TIME", conflicts_with = "references")]
     reference_budget: Option<Budget>,
     #[command(flatten)]
-    choices: SettingsPatch,
+    choices: SettingsArgs,
     #[command(flatten)]
     threads: ThreadArgs,
     #[command(flatten)]
@@ -70,7 +72,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
 /// Reports errors in the arguments before anything is loaded.
 fn check(args: &Args) -> Result<()> {
-    let choices = &args.choices;
+    let choices = &args.choices.0;
     if choices.spp.is_some() || choices.time.is_some() {
         return Err(Error::usage("bench methods takes --budget instead of --spp and --time"));
     }
@@ -93,7 +95,7 @@ fn check(args: &Args) -> Result<()> {
 
 fn request(args: &Args) -> MethodsRequest {
     MethodsRequest {
-        methods: unique(args.methods.as_deref().unwrap_or(Method::value_variants())),
+        methods: unique(args.methods.as_deref().unwrap_or(Method::all())),
         budget: args.budget.0,
         repetitions: args.repetitions,
         reference_budget: args.reference_budget.map_or(4 * args.budget.0, |b| b.0),
@@ -105,12 +107,11 @@ fn request(args: &Args) -> MethodsRequest {
 fn subject(args: &Args, at: usize, threads: usize) -> Result<BenchScene> {
     let scene = SceneArgs { scene: args.scenes[at].clone(), no_config: args.no_config, choices: args.choices.clone() };
     let choices = scene.choices()?;
-    let build = |backend| scene.stage(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads);
+    let build = |backend| scene.load(&SettingsPatch { backend: Some(backend), ..choices.clone() }, threads);
     let backends = unique(args.backends.as_deref().unwrap_or(Backend::AVAILABLE));
     Ok(BenchScene {
         name: scene_name(&args.scenes, at),
         stages: backends.into_iter().map(build).collect::<Result<_>>()?,
-        look: choices.look()?,
         reference: args.references.get(at).map(|path| (path.clone(), args.reference_noise.get(at).copied())),
     })
 }

@@ -4,6 +4,8 @@ use super::{command, scene_name, unique};
 use crate::accel::{Backend, Build};
 use crate::cli::args::SceneArgs;
 use crate::cli::args::ThreadArgs;
+use crate::cli::named_value::named;
+use crate::cli::settings_args::SettingsArgs;
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
 use crate::lab::bench_rays::{
@@ -30,10 +32,10 @@ pub(in crate::cli) struct Args {
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Backends to compare, separated by commas [default: all there are]
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_parser = named::<Backend>(), value_delimiter = ',')]
     backends: Option<Vec<Backend>>,
     /// Builds of each backend, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "robust")]
+    #[arg(long, value_parser = named::<Build>(), value_delimiter = ',', default_value = "robust")]
     builds: Vec<Build>,
     /// Thread counts, separated by commas [default: 1 and all cores]
     #[arg(long, short = 'j', value_name = "N", value_delimiter = ',')]
@@ -61,7 +63,7 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["output", "save", "hard_cases"])]
     replay: Option<RayAddress>,
     #[command(flatten)]
-    choices: SettingsPatch,
+    choices: SettingsArgs,
     #[command(flatten)]
     console: Console,
 }
@@ -87,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
 /// Reports errors in the arguments before anything is loaded.
 fn check(args: &Args) -> Result<()> {
-    let choices = &args.choices;
+    let choices = &args.choices.0;
     if choices.spp.is_some() || choices.time.is_some() || choices.target_error.is_some() {
         return Err(Error::usage("bench rays takes --rounds instead of --spp, --time and --target-error"));
     }
@@ -126,8 +128,8 @@ fn request(args: &Args) -> Result<RayBenchRequest> {
 fn subject(args: &Args, at: usize, threads: usize) -> Result<RayBenchSubject> {
     let scene = SceneArgs { scene: args.scenes[at].clone(), no_config: args.no_config, choices: args.choices.clone() };
     let (backend, build) = (Some(Backend::default()), Some(Build::Robust));
-    let (stage, settings) = scene.stage(&SettingsPatch { backend, build, ..scene.choices()? }, threads)?;
-    Ok(RayBenchSubject { name: scene_name(&args.scenes, at), stage, settings })
+    let (stage, job) = scene.load(&SettingsPatch { backend, build, ..scene.choices()? }, threads)?;
+    Ok(RayBenchSubject { name: scene_name(&args.scenes, at), stage, settings: job.settings })
 }
 
 fn replay(args: &Args, request: &RayBenchRequest, address: &RayAddress, threads: usize) -> Result<()> {

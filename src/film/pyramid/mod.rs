@@ -10,12 +10,12 @@ mod sources;
 mod sum;
 mod tiles;
 
-pub(crate) use record::{RECORD, decode, encode};
-pub(crate) use sources::PixelErrors;
+pub use record::{RECORD, decode, encode};
+pub use sources::PixelErrors;
 #[cfg(test)]
 pub(crate) use sum::Replicates;
-pub(crate) use tiles::CHANNELS;
+pub use tiles::CHANNELS;
 pub use tiles::Pyramid;
 
 /// Minimum number of replicates: fewer do not determine skewness.
-pub(crate) const LEAST_REPLICATES: usize = 3;
+pub const LEAST_REPLICATES: usize = 3;

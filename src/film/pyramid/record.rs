@@ -12,7 +12,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
 /// Name of the attribute.
-pub(crate) const RECORD: &str = "etendue.tiles";
+pub const RECORD: &str = "etendue.tiles";
 
 /// Content of the attribute.
 #[derive(Serialize, Deserialize)]
@@ -28,7 +28,7 @@ struct Record {
 const OF_PIXELS: usize = 4;
 
 /// Encodes the record of a picture.
-pub(crate) fn encode(pyramid: &Pyramid) -> String {
+pub fn encode(pyramid: &Pyramid) -> String {
     let values =
         pyramid.levels[0].tiles.iter().flat_map(|tile| tile.sums.iter().flat_map(|sum| numbers(sum, tile, pyramid)));
     let bytes: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
@@ -50,7 +50,7 @@ fn numbers(sum: &Sum, tile: &Tile, pyramid: &Pyramid) -> Vec<f32> {
 }
 
 /// Decodes the record of an image with window `crop`; `None` if the record is damaged.
-pub(crate) fn decode(record: &str, crop: Crop) -> Option<Pyramid> {
+pub fn decode(record: &str, crop: Crop) -> Option<Pyramid> {
     let Record { independent, shares, values } = serde_json::from_str(record).ok()?;
     let replicates = Replicates::of_shares(&shares)?;
     let bytes = STANDARD.decode(values).ok()?;

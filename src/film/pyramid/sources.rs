@@ -25,23 +25,23 @@ impl Pyramid {
 }
 
 /// Independent pixels with their standard errors.
-pub(crate) struct PixelErrors<'a> {
+pub struct PixelErrors<'a> {
     /// Window of the pixels.
-    pub(crate) crop: Crop,
+    pub crop: Crop,
     /// Means, three values per pixel.
-    pub(crate) means: &'a [f32],
+    pub means: &'a [f32],
     /// Standard errors, three values per pixel.
-    pub(crate) errors: &'a [f32],
+    pub errors: &'a [f32],
     /// Replicates behind the errors.
-    pub(crate) replicates: usize,
+    pub replicates: usize,
     /// Samples per pixel.
-    pub(crate) spp: u64,
+    pub spp: u64,
 }
 
 impl PixelErrors<'_> {
     /// Computes the tiles of the `taken` pixels; `None` with fewer than three replicates. Pixel errors do not determine
     /// skewness, so that only tiles with [`LEAST_SAMPLES`] are tested.
-    pub(crate) fn pyramid(&self, taken: impl Fn(usize) -> bool) -> Option<Pyramid> {
+    pub fn pyramid(&self, taken: impl Fn(usize) -> bool) -> Option<Pyramid> {
         let replicates = Replicates::of(&vec![1; self.replicates])?;
         let width = (self.crop.x1 - self.crop.x0) as usize;
         let (columns, areas) = smallest_tiles(self.crop);

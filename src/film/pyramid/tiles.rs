@@ -10,7 +10,7 @@ const SIDE: u32 = 8;
 /// relative to its pixels.
 const MOST_TILES: u64 = 4096;
 /// Channels of colour.
-pub(crate) const CHANNELS: usize = 3;
+pub const CHANNELS: usize = 3;
 
 /// Tiles of all sizes, level by level.
 #[derive(Debug, Clone)]

@@ -8,7 +8,7 @@
 use super::contribution::Contribution;
 use super::primary::{NAMES, PathSampler, PrimaryState, mixture};
 use super::seeds::{ByTechnique, Candidate};
-use super::{ChainContext, FEWEST_EVENTS, MarkovMethod};
+use super::{ChainContext, FEWEST_EVENTS, MarkovMethod, MmltConfig};
 use crate::mcmc::primary::{PrimaryStream, Source};
 use crate::mcmc::{Mixture, Numbers};
 use crate::path::TraceStats;
@@ -25,6 +25,7 @@ const CIRCLE: f64 = 4_294_967_296.0;
 pub(super) struct Multiplexed<'a> {
     common: ChainContext<'a>,
     lengths: Vec<OneLength<'a>>,
+    large_step: f64,
 }
 
 /// Paths of one length, or of all lengths from `events` on.
@@ -35,15 +36,15 @@ struct OneLength<'a> {
 }
 
 impl<'a> Multiplexed<'a> {
-    pub(super) fn new(common: ChainContext<'a>) -> Self {
+    pub(super) fn new(common: ChainContext<'a>, config: MmltConfig) -> Self {
         let longest = common.options.max_depth.map_or(usize::MAX, |most| most as usize);
-        let last = (common.options.metropolis.lengths as usize).max(FEWEST_EVENTS).min(longest.max(FEWEST_EVENTS));
+        let last = (config.mmlt_depths as usize).max(FEWEST_EVENTS).min(longest.max(FEWEST_EVENTS));
         let class = |events: usize, and_longer: bool| OneLength { common: common.clone(), events, and_longer };
         let mut lengths: Vec<OneLength> = (FEWEST_EVENTS..=last).map(|events| class(events, false)).collect();
         if last < longest {
             lengths.push(class(last + 1, true));
         }
-        Multiplexed { common, lengths }
+        Multiplexed { common, lengths, large_step: config.large_step }
     }
 }
 
@@ -134,7 +135,7 @@ impl MarkovMethod for Multiplexed<'_> {
     }
 
     fn kernels(&self, class: usize) -> Mixture<'_, PrimaryState> {
-        mixture(&self.lengths[class], self.common.options.metropolis.large_step)
+        mixture(&self.lengths[class], self.large_step)
     }
 
     fn names(&self) -> &'static [&'static str] {

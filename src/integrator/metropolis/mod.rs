@@ -28,13 +28,15 @@ mod stationarity;
 #[cfg(test)]
 mod tests;
 
-pub use options::{MetropolisOptions, Mutations};
+pub use options::Mutations;
 pub use report::{ChainDigest, ChainReport, Normalisation, Tiles};
 
 use super::bidirectional::Bidirectional;
 use super::camera_pass::CameraPass;
 use super::path::{Combined, PathTracer};
-use super::{Integrator, IntegratorConfig, PassReport, PilotEstimate};
+use super::{
+    ChainsConfig, Integrator, IntegratorConfig, MltConfig, MmltConfig, PassReport, PilotEstimate, PssmltConfig,
+};
 use crate::camera::Camera;
 use crate::film::{Layout, PassFilm, Splats};
 use crate::mcmc::{Chain, Mixture, Numbers, State};
@@ -77,9 +79,11 @@ pub(super) fn pssmlt<'a>(
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
+    config: PssmltConfig,
     pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
-    let chains = PrimarySpace { common: ChainContext::new(scene, camera.clone(), options) };
+    let chains =
+        PrimarySpace { common: ChainContext::new(scene, camera.clone(), options), large_step: config.large_step };
     Box::new(Metropolis::new(scene, camera, chains, pilot))
 }
 
@@ -88,9 +92,10 @@ pub(super) fn mmlt<'a>(
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
+    config: MmltConfig,
     pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
-    let chains = Multiplexed::new(ChainContext::new(scene, camera.clone(), options));
+    let chains = Multiplexed::new(ChainContext::new(scene, camera.clone(), options), config);
     Box::new(Metropolis::new(scene, camera, chains, pilot))
 }
 
@@ -99,9 +104,10 @@ pub(super) fn mlt<'a>(
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
+    config: MltConfig,
     pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
-    let chains = PathSpace { common: ChainContext::new(scene, camera.clone(), options) };
+    let chains = PathSpace { common: ChainContext::new(scene, camera.clone(), options), mutations: config.mutations };
     Box::new(Metropolis::new(scene, camera, chains, pilot))
 }
 
@@ -156,13 +162,14 @@ impl<'a> ChainContext<'a> {
             Bidirectional::new(scene, &camera, options, &PilotEstimate::default()).with_fewest_events(FEWEST_EVENTS);
         let (limit, importance) = (SampleThreshold::NONE, ImageImportance::uniform(region));
         let mut common = ChainContext { scene, camera, options: *options, tracer, region, limit, importance };
-        if options.metropolis.limit != Some(0.0) {
+        let ChainsConfig { chain_threshold, two_stage, .. } = options.method.chains();
+        if chain_threshold != Some(0.0) {
             let pilot = Pilot::trace(&common);
             let usual = if pilot.noise > NOISY { 0.0 } else { LIMIT };
-            let times = options.metropolis.limit.unwrap_or(usual);
+            let times = chain_threshold.unwrap_or(usual);
             common.limit = if times > 0.0 { SampleThreshold::new(&pilot.usual, times) } else { SampleThreshold::NONE };
         }
-        if options.metropolis.two_stage {
+        if two_stage {
             common.importance = ImageImportance::new(&Pilot::trace(&common).usual);
         }
         common
@@ -235,7 +242,7 @@ impl<'a, C: MarkovMethod> Metropolis<'a, C> {
     /// resampling is unbiased only for the seeds together.
     fn allot(&self, steps: usize) -> Vec<StepBudget> {
         let usual = (steps / STEPS).clamp(1, MOST_CHAINS);
-        let chains = self.options.metropolis.chains.map_or(usual, |chains| chains as usize);
+        let chains = self.options.method.chains().chains.map_or(usual, |chains| chains as usize);
         let part = |share: &f64| {
             let chains = ((chains as f64 * share).round() as usize).max(1);
             StepBudget { chains, steps: ((steps as f64 * share / chains as f64).round() as usize).max(1) }

@@ -1,4 +1,4 @@
-//! Parameters of the Metropolis methods.
+//! Selection frequencies of the path space mutations.
 
 use std::fmt;
 use std::str::FromStr;
@@ -78,38 +78,5 @@ impl FromStr for Mutations {
             return Err("the bidirectional mutation must take part: the others alone do not reach every path".into());
         }
         Ok(Mutations { bidirectional, lens, caustic, multi_chain, lens_subpath })
-    }
-}
-
-/// Parameters of the chains of a pass.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub struct MetropolisOptions {
-    /// Chains in a pass; `None` to derive it from the image size.
-    pub chains: Option<u32>,
-    /// Probability of a large step in primary sample space.
-    pub large_step: f64,
-    /// Maximum path length, in scattering events, with a separate class of multiplexed chains; longer paths share one
-    /// class.
-    pub lengths: u32,
-    /// Path space mutations.
-    pub mutations: Mutations,
-    /// Threshold of bidirectional samples, as a multiple of the typical radiance at their position; chains estimate the
-    /// excess. 0 assigns everything to chains; `None` lets a pilot decide.
-    pub limit: Option<f64>,
-    /// Whether chains visit all parts of the image equally, dark or bright.
-    pub two_stage: bool,
-}
-
-impl Default for MetropolisOptions {
-    fn default() -> Self {
-        MetropolisOptions {
-            chains: None,
-            large_step: 0.3,
-            lengths: 8,
-            mutations: Mutations::default(),
-            limit: None,
-            two_stage: false,
-        }
     }
 }

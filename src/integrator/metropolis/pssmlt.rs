@@ -15,6 +15,8 @@ use crate::spectrum::Spectrum;
 /// The method.
 pub(super) struct PrimarySpace<'a> {
     pub(super) common: ChainContext<'a>,
+    /// Probability of a large step.
+    pub(super) large_step: f64,
 }
 
 impl PrimarySpace<'_> {
@@ -70,7 +72,7 @@ impl MarkovMethod for PrimarySpace<'_> {
     }
 
     fn kernels(&self, _: usize) -> Mixture<'_, PrimaryState> {
-        mixture(self, self.common.options.metropolis.large_step)
+        mixture(self, self.large_step)
     }
 
     fn names(&self) -> &'static [&'static str] {

@@ -7,9 +7,10 @@ use super::mlt::PathSpace;
 use super::mmlt::Multiplexed;
 use super::pssmlt::PrimarySpace;
 use super::seeds::{self, Candidate};
-use super::{ChainContext, ImageState, MarkovMethod, MetropolisOptions, Mutations};
+use super::{ChainContext, ChainsConfig, ImageState, MarkovMethod, MltConfig, MmltConfig, Mutations, PssmltConfig};
 use crate::film::{Crop, Filter, Layout};
 use crate::integrator::IntegratorConfig;
+use crate::integrator::MethodConfig;
 use crate::mcmc::{Chain, Mixture, Numbers, stratified};
 use crate::path::TraceStats;
 use crate::sampling::Address;
@@ -35,7 +36,7 @@ const REGIONS: usize = 3;
 /// seed is fixed.
 const BOUND: f64 = 4.0;
 
-fn options(metropolis: MetropolisOptions) -> IntegratorConfig {
+fn options(chains: ChainsConfig) -> IntegratorConfig {
     let layout = Layout::new(SIDE, SIDE, None, &[]);
     let crop = Crop { x0: 4, y0: 8, x1: SIDE - 6, y1: SIDE };
     IntegratorConfig {
@@ -43,14 +44,14 @@ fn options(metropolis: MetropolisOptions) -> IntegratorConfig {
         filter: Filter::Tent,
         crop,
         max_depth: Some(7),
-        metropolis,
-        ..IntegratorConfig::new(&layout)
+        replicates: 4,
+        ..IntegratorConfig::new(MethodConfig::Mlt(MltConfig { chains, ..MltConfig::default() }), &layout)
     }
 }
 
-pub(super) fn common<'a>(world: &'a World, metropolis: MetropolisOptions) -> ChainContext<'a> {
+pub(super) fn common<'a>(world: &'a World, chains: ChainsConfig) -> ChainContext<'a> {
     let camera = world.scene.camera(None, SIDE, SIDE).expect("a camera");
-    ChainContext::new(&world.scene, camera, &options(metropolis))
+    ChainContext::new(&world.scene, camera, &options(chains))
 }
 
 /// Statistics of a state: position and colour of its splats, brightness, and selection probability of the first kernel.
@@ -130,13 +131,13 @@ fn pools() -> u64 {
 }
 
 /// Assigns everything to chains.
-pub(super) fn all() -> MetropolisOptions {
-    MetropolisOptions { limit: Some(0.0), ..MetropolisOptions::default() }
+pub(super) fn all() -> ChainsConfig {
+    ChainsConfig { chain_threshold: Some(0.0), ..ChainsConfig::default() }
 }
 
 /// Assigns the excess above twice the typical radiance to chains.
-fn above() -> MetropolisOptions {
-    MetropolisOptions { limit: Some(2.0), ..MetropolisOptions::default() }
+fn above() -> ChainsConfig {
+    ChainsConfig { chain_threshold: Some(2.0), ..ChainsConfig::default() }
 }
 
 /// The bidirectional mutation alone, and each other mutation mixed with it.
@@ -164,7 +165,7 @@ fn mutations_keep_the_density_of_paths_among_mirrors() {
 fn the_lens_perturbation_keeps_the_density_of_paths_in_the_open() {
     let world = worlds::all().into_iter().find(|world| world.name == "open").expect("open");
     let mutations = "bidirectional=1,lens=3".parse().expect("a mix");
-    let chains = PathSpace { common: common(&world, MetropolisOptions { mutations, ..all() }) };
+    let chains = PathSpace { common: common(&world, all()), mutations };
     assert_stationary([("lens in the open".into(), largest_z(&chains, 0, 4 * pools(), |x| x.k() as f64))]);
 }
 
@@ -176,22 +177,23 @@ fn mutations_keep_the_density_of_paths() {
 fn expect_mutations(is_wanted: fn(&str) -> bool) {
     let worlds = worlds::all().into_iter().filter(|world| is_wanted(world.name));
     assert_stationary(worlds.flat_map(|world| {
-        let mixes = mixes().into_iter().map(|mutations| MetropolisOptions { mutations, ..all() });
-        let z = |metropolis: MetropolisOptions| {
-            let chains = PathSpace { common: common(&world, metropolis) };
-            let what = format!("{} above {:?} in {}", metropolis.mutations, metropolis.limit, world.name);
+        let mixes = mixes().into_iter().map(|mutations| (all(), mutations));
+        let z = |(chains, mutations): (ChainsConfig, Mutations)| {
+            let what = format!("{mutations} above {:?} in {}", chains.chain_threshold, world.name);
+            let chains = PathSpace { common: common(&world, chains), mutations };
             (what, largest_z(&chains, 0, pools(), |x| x.k() as f64))
         };
-        mixes.chain([above()]).map(z).collect::<Vec<_>>()
+        mixes.chain([(above(), Mutations::default())]).map(z).collect::<Vec<_>>()
     }));
 }
 
 #[test]
 fn steps_in_primary_sample_space_keep_their_target() {
     assert_stationary(worlds::all().into_iter().flat_map(|world| {
-        [all(), MetropolisOptions { two_stage: true, ..above() }].map(|metropolis| {
-            let chains = PrimarySpace { common: common(&world, metropolis) };
-            let what = format!("pssmlt above {:?} in {}", metropolis.limit, world.name);
+        [all(), ChainsConfig { two_stage: true, ..above() }].map(|config| {
+            let large_step = PssmltConfig::default().large_step;
+            let chains = PrimarySpace { common: common(&world, config), large_step };
+            let what = format!("pssmlt above {:?} in {}", config.chain_threshold, world.name);
             (what, largest_z(&chains, 0, pools(), |x| x.point.dimension() as f64))
         })
     }));
@@ -199,7 +201,7 @@ fn steps_in_primary_sample_space_keep_their_target() {
 
 /// Returns the largest |z| of a class of multiplexed chains; paths longer than `lengths` share one class.
 fn largest_z_of_class(world: &World, lengths: u32, class: usize) -> (String, f64) {
-    let chains = Multiplexed::new(common(world, MetropolisOptions { lengths, ..all() }));
+    let chains = Multiplexed::new(common(world, all()), MmltConfig { mmlt_depths: lengths, ..MmltConfig::default() });
     let what = format!("mmlt, class {class} of {} in {}", chains.classes(), world.name);
     (what, largest_z(&chains, class, pools(), |x| x.point.dimension() as f64))
 }

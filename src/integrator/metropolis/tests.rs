@@ -3,9 +3,9 @@
 use super::mlt::PathSpace;
 use super::seeds::Seeds;
 use super::stationarity::{SIDE, all, common, worlds};
-use super::{ChainContext, MarkovMethod, Metropolis, MetropolisOptions, Task};
+use super::{ChainContext, ChainsConfig, MarkovMethod, Metropolis, MltConfig, Mutations, Task};
 use crate::film::{Filter, Layout, PassFilm};
-use crate::integrator::{Integrator, IntegratorConfig, PilotEstimate};
+use crate::integrator::{Integrator, IntegratorConfig, MethodConfig, PilotEstimate};
 use crate::parallel::Cancel;
 use crate::sampling::Address;
 use worlds::World;
@@ -23,7 +23,12 @@ const ADDRESS: u64 = 3;
 impl<'a> Made<'a> {
     fn of(world: &'a World, common: ChainContext<'a>) -> Self {
         let camera = common.camera.clone();
-        let metropolis = Metropolis::new(&world.scene, camera, PathSpace { common }, &PilotEstimate::default());
+        let metropolis = Metropolis::new(
+            &world.scene,
+            camera,
+            PathSpace { common, mutations: Mutations::default() },
+            &PilotEstimate::default(),
+        );
         let seeds =
             Seeds::trace(&metropolis.chains, Address::new(ADDRESS), 200, &Cancel::new()).expect("not cancelled");
         let (chosen, _) = seeds.choose(0, |_| 0, 1, 0.5).expect("some light");
@@ -63,9 +68,10 @@ fn chains_of_one_seed_part_ways() {
 fn a_step_deposits_its_share() {
     let world = worlds::all().into_iter().next().expect("a world");
     let layout = Layout::new(SIDE, SIDE, None, &[]);
-    let metropolis = MetropolisOptions { two_stage: true, ..all() };
+    let chains = ChainsConfig { two_stage: true, ..all() };
+    let method = MethodConfig::Mlt(MltConfig { chains, ..MltConfig::default() });
     let options =
-        IntegratorConfig { filter: Filter::Box, max_depth: Some(7), metropolis, ..IntegratorConfig::new(&layout) };
+        IntegratorConfig { filter: Filter::Box, max_depth: Some(7), ..IntegratorConfig::new(method, &layout) };
     let camera = world.scene.camera(None, SIDE, SIDE).expect("a camera");
     let common = ChainContext::new(&world.scene, camera, &options);
     let importance = common.importance.clone();

@@ -6,6 +6,7 @@ use super::{Result, defect};
 use crate::error::Error;
 use crate::film::{Film, Plane};
 use crate::integrator;
+use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::sampling::mix64;
 use crate::session::machine::Stopwatch;
@@ -41,7 +42,7 @@ impl<'a> BenchCase<'a> {
         })?;
         let pace = marks.last().ok_or_else(|| defect("a warm-up without a pass"))?.cpu_seconds;
         let first_seconds = pace / stage.preparation.threads.max(1) as f64;
-        let blind_spots = integrator::blind_spots(settings.method, &stage.scene);
+        let blind_spots = integrator::blind_spots(settings.method.kind(), &stage.scene);
         let (runs, picture, doublings) = (Vec::new(), Vec::new(), 0);
         Ok(BenchCase { stage, settings, blind_spots, warm_up, runs, picture, first_seconds, doublings })
     }
@@ -92,7 +93,7 @@ impl<'a> BenchCase<'a> {
 }
 
 pub(super) fn label(settings: &RenderSettings) -> String {
-    let method = serde_json::json!(settings.method);
+    let method = serde_json::json!(settings.method.kind());
     format!("{}, {}", method.as_str().unwrap_or_default(), settings.backend.name())
 }
 

@@ -7,9 +7,9 @@ use crate::error::{Error, Result};
 use crate::film::{Film, Plane};
 use crate::integrator::{self, Method};
 use crate::io::exr;
+use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::session::{Outputs, Program, RenderSettings};
-use clap::ValueEnum;
 use std::path::Path;
 use std::time::Instant;
 
@@ -31,7 +31,7 @@ pub(super) fn make(
     let path = request.folder.join(format!("reference-{}.exr", subject.name));
     let (host, method) = chosen(request, field)?;
     let seed = contestant::seed(host.settings.seed, SEED);
-    let settings = RenderSettings { method, seed, aovs: Vec::new(), ..host.settings.clone() };
+    let settings = RenderSettings { method: method.into(), seed, aovs: Vec::new(), ..host.settings.clone() };
     let name = label(&settings);
     let same = if request.methods.contains(&method) { ", also compared, with another seed" } else { "" };
     let origin = format!("made by {name}{same}");
@@ -63,7 +63,7 @@ fn chosen<'a, 'b>(request: &MethodsRequest, field: &'a [BenchCase<'b>]) -> Resul
     let host = field.first().ok_or_else(|| Error::usage("nothing to compare: name a method and a backend"))?;
     // From the simplest method to the best. Methods with chains are excluded, since their error estimate may be in
     // doubt.
-    let seeing: Vec<Method> = Method::value_variants()
+    let seeing: Vec<Method> = Method::all()
         .iter()
         .copied()
         .filter(|&m| !m.has_chains() && integrator::blind_spots(m, &host.stage.scene).is_empty())

@@ -22,7 +22,7 @@ pub use report::{MethodsReport, Ratio, SceneReport};
 
 use crate::error::{Error, Kind, Result};
 use crate::integrator::Method;
-use crate::session::{LoadedScene, RenderSettings, ToneMapping, writable};
+use crate::session::{LoadedScene, RenderJob, writable};
 use contestant::BenchCase;
 use reference::Reference;
 use std::path::PathBuf;
@@ -41,10 +41,8 @@ const MOST_DOUBLINGS: u32 = 24;
 pub struct BenchScene {
     /// Name in reports and file names.
     pub name: String,
-    /// Built once for each backend, with its settings.
-    pub stages: Vec<(LoadedScene, RenderSettings)>,
-    /// Tone mapping of its pictures.
-    pub look: ToneMapping,
+    /// Built once for each backend, with the job that [`RenderJob::settings_of`] asks for each method.
+    pub stages: Vec<(LoadedScene, RenderJob)>,
     /// A reference image, with its own relMSE if the file does not carry one.
     pub reference: Option<(PathBuf, Option<f64>)>,
 }
@@ -99,9 +97,7 @@ pub fn run(request: &MethodsRequest, subjects: &[BenchScene], note: &mut dyn FnM
 /// Every method with every backend on a scene, warmed up.
 fn field<'a>(request: &MethodsRequest, subject: &'a BenchScene) -> Result<Vec<BenchCase<'a>>> {
     let pairs = request.methods.iter().flat_map(|&method| subject.stages.iter().map(move |stage| (method, stage)));
-    pairs
-        .map(|(method, (stage, settings))| BenchCase::warmed_up(stage, RenderSettings { method, ..settings.clone() }))
-        .collect()
+    pairs.map(|(method, (stage, job))| BenchCase::warmed_up(stage, job.settings_of(method)?)).collect()
 }
 
 /// Returns the number of repetitions asked for. The default is five, or fewer if the slowest curve would not get its

@@ -39,7 +39,7 @@ pub(super) fn write(
 ) -> Result<()> {
     let mut page = Page::new("Error against time", LEAD);
     for (at, scene) in report.scenes.iter().enumerate() {
-        page.section(&scene.name, &section(scene, subjects[at].look, &fields[at], &references[at], at)?);
+        page.section(&scene.name, &section(scene, subjects[at].stages[0].1.tone, &fields[at], &references[at], at)?);
     }
     if !report.over_scenes.is_empty() {
         let caption = "Efficiency of the row over that of the column: geometric mean over the scenes that both see whole, 95 % interval";

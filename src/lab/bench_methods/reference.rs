@@ -35,8 +35,8 @@ impl Reference {
     /// Reads the reference given for a subject, if any.
     pub(super) fn given(subject: &BenchScene) -> Result<Option<Reference>> {
         let Some((path, noise)) = &subject.reference else { return Ok(None) };
-        let (_, settings) = subject.stages.first().ok_or_else(|| defect("a scene without a backend"))?;
-        let mut reference = Reference::read(path, settings)?;
+        let (_, job) = subject.stages.first().ok_or_else(|| defect("a scene without a backend"))?;
+        let mut reference = Reference::read(path, &job.settings)?;
         reference.record.noise = noise.or(reference.record.noise);
         Ok(Some(reference))
     }

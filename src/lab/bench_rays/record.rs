@@ -50,8 +50,7 @@ impl View {
     /// Renders a pass in the current rayon pool and counts its rays.
     pub(super) fn pass(&self, scene: &Scene, pass: u64) -> RayCounts {
         let options = self.settings.options();
-        let integrator =
-            integrator::build(self.settings.method, scene, self.camera.clone(), &options, &PilotEstimate::default());
+        let integrator = integrator::build(scene, self.camera.clone(), &options, &PilotEstimate::default());
         let report = integrator.run_pass(pass, &Cancel::new(), &mut PassFilm::new(&self.layout));
         report.unwrap_or_default().rays
     }

@@ -5,7 +5,7 @@ use crate::film::pyramid::RECORD;
 use crate::film::{Crop, Independent};
 use crate::integrator::Method;
 use crate::io::exr::{self, Attribute, ExrImage};
-use clap::ValueEnum;
+use crate::named::Named;
 use serde::Serialize;
 use std::path::Path;
 
@@ -67,7 +67,7 @@ impl Side {
 impl Origin {
     /// Units of the image that are independent; `None` for an unknown method.
     pub(super) fn independent(&self) -> Option<Independent> {
-        let method = Method::from_str(self.method.as_deref()?, false).ok()?;
+        let method = Method::of_name(self.method.as_deref()?)?;
         Some(method.independent())
     }
 

@@ -23,7 +23,7 @@ use crate::accel::{Accel, Backend, Build};
 use crate::error::Result;
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::lab::equivalence::{Category, DifferenceCounts};
-use clap::ValueEnum;
+use crate::named::Named;
 use glam::Vec3;
 use numbers::Numbers;
 use rayon::prelude::*;
@@ -122,8 +122,7 @@ pub fn reference() -> (Backend, Build) {
 
 /// Returns the label of a backend and its build in tables, such as `embree-fast`.
 pub fn title((backend, build): (Backend, Build)) -> String {
-    let build = build.to_possible_value();
-    format!("{}-{}", backend.name(), build.as_ref().map_or("", |value| value.get_name()))
+    format!("{}-{}", backend.name(), build.name())
 }
 
 /// Returns all cases, in the order of reports.

@@ -1,12 +1,13 @@
 //! A candidate: one method with one backend, and its film.
 
 use super::REPLICATES;
-use super::lineup::{name, settings};
+use super::lineup::settings;
 use crate::error::{Error, Kind, Result};
 use crate::film::pyramid::Pyramid;
-use crate::film::{Film, Layout, PassFilm};
-use crate::integrator::{self, Integrator, Method};
+use crate::film::{Film, Layout};
+use crate::integrator::{FilmRenderer, Method};
 use crate::lab::same_mean::Doubt;
+use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::session::machine::Stopwatch;
 use crate::session::{LoadedScene, PassPlan, PassSelection, Provenance, SettingsPatch, StopCriteria};
@@ -19,9 +20,7 @@ pub struct Candidate<'a> {
     pub provenance: Provenance,
     /// The scene.
     pub stage: &'a LoadedScene,
-    film: Film,
-    integrator: Box<dyn Integrator + 'a>,
-    scratch: PassFilm,
+    renderer: FilmRenderer<'a>,
     last_block: f64,
 }
 
@@ -34,14 +33,11 @@ impl<'a> Candidate<'a> {
         let settings = settings(choices, stage, method, stage.scene.backend())?;
         let layout = settings.layout();
         let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
-        let pilot = integrator::pilot(&stage.scene, &camera, &settings.options(), &layout);
         let plan = PassPlan { stop: StopCriteria::after(0), selection: PassSelection::All };
         Ok(Candidate {
-            name: format!("{}/{}", name(method), settings.backend.name()),
-            film: Film::new(layout.clone(), settings.replicates, settings.seed, pilot.units),
-            integrator: integrator::build(method, &stage.scene, camera, &settings.options(), &pilot),
-            provenance: Provenance::new(stage, settings, plan, choices.look()?),
-            scratch: PassFilm::new(&layout).with_unit(pilot.units.radiance),
+            name: format!("{}/{}", method.name(), settings.backend.name()),
+            renderer: FilmRenderer::begin(&stage.scene, camera, &settings.options(), &layout),
+            provenance: Provenance::new(stage, settings, plan, choices.tone()?),
             last_block: 0.0,
             stage,
         })
@@ -57,10 +53,7 @@ impl<'a> Candidate<'a> {
         let clock = Stopwatch::start();
         let first = self.spp();
         for pass in first..first + u64::from(REPLICATES) {
-            self.scratch.clear();
-            let report = self.integrator.run_pass(pass, cancel, &mut self.scratch)?;
-            self.film.commit(pass, &self.scratch);
-            self.provenance.work.passes.absorb(report);
+            self.provenance.work.passes.absorb(self.renderer.pass(pass, cancel)?);
         }
         self.provenance.plan.stop = StopCriteria::after(self.spp());
         self.last_block = clock.wall().as_secs_f64();
@@ -71,7 +64,7 @@ impl<'a> Candidate<'a> {
 
     /// Returns the samples per pixel so far.
     pub fn spp(&self) -> u64 {
-        self.film.passes().len()
+        self.film().passes().len()
     }
 
     /// Returns the rendering time so far, in seconds.
@@ -86,7 +79,7 @@ impl<'a> Candidate<'a> {
 
     /// Returns the film.
     pub fn film(&self) -> &Film {
-        &self.film
+        self.renderer.film()
     }
 
     /// Returns the tile means of its picture.
@@ -95,16 +88,16 @@ impl<'a> Candidate<'a> {
     /// Internal, before the first block is rendered.
     pub fn pyramid(&self) -> Result<Pyramid> {
         let nothing = || Error::new(Kind::Internal, format!("{} has rendered nothing", self.name));
-        Pyramid::of_film(&self.film, self.method().independent()).ok_or_else(nothing)
+        Pyramid::of_film(self.film(), self.method().independent()).ok_or_else(nothing)
     }
 
     /// Returns the method.
     pub fn method(&self) -> Method {
-        self.provenance.settings.method
+        self.provenance.settings.method.kind()
     }
 
     /// Returns the doubt about its errors, if there is one. The bound on unseen light fails with probability `level`.
     pub fn doubt(&self, level: f64) -> Option<Doubt> {
-        Doubt::of(&self.provenance.error_of(&self.film)?, self.film.layout().pixels(), level)
+        Doubt::of(&self.provenance.error_of(self.film())?, self.film().layout().pixels(), level)
     }
 }

@@ -4,9 +4,9 @@ use super::REPLICATES;
 use crate::accel::Backend;
 use crate::error::{Error, Result};
 use crate::integrator::{self, Method};
+use crate::named::Named;
 use crate::scene::Scene;
 use crate::session::{LoadedScene, RenderSettings, SettingsPatch, Size};
-use clap::ValueEnum;
 use serde::Serialize;
 
 /// Requested candidates; `None` stands for all.
@@ -47,7 +47,7 @@ impl VerifyRequest {
     /// # Errors
     /// A usage error if there are fewer than two candidates.
     pub fn lineup(&self, scene: &Scene) -> Result<Lineup> {
-        let wanted = once(self.methods.as_deref().unwrap_or(Method::value_variants()));
+        let wanted = once(self.methods.as_deref().unwrap_or(Method::all()));
         let judged =
             wanted.into_iter().map(|method| Excluded { method, reasons: integrator::blind_spots(method, scene) });
         let (seeing, excluded): (Vec<_>, Vec<_>) = judged.partition(|e| e.reasons.is_empty());
@@ -93,21 +93,24 @@ pub(super) fn settings(
 ) -> Result<RenderSettings> {
     let aspect = stage.scene.aspect(choices.camera.as_deref())?;
     let size = choices.size.unwrap_or_else(|| default_size(aspect));
-    let settings = SettingsPatch { size: Some(size), ..choices.clone() }.settings(aspect)?;
-    let seed = seed(settings.seed, method, backend);
     // Clamping biases each method differently. AOVs are not compared.
-    Ok(RenderSettings { method, backend, seed, replicates: REPLICATES, clamp: None, aovs: Vec::new(), ..settings })
+    let choices = SettingsPatch {
+        method: Some(method),
+        backend: Some(backend),
+        seed: Some(seed(choices.seed.unwrap_or(0), method, backend)),
+        replicates: Some(REPLICATES),
+        size: Some(size),
+        clamp: None,
+        aovs: None,
+        ..choices.clone()
+    };
+    choices.settings(aspect)
 }
 
 fn seed(seed: u64, method: Method, backend: Backend) -> u64 {
-    let hash = blake3::hash(format!("verify {seed} {} {}", name(method), backend.name()).as_bytes());
+    let hash = blake3::hash(format!("verify {seed} {} {}", method.name(), backend.name()).as_bytes());
     // 48 bits, which every JSON reader preserves.
     hash.as_bytes()[..6].iter().fold(0, |bits, &byte| bits << 8 | u64::from(byte))
-}
-
-/// Returns a method's name on the command line.
-pub(super) fn name(method: Method) -> String {
-    method.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::Candidate;
 use crate::accel::Backend;
 use crate::integrator::Method;
 use crate::lab::same_mean::Judgement;
+use crate::named::Named;
 use serde::Serialize;
 
 /// The smallest group of candidates involved in all differences.
@@ -22,7 +23,7 @@ impl Outlier {
     /// Finds the smallest group involved in all differences, if one stands out.
     pub fn among(candidates: &[Candidate<'_>], judgement: &Judgement) -> Option<Outlier> {
         let settings =
-            |c: &Candidate<'_>| (c.provenance.settings.method, c.provenance.settings.backend, c.name.clone());
+            |c: &Candidate<'_>| (c.provenance.settings.method.kind(), c.provenance.settings.backend, c.name.clone());
         Outlier::of(&candidates.iter().map(settings).collect::<Vec<_>>(), judgement)
     }
 
@@ -53,7 +54,7 @@ fn groups(candidates: &[Label]) -> Vec<(String, Vec<usize>)> {
     let mut groups: Vec<(String, Vec<usize>)> =
         candidates.iter().enumerate().map(|(i, c)| (c.2.clone(), vec![i])).collect();
     for (method, backend, _) in candidates {
-        groups.push((format!("{} with every backend", super::lineup::name(*method)), members(&|c| c.0 == *method)));
+        groups.push((format!("{} with every backend", method.name()), members(&|c| c.0 == *method)));
         groups.push((format!("{} with every method", backend.name()), members(&|c| c.1 == *backend)));
     }
     let mut kept: Vec<(String, Vec<usize>)> = Vec::new();

@@ -3,7 +3,7 @@ use crate::lab::same_mean::{Outcome, PairJudgement, Worst};
 
 fn labels(methods: &[Method], backends: &[Backend]) -> Vec<Label> {
     let all = backends.iter().flat_map(|&b| methods.iter().map(move |&m| (m, b)));
-    all.map(|(m, b)| (m, b, format!("{}/{}", crate::lab::verify::lineup::name(m), b.name()))).collect()
+    all.map(|(m, b)| (m, b, format!("{}/{}", m.name(), b.name()))).collect()
 }
 
 /// A judgement in which exactly the pairs selected by `differ` differ.

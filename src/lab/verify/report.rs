@@ -92,7 +92,7 @@ impl Entry {
         let image = std::array::from_fn::<_, CHANNELS, _>(|c| picture.pyramid.image_mean(c));
         Entry {
             name: candidate.name.clone(),
-            method: settings.method,
+            method: settings.method.kind(),
             backend: settings.backend,
             seed: settings.seed,
             spp: candidate.spp(),

@@ -28,6 +28,7 @@ use state::PathState;
 /// The method.
 pub(super) struct PathSpace<'a> {
     pub(super) common: ChainContext<'a>,
+    pub(super) mutations: Mutations,
 }
 
 impl<'a> MarkovMethod for PathSpace<'a> {
@@ -56,7 +57,7 @@ impl<'a> MarkovMethod for PathSpace<'a> {
 
     fn kernels(&self, _: usize) -> Mixture<'_, PathState<'a>> {
         let (common, Mutations { bidirectional, lens, caustic, multi_chain, lens_subpath }) =
-            (&self.common, self.common.options.metropolis.mutations);
+            (&self.common, self.mutations);
         let kernels: [Box<dyn Kernel<PathState<'a>> + Sync + '_>; 5] = [
             Box::new(Bidirectional::new(common, bidirectional)),
             Box::new(Eye::lens(common, lens)),

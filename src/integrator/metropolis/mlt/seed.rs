@@ -44,8 +44,11 @@ pub(super) fn path(
     tally: &mut TraceStats,
 ) -> Option<Proposal> {
     // The MIS weights are unused.
-    let weights =
-        MisStrategy { techniques: common.options.techniques, heuristic: Heuristic::Balance, light_walks: 1.0 };
+    let weights = MisStrategy {
+        techniques: common.options.method.bdpt().techniques,
+        heuristic: Heuristic::Balance,
+        light_walks: 1.0,
+    };
     let [mut camera, mut light] = [0, 1].map(|stream| IndependentSampler::new(address.with(stream)));
     let film = common.region.at(camera.u2(0, Slot::Aux));
     let path = Subpath::from_camera(common.scene, &weights, common.camera.ray(film));
