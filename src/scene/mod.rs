@@ -48,7 +48,7 @@ pub struct Scene {
     hash: String,
 }
 
-/// Features of the scene that its rendering kernels must support.
+/// Features of the scene. Some select code of the renderer. All are named in reports and by `etendue info`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Features {
     /// Some surface has an alpha mask.
