@@ -1,9 +1,6 @@
 //! Groups of flags shared by several subcommands.
 
-use super::Console;
-use super::progress::ProgressArgs;
 use super::settings_args::SettingsArgs;
-use super::task::Task;
 use crate::error::{Error, Result};
 use crate::session::{Budget, Bytes, LoadedScene, Outputs, PassPlan, PassSelection, RenderJob, SettingsPatch};
 use std::ffi::OsStr;
@@ -78,19 +75,6 @@ impl OutputArgs {
         };
         let outputs = if self.png { outputs.with_png() } else { outputs };
         Ok(outputs.with_film(self.film.clone(), selection))
-    }
-
-    /// Combines the outputs with the other arguments to a task.
-    pub(super) fn task(
-        &self,
-        outputs: Outputs,
-        keep: KeepArgs,
-        strict: StrictArgs,
-        progress: ProgressArgs,
-        console: Console,
-    ) -> Task {
-        let (report, checkpoint) = (self.report.clone(), keep.checkpoint.map(|every| every.0));
-        Task { outputs, report, checkpoint, skip_complete: keep.skip_complete, strict, progress, console }
     }
 
     /// Checks that all outputs can be written, before the work begins.

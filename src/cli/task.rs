@@ -1,6 +1,6 @@
 //! Renders one picture, from a loaded scene to its files. `render` does this once, `batch` many times.
 
-use super::args::StrictArgs;
+use super::args::{KeepArgs, OutputArgs, StrictArgs};
 use super::progress::ProgressArgs;
 use super::signals::Signals;
 use super::{Console, finish, progress};
@@ -28,6 +28,21 @@ pub(super) struct Task {
     pub(super) progress: ProgressArgs,
     /// Console output.
     pub(super) console: Console,
+}
+
+impl OutputArgs {
+    /// Combines the outputs with the other arguments to a task.
+    pub(super) fn task(
+        &self,
+        outputs: Outputs,
+        keep: KeepArgs,
+        strict: StrictArgs,
+        progress: ProgressArgs,
+        console: Console,
+    ) -> Task {
+        let (report, checkpoint) = (self.report.clone(), keep.checkpoint.map(|every| every.0));
+        Task { outputs, report, checkpoint, skip_complete: keep.skip_complete, strict, progress, console }
+    }
 }
 
 impl Task {

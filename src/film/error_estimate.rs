@@ -17,60 +17,26 @@
 //!
 //! Two or three replicates leave no others to divide by. Both effects are then estimated to first order from the whole
 //! mean as one δ per block, and removed by the factor 1 / (1 + δ + δ²/2). The interval is widened by a bound on the
-//! residual bias ([`RESIDUAL`]).
+//! residual bias (`RESIDUAL` in `relmse`).
 //!
 //! Measured (path, R = 4, 300 to 400 renders each), as a ratio to the true relMSE. Two-lamp room at 8, 16 and 32
 //! samples: .974, .994, .998 with the first-order correction; 1.005, 1.004, 1.001 with this one. Where the second
 //! lamp is rarely selected, at 16, 32, 64 samples: .42, .51, .68 and 1.09, 1.07, 1.06.
 
-use super::estimator_variance::{Pairs, Patch, Spread};
+use super::block::Block;
+use super::estimator_variance::Pairs;
+use super::independent::Independent;
+use super::layout::COLOR;
 use super::max_samples::Peak;
-use super::noise::{Independent, Noise};
-use super::replicates::{COLOR, PixelError, Replicates};
+use super::relmse::{RelMse, relmse_epsilon};
+use super::replicates::Replicates;
 use super::{Evidence, Film, Known, Layout, Trust};
 use crate::stats::pareto::Tail;
-use crate::stats::{skewed_quantile, student_quantile};
 use rayon::prelude::*;
 
-/// ε is the square of this share of the image mean. It keeps black pixels from dominating.
-const FLOOR: f64 = 0.1;
 /// Side in pixels of the blocks, which are the unit of parallel work and of the reported error share. Halved until
 /// there are at least 16 blocks.
 const BLOCK: usize = 8;
-/// Coefficient of δ² in the correction below four replicates; see the module documentation.
-const SECOND_ORDER: f64 = 0.5;
-/// Bound on the residual bias, in squares of the correction. Normal samples leave up to 1.5 squares (1 % at T_½ / T =
-/// 1.08, 3.5 % at 1.15), path-traced ones less than a third of that.
-const RESIDUAL: f64 = 1.5;
-/// Lower bound of δ; −½ limits the first-order factor to 2. A smaller δ is noise.
-const LEAST_DELTA: f64 = -0.5;
-/// Mean squared error relative to the squared value, and its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct RelMse {
-    /// The estimate.
-    pub value: f64,
-    /// Lower end of the 95 % interval.
-    pub low: f64,
-    /// Upper end; infinite (`null` in JSON) for an image of one block.
-    #[serde(deserialize_with = "null_is_infinite")]
-    pub high: f64,
-    /// Standard error of `value`; infinite (`null` in JSON) where nothing is known of it.
-    #[serde(deserialize_with = "null_is_infinite")]
-    pub standard_error: f64,
-    /// Skewness of `value`: the upper side of the interval is longer for positive skewness.
-    pub skewness: f64,
-    /// Degrees of freedom of the interval; infinite (`null` in JSON) where the noise was estimated within pixels.
-    #[serde(deserialize_with = "null_is_infinite")]
-    pub dof: f64,
-    /// Relative bias of `value` due to the nonlinearity of the division, T_½ / T − 1. Already removed.
-    pub curvature_bias: f64,
-    /// First-order relative bias if variances were divided by their own mean, due to skewed samples. Corrected
-    /// explicitly below four replicates.
-    pub skewness_bias: f64,
-    /// Bound on the residual bias of `value`, to either side.
-    pub bias_bound: f64,
-}
-
 /// The estimated error of an image's colour.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ImageError {
@@ -115,49 +81,6 @@ pub struct LargestSample {
     pub y: u32,
     /// Its pass.
     pub pass: u32,
-}
-
-pub(super) fn null_is_infinite<'de, D: serde::Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
-    let value: Option<f64> = serde::Deserialize::deserialize(source)?;
-    Ok(value.unwrap_or(f64::INFINITY))
-}
-
-impl RelMse {
-    fn of(blocks: &[Block], independent: Independent) -> Self {
-        let sum = |f: fn(&Block) -> f64| blocks.iter().map(f).sum::<f64>();
-        let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
-        let Noise { standard_error, skewness, dof } = Noise::of(independent, blocks, relative, values);
-        let share = |part: f64, of: f64| if of > 0.0 { part / of } else { 0.0 };
-        let skewness_bias = share(sum(|b| b.sum.skew), sum(|b| b.sum.coupled));
-        let apart = sum(|b| b.sum.apart);
-        let curvature_bias = if apart > 0.0 {
-            sum(|b| b.sum.half_apart) / apart - 1.0
-        } else {
-            share(sum(|b| b.sum.curvature), sum(|b| b.sum.coupled))
-        };
-        let empty = RelMse {
-            value: relative / values,
-            low: 0.0,
-            high: 0.0,
-            standard_error,
-            skewness,
-            dof,
-            curvature_bias,
-            skewness_bias,
-            bias_bound: RESIDUAL * curvature_bias * curvature_bias * relative / values,
-        };
-        let [low, high] = [-1.0, 1.0].map(|side| empty.limit(0.025, side));
-        RelMse { low, high, ..empty }
-    }
-
-    /// Returns the end of the interval on one `side`; the true value lies beyond it with probability `level`.
-    fn limit(&self, level: f64, side: f64) -> f64 {
-        if self.standard_error.is_infinite() {
-            return if side > 0.0 { f64::INFINITY } else { 0.0 };
-        }
-        let quantile = skewed_quantile(-side * student_quantile(1.0 - level, self.dof), self.skewness);
-        (self.value - quantile * self.standard_error + side * self.bias_bound).max(0.0)
-    }
 }
 
 impl ImageError {
@@ -219,7 +142,7 @@ impl Film {
         let independent = known.independent;
         let replicates = Replicates::of(self)?;
         let mean = replicates.image_mean()?;
-        let epsilon = (FLOOR * mean.value).powi(2);
+        let epsilon = relmse_epsilon(mean.value);
         let pairs = Pairs::of(&replicates.counts);
         let block = |pixels: Vec<usize>| Block::of(&pixels, &replicates, &pairs, epsilon, independent);
         let blocks: Vec<Block> = blocks(self.layout()).into_par_iter().map(block).collect();
@@ -245,60 +168,6 @@ impl Film {
             evidence,
             trust,
         })
-    }
-}
-
-/// Sums over the pixels and channels of a block.
-#[derive(Default)]
-pub(super) struct Block {
-    pub(super) values: f64,
-    /// Sum of relative variances, not yet extrapolated by the ratio of the whole image.
-    pub(super) relative: f64,
-    sum: PixelError,
-    /// Spread of `relative`; `None` if it cannot be estimated from within.
-    pub(super) spread: Option<Spread>,
-    /// By replicate: see [`super::replicates::Scratch`].
-    pub(super) squares: Vec<f64>,
-}
-
-impl Block {
-    fn of(
-        pixels: &[usize],
-        replicates: &Replicates<'_>,
-        pairs: &Pairs,
-        epsilon: f64,
-        independent: Independent,
-    ) -> Self {
-        let (mut scratch, mut sum) = (replicates.scratch(pairs), PixelError::default());
-        let mut spread = Some(Spread::default());
-        for together in pixels.chunks(independent.together(pixels.len())) {
-            let mut patch = Patch::empty(pairs);
-            for &pixel in together {
-                sum += replicates.pixel(pixel, epsilon, pairs, &mut scratch, &mut patch);
-            }
-            spread = spread.zip(pairs.spread(&patch)).map(|(sum, spread)| sum + spread);
-        }
-        let values = (pixels.len() * COLOR) as f64;
-        let block = Block { values, relative: sum.coupled, sum, spread, squares: scratch.squares };
-        if block.sum.coupled <= 0.0 {
-            return block;
-        }
-        if pairs.pairs.is_empty() { block.corrected() } else { Block { relative: block.sum.apart, ..block } }
-    }
-
-    /// Scales `relative` by `share`, and its spread and squares with it.
-    fn scaled(self, share: f64) -> Self {
-        let relative = share * self.relative;
-        let of_squares = if self.sum.coupled > 0.0 { relative / self.sum.coupled } else { 0.0 };
-        let squares = self.squares.iter().map(|square| square * of_squares).collect();
-        Block { relative, spread: self.spread.map(|spread| spread.scaled(share)), squares, ..self }
-    }
-
-    /// Removes the first-order bias due to the noise of the whole mean.
-    fn corrected(self) -> Self {
-        let PixelError { coupled, curvature, skew, .. } = self.sum;
-        let delta = ((curvature - skew) / coupled).max(LEAST_DELTA);
-        Block { relative: coupled / (1.0 + delta + SECOND_ORDER * delta * delta), ..self }
     }
 }
 

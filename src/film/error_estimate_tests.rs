@@ -30,7 +30,7 @@ fn film_of(layout: &Layout, replicates: u32, passes: u64, seed: u64, draw: impl 
 /// relMSE of N passes whose samples have relative variance `variance`.
 fn true_relmse(layout: &Layout, passes: u64, variance: f64) -> f64 {
     let pixels = layout.pixels();
-    let relative = |p: usize| truth(p, pixels).powi(2) / (truth(p, pixels).powi(2) + FLOOR * FLOOR);
+    let relative = |p: usize| truth(p, pixels).powi(2) / (truth(p, pixels).powi(2) + relmse_epsilon(1.0));
     (0..pixels).map(relative).sum::<f64>() / pixels as f64 * variance / passes as f64
 }
 
@@ -98,7 +98,7 @@ fn interval_covers_for_normal_pixels() {
 fn interval_covers_where_few_pixels_make_the_error() {
     let layout = Layout::new(16, 16, None, &[]);
     let pixels = layout.pixels();
-    let relative = |p: usize| truth(p, pixels).powi(2) / (truth(p, pixels).powi(2) + FLOOR * FLOOR);
+    let relative = |p: usize| truth(p, pixels).powi(2) / (truth(p, pixels).powi(2) + relmse_epsilon(1.0));
     let expected = (0..pixels).step_by(32).map(relative).sum::<f64>() / pixels as f64 * 0.01 / 4.0;
     let draw = |pixel: usize, random: &mut Random| if pixel % 32 == 0 { normal(random) } else { 1.0 };
     let holds = |seed| {

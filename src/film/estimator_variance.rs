@@ -1,6 +1,6 @@
 //! Variance of an estimated relative variance, from disjoint pairs of replicates, summed over the pixels of a patch.
 
-use super::replicates::COLOR;
+use super::layout::COLOR;
 
 /// Cumulants of an estimate, with its denominators treated as known. Those of independent estimates add.
 #[derive(Debug, Clone, Copy, Default)]

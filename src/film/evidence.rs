@@ -9,7 +9,7 @@
 //! - Samples unresolved by the denominators of their pixels: see [`Peakedness`].
 //! - The noise of the denominators.
 
-use super::error_estimate::RelMse;
+use super::relmse::RelMse;
 use super::tail_index::{self, Peakedness};
 use super::trust::{Distrust, Reason, Trust};
 use super::{Film, Known};
@@ -36,7 +36,7 @@ pub struct Evidence {
     pub shape_limit: Option<f64>,
     /// Bound on the unseen contribution of rare paths to relMSE at 95 % confidence; infinite (`null` in JSON) without a
     /// bound.
-    #[serde(deserialize_with = "super::error_estimate::null_is_infinite")]
+    #[serde(deserialize_with = "super::relmse::null_is_infinite")]
     pub rare_relmse: f64,
 }
 

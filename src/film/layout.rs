@@ -1,5 +1,8 @@
 //! Pixels and planes of a film.
 
+/// Channels of [`Plane::Color`].
+pub(super) const COLOR: usize = 3;
+
 /// Rendered rectangle in pixels: x0 ≤ x < x1, y0 ≤ y < y1, with the origin at the top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Crop {

@@ -2,11 +2,13 @@
 //! resumption.
 
 mod accumulate;
+mod block;
 mod error_estimate;
 mod estimator_variance;
 mod evidence;
 mod filter;
 mod header;
+mod independent;
 mod layout;
 mod max_samples;
 mod noise;
@@ -16,6 +18,7 @@ mod prior;
 // The lab reads what films write.
 #[cfg_attr(not(feature = "cli"), allow(dead_code))]
 pub mod pyramid;
+mod relmse;
 mod replicates;
 mod splats;
 mod sums;
@@ -24,16 +27,17 @@ mod trust;
 mod units;
 
 pub use accumulate::Film;
-pub use error_estimate::{ImageError, LargestSample, RelMse};
+pub use error_estimate::{ImageError, LargestSample};
 pub use evidence::Evidence;
 pub use filter::{Filter, FilterSampler};
 pub use header::FilmHeader;
+pub use independent::Independent;
 pub use layout::{Crop, Layout, Plane};
 pub(crate) use max_samples::keep_largest;
-pub use noise::Independent;
 pub use pass_film::PassFilm;
 pub use pass_set::PassSet;
 pub use prior::{Known, Prior};
+pub use relmse::{RelMse, relmse_epsilon};
 pub use splats::Splats;
 pub(crate) use sums::{Sums, add_all};
 pub use tail_index::Peakedness;

@@ -1,12 +1,10 @@
 //! Statistics of the replicates of a film by pixel: means, the variance of their mean, and its relative variance.
 
 use super::estimator_variance::{Pair, Pairs, Patch};
+use super::layout::COLOR;
 use super::{Film, Plane};
 use crate::stats::{Estimate, third_cumulant_of_mean};
 use rayon::prelude::*;
-
-/// Channels of colour.
-pub(super) const COLOR: usize = 3;
 
 /// Colour means of a film by replicate.
 pub(super) struct Replicates<'a> {

@@ -16,7 +16,7 @@ pub struct Distrust {
     /// The kind of problem.
     pub reason: Reason,
     /// The measured value; infinite (`null` in JSON) without a bound.
-    #[serde(deserialize_with = "super::error_estimate::null_is_infinite")]
+    #[serde(deserialize_with = "super::relmse::null_is_infinite")]
     pub value: f64,
     /// The limit that `value` violates.
     pub limit: f64,

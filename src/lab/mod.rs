@@ -1,5 +1,5 @@
 //! Measurements of the renderer itself: comparison of images and methods, benchmarks of methods and of ray queries, hard
-//! cases for intersection, images by technique, and the HTML pages that show the results. Rendering needs none of it.
+//! cases for intersection, images by technique, error metrics of images, and the HTML pages that show the results. Rendering needs none of it.
 
 pub mod bench_methods;
 pub mod bench_rays;
@@ -8,6 +8,7 @@ mod conditions;
 pub mod equivalence;
 pub mod hard_cases;
 pub mod html;
+pub mod image;
 mod report_files;
 pub mod same_mean;
 pub mod techniques;

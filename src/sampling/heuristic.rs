@@ -27,29 +27,12 @@ pub enum Heuristic {
     Power,
 }
 
-/// Returns the balance heuristic's weight of a sample with density `p`, and density `other` under the other technique.
-#[inline]
-pub fn balance(p: f32, other: f32) -> f32 {
-    1.0 / (1.0 + other / p)
-}
-
 /// Returns the power heuristic's weight (exponent 2) of a sample with density `p`, and density `other` under the other
 /// technique.
 #[inline]
 pub fn power(p: f32, other: f32) -> f32 {
     let ratio = other / p;
     1.0 / (1.0 + ratio * ratio)
-}
-
-impl Heuristic {
-    /// Returns the weight of a sample with density `p` > 0, and density `other` ≥ 0 under the other technique.
-    #[inline]
-    pub fn weight(self, p: f32, other: f32) -> f32 {
-        match self {
-            Heuristic::Balance => balance(p, other),
-            Heuristic::Power => power(p, other),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -59,10 +42,8 @@ mod tests {
     #[test]
     fn the_weights_of_both_techniques_sum_to_one_at_any_scale() {
         for (p, q) in [(1.0, 3.0), (1e-30, 2e-30), (1e30, 5e-30), (0.5, 0.0), (1e20, 1e21)] {
-            for h in [Heuristic::Balance, Heuristic::Power] {
-                let sum = h.weight(p, q) + if q > 0.0 { h.weight(q, p) } else { 0.0 };
-                assert!((sum - 1.0).abs() <= 2.0 * f32::EPSILON, "{h:?} {p} {q}: {sum}");
-            }
+            let sum = power(p, q) + if q > 0.0 { power(q, p) } else { 0.0 };
+            assert!((sum - 1.0).abs() <= 2.0 * f32::EPSILON, "{p} {q}: {sum}");
         }
     }
 }

@@ -10,7 +10,7 @@ mod table;
 pub mod warp;
 
 pub use hash::{Address, mix64, unit_f32, unit_f64};
-pub use heuristic::{Heuristic, balance, power};
+pub use heuristic::{Heuristic, power};
 pub use independent::IndependentSampler;
 pub use pdf::{Area, Density, Discrete, Measure, Pdf, SolidAngle};
 pub use sobol::Sobol;

@@ -4,7 +4,7 @@
 
 use super::{Pdf, SolidAngle};
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
+use std::f32::consts::{FRAC_PI_4, TAU};
 
 /// Largest f32 below one: the upper limit of samplers.
 pub use crate::numeric::BELOW_ONE;
@@ -38,12 +38,6 @@ pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     let (radius, direction) = concentric_polar(u);
     let disk = direction * radius;
     disk.extend(((1.0 - radius) * (1.0 + radius)).max(0.0).sqrt())
-}
-
-/// Returns the density of [`cosine_hemisphere`] at a direction of cosine `cos`.
-#[inline]
-pub fn cosine_hemisphere_pdf(cos: f32) -> Pdf<SolidAngle> {
-    Pdf::new(cos.max(0.0) * FRAC_1_PI)
 }
 
 /// Inverse of [`cosine_hemisphere`].

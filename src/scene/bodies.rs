@@ -14,6 +14,7 @@
 //! only at a surface with the same interior. Surfaces cut away by alpha masks do not count as crossed. A set
 //! distinguishes at most [`Bodies::MOST_OTHERS`] overlapping bodies of lower precedence.
 
+use super::interior::Interior;
 use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, SurfacePoint, TriangleMesh};
@@ -25,25 +26,6 @@ use smallvec::SmallVec;
 use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::ops::ControlFlow::{Break, Continue};
-
-/// Interior medium of a material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Interior {
-    /// Absorption coefficient per scene unit of length.
-    pub(super) absorption: Spectrum,
-    /// Refractive index.
-    pub(super) ior: f32,
-    /// Precedence: see the module documentation.
-    pub(super) priority: i32,
-}
-
-impl Interior {
-    /// Returns a key that is equal for equal interiors.
-    fn key(&self) -> ([u32; 4], i32) {
-        let [r, g, b] = self.absorption.0;
-        ([r, g, b, self.ior].map(f32::to_bits), self.priority)
-    }
-}
 
 /// A solid that transmits light.
 #[derive(Debug, Clone, Copy)]

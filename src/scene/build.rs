@@ -1,10 +1,11 @@
 //! Construction of a scene from a description: rebasing, baking, material compilation, acceleration structure.
 
 use super::assemble::assemble;
-use super::bodies::{AllBodies, Interior};
+use super::bodies::AllBodies;
 use super::contact::Contacts;
 use super::description::{self, Description, PunctualKind};
 use super::extent::Extent;
+use super::interior::Interior;
 use super::material::{Material, settle};
 use super::rebase::Rebase;
 use super::usage::Usage;

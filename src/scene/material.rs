@@ -1,7 +1,7 @@
 //! Compiled materials: a constant surface where nothing varies, texture lookups elsewhere, and bounds on the results.
 
-use super::bodies::Interior;
 use super::description::{self, AlphaMode, MetalFresnel};
+use super::interior::Interior;
 use super::usage::Usage;
 use crate::bsdf::{Bsdf, Ggx, Lobes, MetallicRoughness, Surface, Wall};
 use crate::light::{Coverage, Emission};

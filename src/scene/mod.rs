@@ -10,6 +10,7 @@ pub mod description;
 mod edge;
 mod extent;
 mod info;
+mod interior;
 mod material;
 mod query;
 mod rebase;
@@ -47,7 +48,7 @@ pub struct Scene {
     hash: String,
 }
 
-/// Features of the scene that its rendering kernels must support.
+/// Features of the scene. Some select code of the renderer. All are named in reports and by `etendue info`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Features {
     /// Some surface has an alpha mask.

@@ -20,6 +20,7 @@ pub(crate) mod provenance;
 mod render;
 mod rendered;
 pub(crate) mod report;
+#[allow(clippy::module_inception)] // it holds `Session`
 mod session;
 mod setting_value;
 mod settings;

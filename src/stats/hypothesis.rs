@@ -1,22 +1,17 @@
 //! Tests of means. Each returns its statistic and a two-sided p-value. The caller chooses the level and corrects for
-//! multiple tests ([`super::sidak_level`], [`super::holm`]).
+//! multiple tests ([`super::holm`]).
 
 use super::{Estimate, student_p_value};
 
 /// Result of a hypothesis test.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TestResult {
-    /// The test statistic: z, t or χ².
+    /// The test statistic, t.
     pub statistic: f64,
-    /// Degrees of freedom of the statistic; infinite for z.
+    /// Degrees of freedom of the statistic.
     pub dof: f64,
     /// Probability of a statistic at least this extreme under the null hypothesis.
     pub p_value: f64,
-}
-
-/// Tests whether `estimate` has the expectation `expected`, with a known standard error.
-pub fn z_test(estimate: &Estimate, expected: f64) -> TestResult {
-    difference_test(estimate.value - expected, estimate.standard_error, f64::INFINITY)
 }
 
 /// Tests whether `estimate` has the expectation `expected` [Student08].
@@ -79,7 +74,6 @@ mod tests {
         let mut random = Random::new(3);
         let a = sample(&mut random, 32, 1.0, 1.0);
         assert!(t_test(&a, 4.0).p_value < 1e-9);
-        assert!(z_test(&a, 4.0).p_value < t_test(&a, 4.0).p_value);
         let exact = Estimate { value: 2.0, standard_error: 0.0, dof: 3.0 };
         assert!((t_test(&exact, 2.0).p_value - 1.0).abs() < f64::EPSILON);
         assert!(t_test(&exact, 2.5).p_value < f64::MIN_POSITIVE);

@@ -7,9 +7,6 @@
 
 /// From this shape on the mean and standard error of a sample converge too slowly for a reliable interval [Vehtari24].
 pub const UNTRUSTED_SHAPE: f64 = 0.7;
-/// From this shape on the variance is infinite, and the error decreases more slowly than the inverse square root of the
-/// sample count.
-pub const INFINITE_VARIANCE_SHAPE: f64 = 0.5;
 
 /// Least number of exceedances for a fit.
 const LEAST_EXCEEDANCES: usize = 5;
@@ -39,11 +36,6 @@ impl Tail {
     /// Returns the upper end of the one-sided 95 % interval of the shape; the prior counts as ten exceedances.
     pub fn upper_shape(&self) -> f64 {
         self.shape + NORMAL_95 * (1.0 + self.shape.max(0.0)) / (self.exceedances as f64 + PRIOR_WEIGHT).sqrt()
-    }
-
-    /// Returns whether intervals from such values are reliable.
-    pub fn is_trusted(&self) -> bool {
-        self.shape <= UNTRUSTED_SHAPE
     }
 }
 
@@ -154,7 +146,7 @@ mod tests {
         let mut values: Vec<f64> = (0..100_000).map(|_| random.uniform()).collect();
         let tail = tail_shape(&mut values).unwrap();
         assert!((unshrunk(&tail) + 1.0).abs() < 5.0 / (tail.exceedances as f64).sqrt(), "{tail:?}");
-        assert!(tail.is_trusted());
+        assert!(tail.shape <= UNTRUSTED_SHAPE);
     }
 
     /// u^(−k) has exactly a generalised Pareto tail of shape k above every threshold: two-sided at level 1e-6 (4.9 σ),
@@ -168,7 +160,7 @@ mod tests {
             let tail = tail_shape(&mut values).unwrap();
             assert_eq!(tail.exceedances, 600);
             assert!((unshrunk(&tail) - k).abs() < 4.9 * (1.0 + k) / 600_f64.sqrt(), "{k}: {tail:?}");
-            assert_eq!(tail.is_trusted(), trusted);
+            assert_eq!(tail.shape <= UNTRUSTED_SHAPE, trusted);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Decoded images.
 
 use super::Encoding;
-use super::extremes::{self, Stored};
+use super::block_extremes::{self, Stored};
 use crate::huge_vec::HugeVec;
 use std::sync::{LazyLock, OnceLock};
 
@@ -148,9 +148,9 @@ impl Bitmap {
         }
     }
 
-    /// Returns the extremes of its blocks: see [`extremes`].
+    /// Returns the extremes of its blocks.
     pub(super) fn blocks(&self) -> &[Stored] {
-        self.blocks.get_or_init(|| extremes::blocks(self))
+        self.blocks.get_or_init(|| block_extremes::blocks(self.size(), |x, y| self.stored(x, y)))
     }
 
     /// Returns the mean linear value of all texels.

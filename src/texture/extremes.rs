@@ -4,13 +4,9 @@
 //! therefore bound every lookup in it. An image stores the extremes of its blocks in encoded form; all encodings are
 //! monotone.
 
+use super::block_extremes::{BLOCK, Span, Stored, scan, span};
 use super::{Bitmap, Texture, TextureFilter, Wrap};
 use glam::Vec2;
-use rayon::prelude::*;
-use std::ops::RangeInclusive;
-
-/// Side of a block in texels.
-const BLOCK: usize = 32;
 
 /// Least and greatest value of each channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,53 +40,6 @@ impl Extremes {
     }
 }
 
-/// Least and greatest stored value.
-#[derive(Clone, Copy)]
-pub(super) struct Stored {
-    min: [u16; 4],
-    max: [u16; 4],
-}
-
-impl Stored {
-    const NONE: Stored = Stored { min: [u16::MAX; 4], max: [0; 4] };
-
-    fn holds(&self, other: &Stored) -> bool {
-        (0..4).all(|c| self.min[c] <= other.min[c] && other.max[c] <= self.max[c])
-    }
-
-    fn take(&mut self, other: &Stored) {
-        for c in 0..4 {
-            self.min[c] = self.min[c].min(other.min[c]);
-            self.max[c] = self.max[c].max(other.max[c]);
-        }
-    }
-}
-
-type Span = RangeInclusive<usize>;
-
-/// Returns the extremes of all blocks, row by row.
-pub(super) fn blocks(image: &Bitmap) -> Box<[Stored]> {
-    let [columns, rows] = image.size().map(|side| (side as usize).div_ceil(BLOCK));
-    let block = |i: usize| scan(image, span(i % columns, image.size()[0]), span(i / columns, image.size()[1]));
-    (0..columns * rows).into_par_iter().map(block).collect()
-}
-
-/// Returns the texels of block `i` along a side.
-fn span(i: usize, side: u32) -> Span {
-    i * BLOCK..=(i * BLOCK + BLOCK - 1).min(side as usize - 1)
-}
-
-fn scan(image: &Bitmap, columns: Span, rows: Span) -> Stored {
-    let mut found = Stored::NONE;
-    for y in rows {
-        for x in columns.clone() {
-            let texel = image.stored(x, y);
-            found.take(&Stored { min: texel, max: texel });
-        }
-    }
-    found
-}
-
 /// Adds the extremes of a rectangle: those of complete blocks from the table, those of partial blocks by texel, unless
 /// the block cannot extend the result.
 fn rectangle(image: &Bitmap, columns: &Span, rows: &Span, found: &mut Stored) {
@@ -106,7 +55,7 @@ fn rectangle(image: &Bitmap, columns: &Span, rows: &Span, found: &mut Stored) {
             }
             let (cut_x, cut_y) = (common(&x, columns), common(&y, rows));
             let whole = cut_x == x && cut_y == y;
-            found.take(&if whole { block } else { scan(image, cut_x, cut_y) });
+            found.take(&if whole { block } else { scan(|x, y| image.stored(x, y), cut_x, cut_y) });
         }
     }
 }

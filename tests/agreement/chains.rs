@@ -8,8 +8,9 @@ use crate::references::load;
 use etendue::film::Filter;
 use etendue::integrator::Method;
 use etendue::path::Technique;
-use etendue::stats::{sidak_level, t_test};
+use etendue::stats::t_test;
 use etendue_testing::deep;
+use etendue_testing::levels::sidak_level;
 use etendue_testing::methods::ChainOptions;
 use etendue_testing::worlds::{World, all};
 

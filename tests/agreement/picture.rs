@@ -6,7 +6,7 @@ use etendue::integrator::{FilmRenderer, Guards, IntegratorConfig, Method};
 use etendue::sampling::SamplerKind;
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
-use etendue::stats::sidak_level;
+use etendue_testing::levels::sidak_level;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Family-wise level of every test in this binary: with fixed seeds it is the chance that a right renderer is convicted

@@ -1,6 +1,8 @@
-//! Does the code still have the shape that ARCHITECTURE.md draws? Floors, where `unsafe` may stand, citation keys, bare
-//! epsilons, sizes, nothing unfinished. The rules are in `architecture/rules.rs`, each shown there to fail when broken.
+//! Checks that the code has the shape that ARCHITECTURE.md describes: floors, no circles of imports, where `unsafe` may
+//! stand, citation keys, bare epsilons, sizes, nothing unfinished. The rules are in `rules.rs` and `circles.rs`, each
+//! with a test that it fails where it is broken.
 
+mod circles;
 mod rules;
 mod source;
 
@@ -51,6 +53,11 @@ fn assert_none(mut findings: Vec<Finding>) {
 #[test]
 fn modules_import_lower_floors_only() {
     assert_none(crate_files().iter().flat_map(|s| rules::floors(s, FLOORS)).collect());
+}
+
+#[test]
+fn files_do_not_import_each_other() {
+    assert_none(circles::circles(&crate_files()));
 }
 
 #[test]

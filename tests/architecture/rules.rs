@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 /// Where a rule is broken and how.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Finding {
-    path: String,
+    pub(crate) path: String,
     line: usize,
     what: String,
 }
@@ -17,7 +17,7 @@ impl std::fmt::Display for Finding {
     }
 }
 
-fn finding(source: &Source, line: usize, what: impl Into<String>) -> Finding {
+pub(crate) fn finding(source: &Source, line: usize, what: impl Into<String>) -> Finding {
     Finding { path: source.path.clone(), line, what: what.into() }
 }
 

@@ -37,7 +37,7 @@ fn directions_follow(yfov: f64, power: i32, seed: u64) -> f64 {
     let expected = cells.integrate(1e-6, &|w| pinhole_density(DVec3::from(w), yfov, power)); // of a probability
     let total: f64 = expected.iter().sum();
     let (mut random, n) = (Random::new(seed), samples(SAMPLES));
-    let mut observed = vec![0.0; cells.len()];
+    let mut observed = vec![0.0; cells.count()];
     for _ in 0..n {
         let ray = camera.ray(film(&mut random));
         assert_eq!(ray.origin, pose().position);

@@ -37,12 +37,12 @@ impl Cells {
     }
 
     fn len(&self) -> usize {
-        self.sides[0].len() + self.sides[1].len()
+        self.sides[0].count() + self.sides[1].count()
     }
 
     fn index(&self, w: Local) -> usize {
         let d = [w.x, w.y, w.z].map(f64::from);
-        if self.known.same_side(w) { self.sides[0].index(d) } else { self.sides[0].len() + self.sides[1].index(d) }
+        if self.known.same_side(w) { self.sides[0].index(d) } else { self.sides[0].count() + self.sides[1].index(d) }
     }
 
     /// Probability of each cell.

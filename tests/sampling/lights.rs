@@ -50,7 +50,7 @@ fn follows(light: &Light, axis: DVec3, angle: f64, pdf: impl Fn(DVec3) -> f64, s
     let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Y };
     for _ in 0..n {
         let sample = light.sample_li(&at, random.cube());
-        let cell = sample.map_or(cells.len(), |s| {
+        let cell = sample.map_or(cells.count(), |s| {
             let stated = if let Density::Smooth(pdf) = s.density { f64::from(pdf.value()) } else { 0.0 };
             let w = s.wi.as_dvec3();
             // Where a rounded direction still meets the light, it has the density that came with it.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the numbers of src/stats/image/flip/tests.rs: means and pixels of FLIP by its authors' tool.
+"""Prints the numbers of src/lab/image/flip/tests.rs: means and pixels of FLIP by its authors' tool.
 
     python3 -m venv /tmp/flip && /tmp/flip/bin/pip install flip-evaluator==1.7 && /tmp/flip/bin/python tests/support/flip_golden.py
 """

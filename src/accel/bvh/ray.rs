@@ -7,9 +7,8 @@
 //! box is missed that contains a triangle accepted by the triangle test. The widening is applied to the ray's origin
 //! instead of the boxes, at no cost.
 
-use super::tree::Node;
 use crate::geometry::Ray;
-use glam::{BVec4A, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
 /// Lower bound of direction components in magnitude, so that no reciprocal overflows.
 const LEAST: f32 = 1e-37;
@@ -19,12 +18,12 @@ const WIDENING: f32 = 16.0 * 0.5 * f32::EPSILON;
 
 /// A ray prepared for box tests.
 pub(super) struct Slabs {
-    /// By axis: index in [`Node::planes`] of the near plane of a box.
-    first: [usize; 3],
-    near_origin: [Vec4; 3],
-    far_origin: [Vec4; 3],
-    inverse: [Vec4; 3],
-    t_min: Vec4,
+    /// By axis: index in `Node::planes` of the near plane of a box.
+    pub(super) first: [usize; 3],
+    pub(super) near_origin: [Vec4; 3],
+    pub(super) far_origin: [Vec4; 3],
+    pub(super) inverse: [Vec4; 3],
+    pub(super) t_min: Vec4,
 }
 
 impl Slabs {
@@ -42,17 +41,6 @@ impl Slabs {
             inverse: d.map(|d| Vec4::splat(d.recip())),
             t_min: Vec4::splat(ray.t_min),
         }
-    }
-
-    /// Returns a mask of the node's boxes that the ray enters before `reach`, and the entry parameters.
-    #[inline]
-    pub(super) fn meet(&self, node: &Node, reach: f32) -> (u32, [f32; 4]) {
-        let near = |k: usize| (node.planes[self.first[k]] - self.near_origin[k]) * self.inverse[k];
-        let far = |k: usize| (node.planes[self.first[k] ^ 1] - self.far_origin[k]) * self.inverse[k];
-        let enter = near(0).max(near(1)).max(near(2).max(self.t_min));
-        let leave = far(0).min(far(1)).min(far(2).min(Vec4::splat(reach)));
-        let met: BVec4A = enter.cmple(leave);
-        (met.bitmask(), enter.to_array())
     }
 }
 

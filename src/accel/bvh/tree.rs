@@ -4,7 +4,7 @@ use super::Nearest;
 use super::ray::Slabs;
 use crate::huge_vec::HugeVec;
 use bytemuck::{Pod, Zeroable};
-use glam::Vec4;
+use glam::{BVec4A, Vec4};
 use smallvec::SmallVec;
 use std::ops::ControlFlow;
 
@@ -22,6 +22,19 @@ pub(super) struct Node {
     pub(super) planes: [Vec4; 6],
     /// Index of a node, or of a leaf with [`LEAF`] set.
     pub(super) children: [u32; 4],
+}
+
+impl Node {
+    /// Returns a mask of the boxes that the ray enters before `reach`, and the entry parameters.
+    #[inline]
+    pub(super) fn meet(&self, ray: &Slabs, reach: f32) -> (u32, [f32; 4]) {
+        let near = |k: usize| (self.planes[ray.first[k]] - ray.near_origin[k]) * ray.inverse[k];
+        let far = |k: usize| (self.planes[ray.first[k] ^ 1] - ray.far_origin[k]) * ray.inverse[k];
+        let enter = near(0).max(near(1)).max(near(2).max(ray.t_min));
+        let leave = far(0).min(far(1)).min(far(2).min(Vec4::splat(reach)));
+        let met: BVec4A = enter.cmple(leave);
+        (met.bitmask(), enter.to_array())
+    }
 }
 
 /// Nodes, starting at the root.
@@ -64,7 +77,7 @@ impl Tree {
                 leaf((current & !LEAF) as usize, reach)?;
             } else {
                 let node = &nodes[current as usize];
-                let (mut met, enter) = ray.meet(node, reach.t);
+                let (mut met, enter) = node.meet(ray, reach.t);
                 if met != 0 {
                     let mut next = (u32::MAX, f32::INFINITY);
                     let first = met.trailing_zeros() as usize;

@@ -1,15 +1,17 @@
-//! Geometries attached to a scene: a triangle mesh or an instance of another scene.
+//! Geometries and committed scenes. A geometry is a triangle mesh or an instance of a scene, and a scene has geometries.
 
 use super::device::Device;
-use super::scene::Committed;
+use super::filter::Filter;
 use crate::error::Result;
-use crate::geometry::TriangleMesh;
+use crate::geometry::{AnyHit, TriangleMesh};
 use embree4_sys::{
-    RTCBufferType, RTCFormat, RTCGeometry, RTCGeometryType, rtcCommitGeometry, rtcNewGeometry, rtcReleaseGeometry,
-    rtcSetGeometryEnableFilterFunctionFromArguments, rtcSetGeometryInstancedScene, rtcSetGeometryTransform,
-    rtcSetSharedGeometryBuffer,
+    RTCBufferType, RTCFeatureFlags, RTCFormat, RTCGeometry, RTCGeometryType, RTCIntersectArguments,
+    RTCOccludedArguments, RTCRay, RTCRayHit, RTCRayQueryFlags, RTCScene, rtcCommitGeometry, rtcIntersect1,
+    rtcNewGeometry, rtcOccluded1, rtcReleaseGeometry, rtcReleaseScene, rtcSetGeometryEnableFilterFunctionFromArguments,
+    rtcSetGeometryInstancedScene, rtcSetGeometryTransform, rtcSetSharedGeometryBuffer,
 };
 use glam::{Affine3A, Vec3};
+use std::ptr;
 use std::sync::Arc;
 
 // Strides passed to Embree.
@@ -98,5 +100,77 @@ impl Drop for Shape {
     fn drop(&mut self) {
         // SAFETY: this is the reference that `new` got (Embree ignores null with an error code); it is released once.
         unsafe { rtcReleaseGeometry(self.raw) };
+    }
+}
+
+/// A reference to an Embree scene.
+pub(super) struct SceneHandle(pub(super) RTCScene);
+
+// SAFETY: Embree's manual allows queries of a committed scene from any thread; only the builder of a scene, which has the
+// sole handle, changes one, and references are counted atomically.
+unsafe impl Send for SceneHandle {}
+// SAFETY: as above; nothing changes a scene through a shared handle.
+unsafe impl Sync for SceneHandle {}
+
+impl Drop for SceneHandle {
+    fn drop(&mut self) {
+        // SAFETY: this is the reference that `rtcNewScene` gave, and it is released once.
+        unsafe { rtcReleaseScene(self.0) };
+    }
+}
+
+/// A committed scene, immutable from here on, with everything that Embree points to.
+pub(super) struct Committed {
+    // Released before the shapes, and these before the meshes that they point to.
+    handle: SceneHandle,
+    _shapes: Vec<Shape>,
+}
+
+impl Committed {
+    /// A scene that Embree has committed, and the shapes attached to it.
+    pub(super) fn new(handle: SceneHandle, shapes: Vec<Shape>) -> Self {
+        Committed { handle, _shapes: shapes }
+    }
+
+    pub(super) fn raw(&self) -> RTCScene {
+        self.handle.0
+    }
+
+    /// Writes the closest hit that `filter` accepts into `query`.
+    #[inline]
+    pub(super) fn intersect<A: AnyHit>(&self, query: &mut RTCRayHit, filter: Option<&mut Filter<'_, A>>) {
+        let Some(filter) = filter else {
+            // SAFETY: the scene is committed, the query is laid out and aligned as Embree's headers say; null is the
+            // default.
+            return unsafe { rtcIntersect1(self.handle.0, query, ptr::null_mut()) };
+        };
+        let mut arguments = RTCIntersectArguments {
+            flags: RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
+            feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
+            context: filter.context(),
+            filter: Filter::<A>::CALLBACK,
+            intersect: None,
+        };
+        // SAFETY: as above; the context is that of a `Filter<A>` that outlives the call, as the callback requires.
+        unsafe { rtcIntersect1(self.handle.0, query, &raw mut arguments) }
+    }
+
+    /// Sets the last parameter of `query` to −∞ if there is a hit that `filter` accepts.
+    #[inline]
+    pub(super) fn occluded<A: AnyHit>(&self, query: &mut RTCRay, filter: Option<&mut Filter<'_, A>>) {
+        let Some(filter) = filter else {
+            // SAFETY: the scene is committed, the query is laid out and aligned as Embree's headers say; null is the
+            // default.
+            return unsafe { rtcOccluded1(self.handle.0, query, ptr::null_mut()) };
+        };
+        let mut arguments = RTCOccludedArguments {
+            flags: RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
+            feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
+            context: filter.context(),
+            filter: Filter::<A>::CALLBACK,
+            occluded: None,
+        };
+        // SAFETY: as above; the context is that of a `Filter<A>` that outlives the call, as the callback requires.
+        unsafe { rtcOccluded1(self.handle.0, query, &raw mut arguments) }
     }
 }

@@ -24,7 +24,8 @@ use crate::accel::{Build, Intersector, placed};
 use crate::error::Result;
 use crate::geometry::{AnyHit, Geometry, Hit, Ray};
 use filter::Filter;
-use scene::{Committed, SceneBuilder};
+use geometry::Committed;
+use scene::SceneBuilder;
 use std::sync::Arc;
 
 pub use device::Device;

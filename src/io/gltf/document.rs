@@ -2,7 +2,7 @@
 
 use super::budget::Budget;
 use super::buffer::{self, Buffer};
-use super::{glb, instancing};
+use super::{extensions, glb};
 use crate::error::{Error, Result};
 use ::gltf::json::validation::{Error as Defect, Validate};
 use ::gltf::json::{self, Root};
@@ -11,20 +11,6 @@ use json::validation::Checked;
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-
-/// Supported extensions. KHR_mesh_quantization needs no code beyond the checked component types.
-pub(super) const READ_EXTENSIONS: [&str; 10] = [
-    instancing::NAME,
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_volume",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-];
 
 /// A glTF file. All indices between parts of `root` are in range, and no checked value is invalid.
 pub(super) struct Document {
@@ -148,7 +134,7 @@ fn check_version(asset: &Value) -> Result<()> {
 
 fn check_required(extensions: &Value) -> Result<()> {
     let names = extensions.as_array().into_iter().flatten().filter_map(Value::as_str);
-    let unknown: Vec<&str> = names.filter(|name| !READ_EXTENSIONS.contains(name)).collect();
+    let unknown: Vec<&str> = names.filter(|name| !extensions::READ.contains(name)).collect();
     if unknown.is_empty() {
         return Ok(());
     }

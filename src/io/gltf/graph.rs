@@ -3,6 +3,7 @@
 
 use super::animation::{Moved, Pose};
 use super::document::{Document, name_or, numbers};
+use super::quaternion::unit_quaternion;
 use crate::error::{Error, Result};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 use serde_json::Value;
@@ -123,11 +124,6 @@ fn upright(axes: &DMat3) -> DMat3 {
     let z = axes.z_axis.try_normalize().unwrap_or(DVec3::Z);
     let y = (axes.y_axis - z * z.dot(axes.y_axis)).try_normalize().unwrap_or_else(|| z.any_orthonormal_vector());
     DMat3::from_cols(y.cross(z), y, z)
-}
-
-/// Normalises a quaternion. Files round quaternions to f32, and the error would scale the node.
-pub(super) fn unit_quaternion(xyzw: [f64; 4]) -> Option<DQuat> {
-    DVec4::from(xyzw).try_normalize().map(DQuat::from_vec4)
 }
 
 fn affine(matrix: &DMat4) -> Result<DAffine3> {

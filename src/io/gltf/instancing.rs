@@ -2,14 +2,13 @@
 
 use super::accessor::Wanted;
 use super::document::Document;
-use super::graph::unit_quaternion;
+use super::extensions::INSTANCING as NAME;
+use super::quaternion::unit_quaternion;
 use crate::error::{Error, Result};
 use ::gltf::json::accessor::ComponentType;
 use ::gltf::json::validation::Checked;
 use glam::{DAffine3, DQuat, DVec3};
 use serde_json::Value;
-
-pub(super) const NAME: &str = "EXT_mesh_gpu_instancing";
 
 /// Returns the transforms of the copies of the mesh of `node`, relative to it: a single identity without the extension.
 ///

@@ -16,6 +16,7 @@ mod budget;
 mod buffer;
 mod camera;
 mod document;
+mod extensions;
 mod extras;
 mod glb;
 mod graph;
@@ -26,6 +27,7 @@ mod light;
 mod material;
 mod notes;
 mod primitive;
+mod quaternion;
 mod resource;
 mod texture;
 mod topology;
@@ -208,7 +210,7 @@ impl Loader<'_> {
         for place in instancing::places(self.document, placement.node)? {
             let transform = placement.transform * place;
             if !transform.is_finite() {
-                return Err(Error::scene(format!("{} has a transform that is not finite", instancing::NAME)));
+                return Err(Error::scene(format!("{} has a transform that is not finite", extensions::INSTANCING)));
             }
             if graph::is_line(&transform.matrix3) {
                 self.notes.add(format!("copies of node '{name}' are scaled to a line or a point and are left out"));

@@ -1,6 +1,7 @@
 //! Notes on features that the file uses and étendue does not support: one sentence each, in order, without repeats.
 
-use super::document::{Document, READ_EXTENSIONS};
+use super::document::Document;
+use super::extensions;
 use std::collections::HashSet;
 
 #[derive(Default)]
@@ -21,7 +22,7 @@ impl Notes {
     /// Notes features that are ignored regardless of the parts used.
     pub(super) fn about_file(&mut self, document: &Document) {
         document.oddities.iter().for_each(|oddity| self.add(oddity));
-        for extension in document.root.extensions_used.iter().filter(|e| !READ_EXTENSIONS.contains(&e.as_str())) {
+        for extension in document.root.extensions_used.iter().filter(|e| !extensions::READ.contains(&e.as_str())) {
             self.add(format!("the extension {extension} is not read"));
         }
     }

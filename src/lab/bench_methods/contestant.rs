@@ -1,11 +1,12 @@
 //! Timed renders of one method with one backend on one scene.
 
-use super::curve::Mark;
+use super::mark::Mark;
 use super::reference::Reference;
 use super::{Result, defect};
 use crate::error::Error;
 use crate::film::{Film, Plane};
 use crate::integrator;
+use crate::lab::image::relmse;
 use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::sampling::mix64;
@@ -14,7 +15,6 @@ use crate::session::{
     LoadedScene, Observer, PassPlan, PassSelection, Progress, Provenance, RenderSettings, Session, StopCriteria,
     ToneMapping,
 };
-use crate::stats::image::relmse;
 
 /// A method with a backend on a scene.
 pub(super) struct BenchCase<'a> {

@@ -9,11 +9,14 @@
 
 mod contestant;
 mod curve;
+mod make_reference;
+mod mark;
 mod page;
 mod reference;
 mod report;
 
-pub use curve::{CurvePoint, ErrorCurve, Interval, Mark, Slope};
+pub use curve::{CurvePoint, ErrorCurve, Interval, Slope};
+pub use mark::Mark;
 pub use reference::Record as ReferenceRecord;
 pub use report::{MethodsReport, Ratio, SceneReport};
 
@@ -76,7 +79,7 @@ pub fn run(request: &MethodsRequest, subjects: &[BenchScene], note: &mut dyn FnM
     for ((subject, field), given) in subjects.iter().zip(&fields).zip(given) {
         references.push(match given {
             Some(reference) => reference,
-            None => reference::make(request, subject, field, note)?,
+            None => make_reference::make(request, subject, field, note)?,
         });
     }
     for repetition in 0..repetitions {

@@ -2,7 +2,8 @@
 
 use super::contestant::BenchCase;
 use super::curve::{ErrorCurve, Interval, efficiency};
-use super::reference::{Record, Reference, SHARE};
+use super::make_reference::SHARE;
+use super::reference::{Record, Reference};
 use super::{BenchScene, MethodsRequest};
 use crate::error::Result;
 use crate::lab::{Conditions, report_files};

@@ -2,7 +2,7 @@
 
 use super::ImagePair;
 use crate::io::png::ToneCurve;
-use crate::stats::image::{self, flip};
+use crate::lab::image::{self, flip};
 use serde::Serialize;
 
 /// ε of relMSE is the square of this fraction of the reference's mean, as in the error estimate that images carry.

@@ -14,7 +14,7 @@ pub use verdict::{CompareOutcome, MeanDifference, Rejection, Verdict};
 
 use crate::error::{Error, Kind, Result};
 use crate::film::Crop;
-use crate::stats::image::flip::{self, HdrFlip};
+use crate::lab::image::flip::{self, HdrFlip};
 use serde::Serialize;
 use side::Side;
 use std::path::Path;

@@ -1,5 +1,6 @@
 //! A candidate: one method with one backend, and its film.
 
+use super::REPLICATES;
 use super::lineup::settings;
 use crate::error::{Error, Kind, Result};
 use crate::film::pyramid::Pyramid;
@@ -10,9 +11,6 @@ use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::session::machine::Stopwatch;
 use crate::session::{LoadedScene, PassPlan, PassSelection, Provenance, SettingsPatch, StopCriteria};
-
-/// Number of independent replicates of each candidate. Their scatter is the error of the comparison.
-pub const REPLICATES: u32 = 32;
 
 /// A candidate: a method with a backend, and its film so far.
 pub struct Candidate<'a> {

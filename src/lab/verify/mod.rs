@@ -22,9 +22,12 @@ mod report;
 mod run;
 mod table;
 
-pub use candidate::{Candidate, REPLICATES};
+pub use candidate::Candidate;
 pub use lineup::{Lineup, VerifyRequest, default_size};
 pub use odd::Outlier;
 pub use pictures::write as write_pictures;
 pub use report::VerifyReport;
 pub use run::{Effort, Ran, affordable, run};
+
+/// Number of independent replicates of each candidate. Their scatter is the error of the comparison.
+pub const REPLICATES: u32 = 32;

@@ -1,6 +1,7 @@
 //! Pearson's χ² test of a sampler against its density. Cells whose expected count is below 5 are pooled, and p-values
 //! are compared with a family-wise level by Šidák's correction.
 
+use crate::levels::sidak_level;
 use crate::quadrature::Rectangle;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::{PI, TAU};
@@ -12,7 +13,7 @@ const POOL: f64 = 5.0;
 
 /// The level of one test out of a family of `tests`.
 pub fn sidak(tests: usize) -> f64 {
-    1.0 - (1.0 - FAMILY_LEVEL).powf(1.0 / tests as f64)
+    sidak_level(FAMILY_LEVEL, tests as u64)
 }
 
 /// The p-value of `observed` counts under `expected` ones. Samples where hardly any are expected land in the pools;
@@ -54,7 +55,7 @@ impl SphereCells {
     }
 
     /// How many cells there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.radial * self.around
     }
 
@@ -79,7 +80,7 @@ impl SphereCells {
         let edge = |i: usize, n: usize| [i as f64 / n as f64, (i + 1) as f64 / n as f64];
         let cell =
             |i: usize| Rectangle { x: edge(i / self.around, self.radial), y: edge(i % self.around, self.around) };
-        (0..self.len()).map(|i| cell(i).integrate(tolerance, &integrand)).collect()
+        (0..self.count()).map(|i| cell(i).integrate(tolerance, &integrand)).collect()
     }
 
     fn direction(&self, away: f64, turn: f64) -> [f64; 3] {

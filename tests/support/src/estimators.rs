@@ -1,6 +1,6 @@
 //! The integrals of the tutorial, their exact values, and estimators made of the renderer's own pieces.
 
-use etendue::sampling::{Address, Heuristic, IndependentSampler, Sampler, Slot, Sobol};
+use etendue::sampling::{Address, Heuristic, IndependentSampler, Sampler, Slot, Sobol, power};
 use etendue::stats::{Estimate, Moments};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
@@ -121,7 +121,10 @@ impl Product {
         };
         let single = move |by| -> Draw { Box::new(move |sampler| self.contribution(by, sampler, |_, _| 1.0)) };
         let both = move |heuristic: Heuristic| -> Draw {
-            let weight = move |p, other| heuristic.weight(p, other);
+            let weight = move |p, other: f32| match heuristic {
+                Heuristic::Balance => 1.0 / (1.0 + other / p),
+                Heuristic::Power => power(p, other),
+            };
             Box::new(move |s| self.contribution(By::Gaussian, s, weight) + self.contribution(By::Uniform, s, weight))
         };
         [

@@ -6,6 +6,7 @@ pub mod chi_square;
 pub mod estimators;
 pub mod folders;
 pub mod forge;
+pub mod levels;
 pub mod methods;
 pub mod quadrature;
 pub mod random;

@@ -2,7 +2,7 @@
 
 use super::super::accessor::Wanted;
 use super::super::document::Document;
-use super::super::graph::unit_quaternion;
+use super::super::quaternion::unit_quaternion;
 use super::curve::Piece;
 use crate::error::{Error, Result};
 use ::gltf::json::accessor::ComponentType;
