@@ -39,6 +39,8 @@ pub enum Slot {
     Channel = 9,
     /// Auxiliary (2), slots 10 and 11; at bounce 0 the position within the pixel.
     Aux = 10,
+    /// Point of the camera's lens (2). No camera has one yet.
+    Lens = 11,
 }
 
 /// Number of slots per bounce.
