@@ -81,7 +81,7 @@ impl Samples {
     /// Samples the position within a pixel, by the filter, and the lens.
     #[inline]
     fn camera_sample(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> CameraSample {
-        let offset = self.filter.sample(sampler.u2(0, Slot::Aux));
+        let offset = self.filter.sample(sampler.u2(0, Slot::Film));
         let film = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
         camera_sample(&self.camera, film, sampler)
     }

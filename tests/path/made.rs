@@ -105,7 +105,7 @@ impl<'a> Studio<'a> {
     /// Every path that the two walks of sample `index` make.
     pub(crate) fn sample(&self, index: u64) -> Vec<Made<'a>> {
         let [mut eye, mut lamp] = [0, 1].map(|stream| IndependentSampler::new(Address::new(index).with(stream)));
-        let film = eye.u2(0, Slot::Aux).map(|u| u * self.side as f32);
+        let film = eye.u2(0, Slot::Film).map(|u| u * self.side as f32);
         let lens = self.camera.sample_lens(|| eye.u2(0, Slot::Lens));
         let camera = self.camera.sample_ray(film, lens, 0.0);
         let eye_point = EmitterPoint::Point(camera.ray.origin);

@@ -176,7 +176,7 @@ impl<'a> ChainContext<'a> {
 
     /// Samples the raster position uniformly over the region, and the lens.
     fn camera_sample(&self, sampler: &mut impl Sampler) -> CameraSample {
-        let film = self.region.at(sampler.u2(0, Slot::Aux));
+        let film = self.region.at(sampler.u2(0, Slot::Film));
         camera_sample(&self.camera, film, sampler)
     }
 
