@@ -19,8 +19,9 @@ struct AmbientOcclusion<'a> {
 
 impl AmbientOcclusion<'_> {
     fn sample(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> f32 {
-        let [x, y] = sampler.u2(0, Slot::Aux);
-        let ray = self.camera.ray([pixel[0] as f32 + x, pixel[1] as f32 + y]);
+        let [x, y] = sampler.u2(0, Slot::Film);
+        let lens = self.camera.sample_lens(|| sampler.u2(0, Slot::Lens));
+        let ray = self.camera.sample_ray([pixel[0] as f32 + x, pixel[1] as f32 + y], lens, 0.0).ray;
         let Some(point) = self.scene.seen(ray) else { return 1.0 };
         let normal = if ray.direction.dot(point.ng) < 0.0 { point.ng } else { -point.ng };
         let [x, y, z] = warp::cosine_hemisphere(sampler.u2(1, Slot::Direction)).to_array();

@@ -5,7 +5,8 @@
 
 use etendue::accel::{Backend, Build};
 use etendue::io::gltf::Reading;
-use etendue::scene::{BuildOptions, Scene};
+use etendue::light::EmitterPoint;
+use etendue::scene::{BuildOptions, Edge, EdgeEnd, Scene};
 use etendue_fuzz::{Container, check};
 use libfuzzer_sys::{fuzz_crossover, fuzz_mutator, fuzz_target, fuzzer_mutate};
 use std::path::Path;
@@ -34,7 +35,9 @@ fn look(scene: &Scene) {
         let bodies = scene.bodies_at(ray.origin);
         if let Some(mut point) = scene.intersect(&ray) {
             scene.surface(&mut point, bodies);
-            scene.transmittance(&point.spawn(ray.direction), &mut 0);
+            let state = ray.state.within(bodies);
+            let edge = Edge::new(scene, &point, state, ray.direction, EdgeEnd::Light(&EmitterPoint::Distant));
+            scene.is_blocked(&edge, &mut 0);
         }
     }
 }

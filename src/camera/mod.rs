@@ -6,8 +6,8 @@ mod pinhole;
 pub use orthographic::Orthographic;
 pub use pinhole::Pinhole;
 
-use crate::geometry::Ray;
-use glam::Vec3;
+use crate::geometry::{Bodies, Bounds, Ray};
+use glam::{Vec2, Vec3};
 
 /// A camera for an image of given size.
 #[derive(Debug, Clone)]
@@ -31,6 +31,25 @@ pub struct Pose {
     pub backward: Vec3,
 }
 
+/// A point of the lens by its offset from the centre, in scene units to the right and upward. A camera without a lens
+/// has the centre alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct LensPoint(Vec2);
+
+impl LensPoint {
+    /// The centre of the lens.
+    pub const CENTRE: LensPoint = LensPoint(Vec2::ZERO);
+}
+
+/// Camera endpoint of a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraPoint {
+    /// Position.
+    pub p: Vec3,
+    /// Point of the lens.
+    pub lens: LensPoint,
+}
+
 /// Connection of a point to the camera.
 #[derive(Debug, Clone, Copy)]
 pub struct WiSample {
@@ -39,27 +58,84 @@ pub struct WiSample {
     /// Unit direction from the point to the camera.
     pub wi: Vec3,
     /// Endpoint of the segment to the camera.
-    pub eye: Vec3,
-    /// Pixels of film per unit of area at the point, perpendicular to `wi`.
+    pub eye: CameraPoint,
+    /// Importance We over [`Camera::lens_pdf`]: pixels of film per unit of area at the point, perpendicular to `wi`, as
+    /// seen from the point of the lens.
     pub importance: f32,
 }
 
+/// First edge of a camera subpath.
+#[derive(Debug, Clone, Copy)]
+pub struct CameraSample {
+    /// Raster position, in pixels from the top left corner.
+    pub film: [f32; 2],
+    /// Point of the lens where the ray begins.
+    pub lens: LensPoint,
+    /// Ray with a unit direction.
+    pub ray: Ray,
+    /// Bodies that contain the origin, if they contain the whole camera; `None` if the scene must be asked.
+    pub medium: Option<Bodies>,
+}
+
 impl Camera {
-    /// Connects the point `p` to the camera; `None` behind the camera.
+    /// Connects the point `p` to the point `lens` of the lens; `None` behind the camera.
     #[inline]
-    pub fn sample_wi(&self, p: Vec3) -> Option<WiSample> {
+    pub fn sample_wi(&self, p: Vec3, _lens: LensPoint) -> Option<WiSample> {
         match self {
             Camera::Pinhole(camera) => camera.sample_wi(p),
             Camera::Orthographic(camera) => camera.sample_wi(p),
         }
     }
 
-    /// Returns the ray through the raster position (x, y) in pixels from the top left corner, with a unit direction.
+    /// Samples a point of the lens, uniformly over its area. The random numbers `u` are not asked of cameras without a
+    /// lens.
+    #[inline]
+    pub fn sample_lens(&self, _u: impl FnOnce() -> [f32; 2]) -> LensPoint {
+        match self {
+            Camera::Pinhole(_) | Camera::Orthographic(_) => LensPoint::CENTRE,
+        }
+    }
+
+    /// Returns the density per area of [`Camera::sample_lens`]; 1 where there is no choice.
+    #[inline]
+    pub fn lens_pdf(&self) -> f64 {
+        match self {
+            Camera::Pinhole(_) | Camera::Orthographic(_) => 1.0,
+        }
+    }
+
+    /// Returns the first edge of a camera subpath from the point `lens` of the lens through the raster position `film`,
+    /// (x, y) in pixels from the top left corner, at `time`.
+    #[inline]
+    pub fn sample_ray(&self, film: [f32; 2], lens: LensPoint, time: f32) -> CameraSample {
+        let (mut ray, medium) = match self {
+            Camera::Pinhole(camera) => (camera.ray(film), camera.medium()),
+            Camera::Orthographic(camera) => (camera.ray(film), None),
+        };
+        ray.state.time = time;
+        CameraSample { film, lens, ray, medium }
+    }
+
+    /// Returns the ray through the centre of the lens and a raster position at time 0.
     #[inline]
     pub fn ray(&self, film: [f32; 2]) -> Ray {
+        self.sample_ray(film, LensPoint::CENTRE, 0.0).ray
+    }
+
+    /// Returns the box around all points where rays begin, unless it depends on the size of the image.
+    pub fn bounds(&self) -> Option<Bounds> {
         match self {
-            Camera::Pinhole(camera) => camera.ray(film),
-            Camera::Orthographic(camera) => camera.ray(film),
+            Camera::Pinhole(camera) => Some(camera.bounds()),
+            Camera::Orthographic(_) => None,
+        }
+    }
+
+    /// Returns the same camera with the bodies that contain all of it, if they are known: see [`CameraSample::medium`].
+    #[must_use]
+    pub fn within(self, medium: Option<Bodies>) -> Camera {
+        match self {
+            Camera::Pinhole(camera) => Camera::Pinhole(camera.within(medium)),
+            Camera::Orthographic(_) => self,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The orthographic camera.
 
-use super::{Pose, WiSample};
+use super::{CameraPoint, LensPoint, Pose, WiSample};
 use crate::geometry::Ray;
 use glam::{Vec2, Vec3};
 
@@ -35,7 +35,8 @@ impl Orthographic {
         let depth = to.dot(backward);
         let film = (Vec2::new(-to.dot(right), -to.dot(up)) - self.corner) / self.scale;
         let importance = (self.scale.x * self.scale.y).abs().recip();
-        let seen = WiSample { film: film.to_array(), wi: backward, eye: p + backward * depth, importance };
+        let eye = CameraPoint { p: p + backward * depth, lens: LensPoint::CENTRE };
+        let seen = WiSample { film: film.to_array(), wi: backward, eye, importance };
         (depth > 0.0 && importance.is_finite()).then_some(seen)
     }
 

@@ -1,7 +1,7 @@
 //! The pinhole camera.
 
-use super::{Pose, WiSample};
-use crate::geometry::Ray;
+use super::{CameraPoint, LensPoint, Pose, WiSample};
+use crate::geometry::{Bodies, Bounds, Ray};
 use glam::{Vec2, Vec3};
 
 /// Perspective projection through a point.
@@ -11,6 +11,8 @@ pub struct Pinhole {
     /// Maps raster position to view plane at distance 1: x → scale.x x + corner.x to the right, y likewise upward.
     scale: Vec2,
     corner: Vec2,
+    /// See [`super::CameraSample::medium`].
+    medium: Option<Bodies>,
 }
 
 impl Pinhole {
@@ -20,12 +22,28 @@ impl Pinhole {
         let pixel = 2.0 * top / f64::from(height);
         let scale = Vec2::new(pixel as f32, -pixel as f32);
         let corner = Vec2::new((-0.5 * pixel * f64::from(width)) as f32, top as f32);
-        Pinhole { pose, scale, corner }
+        Pinhole { pose, scale, corner, medium: None }
     }
 
     /// Returns the same view with pixels `ratio` times as large.
     pub(super) fn with_pixels(&self, ratio: Vec2) -> Self {
         Pinhole { scale: self.scale * ratio, ..self.clone() }
+    }
+
+    /// See [`super::CameraSample::medium`].
+    #[inline]
+    pub(super) fn medium(&self) -> Option<Bodies> {
+        self.medium
+    }
+
+    /// See [`super::Camera::within`].
+    pub(super) fn within(self, medium: Option<Bodies>) -> Self {
+        Pinhole { medium, ..self }
+    }
+
+    /// See [`super::Camera::bounds`].
+    pub(super) fn bounds(&self) -> Bounds {
+        Bounds::around([self.pose.position])
     }
 
     /// See [`super::Camera::sample_wi`].
@@ -37,7 +55,8 @@ impl Pinhole {
         // A direction of cosine c covers 1 / (pixel area c³) pixels per steradian [Veach97 §8.3.2].
         let importance = distance / ((self.scale.x * self.scale.y).abs() * depth.powi(3));
         let film = (Vec2::new(-to.dot(right), -to.dot(up)) / depth - self.corner) / self.scale;
-        let seen = WiSample { film: film.to_array(), wi: to / distance, eye: position, importance };
+        let eye = CameraPoint { p: position, lens: LensPoint::CENTRE };
+        let seen = WiSample { film: film.to_array(), wi: to / distance, eye, importance };
         (depth > 0.0 && importance.is_finite()).then_some(seen)
     }
 

@@ -21,7 +21,7 @@ pub use box_tree::{Bounded, BoxTree, Leaf};
 pub use exact::{Crossing, Line};
 pub use frame::{Frame, Local};
 pub use mesh::{Attributes, TriangleMesh};
-pub use ray::{Hit, Ray};
+pub use ray::{Hit, Ray, RayState};
 pub use spawn::{clear_of, leave, spawn_ray, spawn_segment};
 pub use surface_point::SurfacePoint;
 pub use triangle::{Triangle, TriangleHit, is_placement, placement_error};

@@ -3,6 +3,26 @@
 use super::Bodies;
 use glam::Vec3;
 
+/// What a ray carries from vertex to vertex besides its geometry. Every edge of a path has one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RayState {
+    /// Time in the shutter interval, 0 to 1.
+    pub time: f32,
+    /// Bodies that contain the place.
+    pub bodies: Bodies,
+}
+
+impl RayState {
+    /// Time 0, outside all bodies.
+    pub const INITIAL: RayState = RayState { time: 0.0, bodies: Bodies::NONE };
+
+    /// Returns the same state in `bodies`.
+    #[inline]
+    pub fn within(self, bodies: Bodies) -> Self {
+        RayState { bodies, ..self }
+    }
+}
+
 /// The points `origin + t direction` with `t_min` ≤ t ≤ `t_max`. The direction need not have unit length.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
@@ -14,10 +34,8 @@ pub struct Ray {
     pub t_min: f32,
     /// Greatest parameter.
     pub t_max: f32,
-    /// Time in the shutter interval, 0 to 1.
-    pub time: f32,
-    /// Bodies that contain the origin.
-    pub bodies: Bodies,
+    /// What the ray carries besides its geometry, at its origin.
+    pub state: RayState,
     /// Touching surface that the ray leaves without an offset, or [`Hit::NONE`].
     pub left: Hit,
     /// Touching surface on which the ray ends without an offset, or [`Hit::NONE`].
@@ -33,11 +51,16 @@ impl Ray {
             direction,
             t_min: 0.0,
             t_max: f32::INFINITY,
-            time: 0.0,
-            bodies: Bodies::NONE,
+            state: RayState::INITIAL,
             left: Hit::NONE,
             end: Hit::NONE,
         }
+    }
+
+    /// Returns the same ray with `state`.
+    #[inline]
+    pub fn carrying(self, state: RayState) -> Self {
+        Ray { state, ..self }
     }
 
     /// Returns whether an end lies on a surface that touches another. Only the scene can trace such a ray.

@@ -9,13 +9,13 @@
 use super::camera_pass::Radiance;
 use super::{BdptConfig, IntegratorConfig, PilotEstimate};
 use crate::bsdf::Shading;
-use crate::camera::Camera;
-use crate::geometry::Ray;
-use crate::light::Light;
+use crate::camera::{Camera, CameraSample};
+use crate::light::{EmitterPoint, Light};
 use crate::path::{
-    Arrival, Connection, MisStrategy, PartialMis, PreviousVertex, RandomWalk, Subpath, Techniques, TraceStats, Vertex,
+    Arrival, Connection, MisStrategy, PartialMis, PreviousVertex, RandomWalk, Subpath, SubpathVertex, Techniques,
+    TraceStats, Vertex,
 };
-use crate::path::{connect, next_event, splat};
+use crate::path::{SurfaceVertex, connect, next_event, splat};
 use crate::sampling::{Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -51,8 +51,13 @@ const WORTHWHILE: f32 = 0.3;
 /// passed too often, by the random number 0, and the division by it would overflow.
 const LEAST_SHARE: f32 = 1.0 / 4096.0;
 
-/// First address of the random numbers for connection roulette, beyond those of all bounces.
-const ROULETTE: u32 = 1 << 30;
+/// First address of the random numbers of connections, beyond those of all bounces.
+const CONNECTIONS: u32 = 1 << 30;
+
+/// Returns the address of the random numbers of the connection between the s-th and the t-th vertex.
+fn connection(s: usize, t: usize) -> u32 {
+    CONNECTIONS + ((s as u32) << 16) + t as u32
+}
 
 /// The bidirectional estimator.
 #[derive(Clone)]
@@ -97,19 +102,23 @@ impl<'a> Bidirectional<'a> {
         self.weights.techniques.has(s, t) && self.events.contains(&events)
     }
 
-    /// Evaluates all techniques for a sample along the camera ray `ray`.
+    /// Evaluates all techniques for a sample of the camera.
     pub(super) fn sample<S: Sampler>(
         &self,
-        ray: Ray,
+        camera: &CameraSample,
         sampler: &mut S,
         light: impl FnOnce() -> S,
         sink: &mut impl Sink,
         tally: &mut TraceStats,
     ) {
         let Techniques { connect, splat, .. } = self.weights.techniques;
-        let from_light = if connect || splat { self.light_walk(&mut light(), tally) } else { Vec::new() };
-        self.splats(&from_light, sink, tally);
-        self.camera_walk(ray, &from_light, sampler, sink, tally);
+        let mut from_light = Vec::new();
+        if connect || splat {
+            let mut light = light();
+            from_light = self.light_walk(&mut light, tally);
+            self.splats(&from_light, &mut light, sink, tally);
+        }
+        self.camera_walk(camera, &from_light, sampler, sink, tally);
     }
 
     /// Evaluates the technique of `s` and `t` vertices alone, without roulette. Uses the same random numbers as
@@ -117,7 +126,7 @@ impl<'a> Bidirectional<'a> {
     pub(super) fn technique(
         &self,
         [s, t]: [usize; 2],
-        ray: Ray,
+        sample: &CameraSample,
         camera: &mut impl Sampler,
         light: &mut impl Sampler,
         sink: &mut impl Sink,
@@ -127,29 +136,29 @@ impl<'a> Bidirectional<'a> {
             None
         } else {
             let Some((path, _)) = Subpath::from_light(self.scene, &self.weights, light) else { return };
-            let Some(Arrival::Surface(y)) = self.subpath_end(path, s - 1, light, tally).map(|(_, arrival)| arrival)
+            let Some(Arrival::Vertex(y)) = self.subpath_end(path, s - 1, light, tally).map(|(_, arrival)| arrival)
             else {
                 return;
             };
-            Some(y).filter(Vertex::is_connectible)
+            Some(y).filter(|y| y.vertex.is_connectible())
         };
         if t == 1 {
-            return self.splats(y.as_slice(), sink, tally);
+            return self.splats(y.as_slice(), light, sink, tally);
         }
         if s >= 2 && y.is_none() {
             return;
         }
-        let path = Subpath::from_camera(self.scene, &self.weights, ray);
+        let path = Subpath::from_camera(self.scene, &self.weights, sample);
         match self.subpath_end(path, t - 1, camera, tally) {
             Some((path, Arrival::Infinity(sums))) if s == 0 => self.background(&path, &sums, sink),
-            Some((path, Arrival::Surface(z))) if s == 0 => self.emitted(&path, &z, sink),
-            Some((_, Arrival::Surface(z))) if z.is_connectible() => {
+            Some((path, Arrival::Vertex(z))) if s == 0 => self.emitted(&path, &z, sink),
+            Some((_, Arrival::Vertex(z))) if z.vertex.is_connectible() => {
                 let Some(shading) = z.shading() else { return };
                 let found = match &y {
                     Some(y) => connect(self.scene, &self.weights, y, &z, &shading),
                     None => next_event(self.scene, &self.weights, &z, &shading, camera),
                 };
-                self.trace_connection([s, t], found, sink, tally);
+                self.trace_connection([s, t], found, camera, sink, tally);
             }
             _ => {}
         }
@@ -165,7 +174,7 @@ impl<'a> Bidirectional<'a> {
         tally: &mut TraceStats,
     ) -> Option<(Subpath<'s>, Arrival<'s>)> {
         for _ in 1..edge {
-            let Arrival::Surface(vertex) = path.arrive(&self.camera, sampler, tally) else { return None };
+            let Arrival::Vertex(vertex) = path.arrive(&self.camera, sampler, tally) else { return None };
             path.depart(&vertex, &vertex.shading()?, sampler)?;
         }
         let arrival = path.arrive(&self.camera, sampler, tally);
@@ -177,24 +186,25 @@ impl<'a> Bidirectional<'a> {
         &self,
         [s, t]: [usize; 2],
         found: Option<Connection>,
+        sampler: &mut impl Sampler,
         sink: &mut impl Sink,
         tally: &mut TraceStats,
     ) {
-        if let Some(Connection { value, weight, survival, segment }) = found {
-            let through = self.scene.transmittance(&segment, &mut tally.shadows);
+        if let Some(Connection { value, weight, survival, edge }) = found {
+            let through = self.scene.transmittance(&edge, sampler, connection(s, t), &mut tally.shadows);
             sink.add(TechniqueSample { s, t, value: value * through, weight, survival });
         }
     }
 
     /// Traces a light subpath and returns its connectible vertices.
-    fn light_walk(&self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Vec<Vertex<'a>> {
+    fn light_walk(&self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Vec<SubpathVertex<'a>> {
         let mut vertices = Vec::new();
         let Some((mut path, _)) = Subpath::from_light(self.scene, &self.weights, sampler) else { return vertices };
-        while let Arrival::Surface(vertex) = path.arrive(&self.camera, sampler, tally) {
+        while let Arrival::Vertex(vertex) = path.arrive(&self.camera, sampler, tally) {
             let longest = vertex.sums.index as usize >= *self.events.end();
             let goes_on = !longest
                 && vertex.shading().is_some_and(|shading| path.go_on(&vertex, &shading, sampler, tally).is_some());
-            if vertex.is_connectible() {
+            if vertex.vertex.is_connectible() {
                 vertices.push(vertex);
             }
             if !goes_on {
@@ -205,15 +215,22 @@ impl<'a> Bidirectional<'a> {
     }
 
     /// Connects the vertices of a light subpath to the camera.
-    fn splats(&self, from_light: &[Vertex], sink: &mut impl Sink, tally: &mut TraceStats) {
+    fn splats(
+        &self,
+        from_light: &[SubpathVertex],
+        sampler: &mut impl Sampler,
+        sink: &mut impl Sink,
+        tally: &mut TraceStats,
+    ) {
         for y in from_light {
             let s = y.sums.index as usize + 1;
             if !self.is_enabled(s, 1) {
                 continue;
             }
-            let Some(found) = splat(self.scene, &self.weights, &self.camera, y) else { continue };
-            let through = self.scene.transmittance_to_camera(&found.connection.segment, &mut tally.shadows);
-            let Connection { value, weight, survival, .. } = found.connection;
+            let lens = self.camera.sample_lens(|| sampler.u2(y.sums.index, Slot::Lens));
+            let Some(found) = splat(self.scene, &self.weights, &self.camera, lens, y) else { continue };
+            let Connection { value, weight, survival, edge } = found.connection;
+            let through = self.scene.transmittance(&edge, sampler, connection(s, 1), &mut tally.shadows);
             sink.splat(found.film, TechniqueSample { s, t: 1, value: value * through, weight, survival });
         }
     }
@@ -221,17 +238,17 @@ impl<'a> Bidirectional<'a> {
     /// Traces a camera subpath and connects each vertex to those of `from_light`.
     fn camera_walk(
         &self,
-        ray: Ray,
-        from_light: &[Vertex],
+        camera: &CameraSample,
+        from_light: &[SubpathVertex],
         sampler: &mut impl Sampler,
         sink: &mut impl Sink,
         tally: &mut TraceStats,
     ) {
-        let mut path = Subpath::from_camera(self.scene, &self.weights, ray);
+        let mut path = Subpath::from_camera(self.scene, &self.weights, camera);
         let Techniques { hit, next_event, connect, .. } = self.weights.techniques;
         loop {
             let z = match path.arrive(&self.camera, sampler, tally) {
-                Arrival::Surface(vertex) => vertex,
+                Arrival::Vertex(vertex) => vertex,
                 Arrival::Infinity(sums) => return self.background(&path, &sums, sink),
             };
             self.emitted(&path, &z, sink);
@@ -239,7 +256,7 @@ impl<'a> Bidirectional<'a> {
                 return;
             }
             let Some(shading) = z.shading() else { return };
-            if z.is_connectible() {
+            if z.vertex.is_connectible() {
                 self.connections(&z, &shading, from_light, sampler, sink, tally);
             }
             if path.go_on(&z, &shading, sampler, tally).is_none() {
@@ -251,27 +268,24 @@ impl<'a> Bidirectional<'a> {
     /// Connects `z` to a light sample and to each vertex of `from_light`.
     fn connections(
         &self,
-        z: &Vertex,
+        z: &SubpathVertex,
         shading: &Shading,
-        from_light: &[Vertex],
+        from_light: &[SubpathVertex],
         sampler: &mut impl Sampler,
         sink: &mut impl Sink,
         tally: &mut TraceStats,
     ) {
         let t = z.sums.index as usize + 1;
         if self.is_enabled(1, t) {
-            self.trace_connection([1, t], next_event(self.scene, &self.weights, z, shading, sampler), sink, tally);
+            let found = next_event(self.scene, &self.weights, z, shading, sampler);
+            self.trace_connection([1, t], found, sampler, sink, tally);
         }
         for y in from_light {
             let s = y.sums.index as usize + 1;
             if self.is_enabled(s, t) {
                 let found = connect(self.scene, &self.weights, y, z, shading);
-                self.trace_connection(
-                    [s, t],
-                    found.and_then(|found| self.connection_roulette(found, sampler, s, t)),
-                    sink,
-                    tally,
-                );
+                let found = found.and_then(|found| self.connection_roulette(found, sampler, s, t));
+                self.trace_connection([s, t], found, sampler, sink, tally);
             }
         }
     }
@@ -290,22 +304,24 @@ impl<'a> Bidirectional<'a> {
             return Some(found);
         }
         let share = (worth / self.worthwhile).max(LEAST_SHARE);
-        let u = sampler.u1(ROULETTE + ((s as u32) << 16) + t as u32, Slot::Roulette);
+        let u = sampler.u1(connection(s, t), Slot::Roulette);
         (u < share).then(|| Connection { value: found.value / share, survival: found.survival * share, ..found })
     }
 
     /// Adds the radiance emitted at `z` toward the walk.
-    fn emitted(&self, path: &Subpath, z: &Vertex, sink: &mut impl Sink) {
+    fn emitted(&self, path: &Subpath, z: &SubpathVertex, sink: &mut impl Sink) {
         let t = z.sums.index as usize + 1;
-        let Some((index, light)) = self.scene.light_at(&z.point) else { return };
+        let Vertex::Surface(SurfaceVertex { point, .. }) = &z.vertex else { return };
+        let Some((index, light)) = self.scene.light_at(point) else { return };
         let Light::Area(area) = light else { return };
-        let radiance = area.radiance(z.point.barycentric, z.known);
+        let radiance = area.radiance(point.barycentric, z.known);
         if radiance.is_black() || !self.is_enabled(0, t) || !path.walk.sees(area) {
             return;
         }
         let density = light.pdf_le(self.scene.ball(), z.known);
-        let [direct, end] = self.probabilities(&path.walk, index).map(|pmf| pmf * density.position);
-        let weight = self.weights.hit(&z.sums, direct, end, density.direction);
+        let end = EmitterPoint::from(point);
+        let ends = self.end_pdfs(&path.walk, index, &end, density.position);
+        let weight = self.weights.hit(&z.sums, ends, density.direction);
         sink.add(TechniqueSample { s: 0, t, value: z.beta * radiance, weight, survival: z.survival });
     }
 
@@ -319,22 +335,21 @@ impl<'a> Bidirectional<'a> {
         let w = path.walk.ray.direction;
         let (radiance, pdf) = environment.along(w);
         let ray = self.scene.lights().all()[index].ray_density(self.scene.ball(), -w);
-        let [direct, end] = self.probabilities(&path.walk, index).map(|pmf| pmf * f64::from(pdf.value()));
-        let weight = self.weights.hit(sums, direct, end, ray);
+        let ends = self.end_pdfs(&path.walk, index, &EmitterPoint::Distant, f64::from(pdf.value()));
+        let weight = self.weights.hit(sums, ends, ray);
         sink.add(TechniqueSample { s: 0, t, value: path.walk.beta * radiance, weight, survival: path.walk.survival });
     }
 
-    /// Returns the probabilities of choosing light `index` by next-event estimation from the start of the current edge
-    /// of `walk`, and by emission sampling.
-    fn probabilities(&self, walk: &RandomWalk, index: usize) -> [f64; 2] {
+    /// Returns the densities of the point `end` of light `index`, where the current edge of `walk` ends: under
+    /// next-event estimation at the edge's start, 0 at the camera, where there is none, and under emission sampling,
+    /// where its [`LePdf::position`](crate::light::LePdf::position) is `position`.
+    fn end_pdfs(&self, walk: &RandomWalk, index: usize, end: &EmitterPoint, position: f64) -> [f64; 2] {
         let lights = self.scene.lights();
-        let emitter = lights.emitter_pmf(index);
-        let direct = if let PreviousVertex::Surface(receiver, _) = &walk.departure {
-            lights.pmf(receiver, index)
-        } else {
-            emitter
+        let direct = match &walk.departure {
+            PreviousVertex::Surface(at, _) => lights.end_pdf_li(at, index, end, walk.ray.direction, position),
+            PreviousVertex::Camera | PreviousVertex::Light => 0.0,
         };
-        [direct, emitter].map(|pmf| f64::from(pmf.value()))
+        [direct, f64::from(lights.emitter_pmf(index).value()) * position]
     }
 }
 
@@ -361,14 +376,14 @@ impl<F: FnMut([f32; 2], Spectrum)> Sink for Weighted<'_, F> {
 impl Radiance for Bidirectional<'_> {
     fn radiance<S: Sampler>(
         &self,
-        ray: Ray,
+        camera: &CameraSample,
         sampler: &mut S,
         light: impl FnOnce() -> S,
         splats: &mut impl FnMut([f32; 2], Spectrum),
         tally: &mut TraceStats,
     ) -> Spectrum {
         let mut sink = Weighted { color: Spectrum::ZERO, splats };
-        self.sample(ray, sampler, light, &mut sink, tally);
+        self.sample(camera, sampler, light, &mut sink, tally);
         sink.color
     }
 }

@@ -3,9 +3,8 @@
 
 use super::samples::{Sample, Samples, Work};
 use super::{Guards, Integrator, IntegratorConfig, InvalidSample, PassReport, RayCounts};
-use crate::camera::Camera;
+use crate::camera::{Camera, CameraSample};
 use crate::film::{Layout, PassFilm, Plane, Splats};
-use crate::geometry::Ray;
 use crate::parallel::Cancel;
 use crate::path::TraceStats;
 use crate::sampling::{Address, Sampler};
@@ -18,12 +17,12 @@ pub(super) const CHUNK: usize = 128;
 
 /// A method that estimates the radiance along a camera ray.
 pub(super) trait Radiance: Send + Sync {
-    /// Returns an unbiased estimate of the radiance along `ray`. Calls `splats` with contributions at raster positions,
+    /// Returns an unbiased estimate of the radiance along the ray of `camera`. Calls `splats` with contributions at raster positions,
     /// per pixel of film area and light subpath. `light` creates the sampler of the light subpath, one for each camera
     /// sample.
     fn radiance<S: Sampler>(
         &self,
-        ray: Ray,
+        camera: &CameraSample,
         sampler: &mut S,
         light: impl FnOnce() -> S,
         splats: &mut impl FnMut([f32; 2], Spectrum),
@@ -60,7 +59,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         let per_walk = (self.options.pixels() as f32).recip();
         let mut tally = TraceStats::default();
         for (i, values) in out.chunks_exact_mut(channels).enumerate() {
-            let Sample { pixel, index, ray, mut numbers } = self.samples.of_pixel(layout, first + i, &sampler);
+            let Sample { pixel, index, camera, mut numbers } = self.samples.of_pixel(layout, first + i, &sampler);
             let (mut valid, mut key) = (true, address.with(index));
             let mut splat = |film: [f32; 2], light: Spectrum| {
                 let light = self.limited(light * per_walk, &mut valid, &mut report.guards);
@@ -68,7 +67,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
                 splats.add(self.options.filter, film, light, key.bits(0));
             };
             let light = || Samples::of_light(index, &sampler);
-            let color = self.method.radiance(ray, &mut numbers, light, &mut splat, &mut tally);
+            let color = self.method.radiance(&camera, &mut numbers, light, &mut splat, &mut tally);
             let color = self.limited(color, &mut valid, &mut report.guards);
             if !valid {
                 report.drop_sample(InvalidSample { pass, x: pixel[0], y: pixel[1] });
@@ -78,7 +77,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
             }
             values[..LANES].copy_from_slice(&color.to_rgb());
             if layout.planes().len() > 1 {
-                super::features::record(self.scene, ray, &mut numbers, layout, values, &mut tally);
+                super::features::record(self.scene, &camera, &mut numbers, layout, values, &mut tally);
             }
         }
         report.add_tally(&tally);

@@ -2,8 +2,9 @@
 //! second walk along the path hits the same surfaces. Renders without these planes pay nothing.
 
 use crate::bsdf::{Bsdf, Lobes, Shading};
+use crate::camera::CameraSample;
 use crate::film::{Layout, Plane};
-use crate::geometry::{Ray, SurfacePoint};
+use crate::geometry::SurfacePoint;
 use crate::path::{RandomWalk, TraceStats};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
@@ -19,21 +20,21 @@ const DEEPEST: u32 = 8;
 /// since the guards have fired on the same surfaces before.
 pub(super) fn record(
     scene: &Scene,
-    ray: Ray,
+    camera: &CameraSample,
     sampler: &mut impl Sampler,
     layout: &Layout,
     values: &mut [f32],
     tally: &mut TraceStats,
 ) {
     let mut own = TraceStats::default();
-    look(scene, ray, sampler, layout, values, &mut own);
+    look(scene, camera, sampler, layout, values, &mut own);
     tally.cameras += own.cameras;
     tally.bounces += own.bounces;
 }
 
 fn look(
     scene: &Scene,
-    ray: Ray,
+    camera: &CameraSample,
     sampler: &mut impl Sampler,
     layout: &Layout,
     values: &mut [f32],
@@ -44,10 +45,10 @@ fn look(
             values[at..at + what.len()].copy_from_slice(what);
         }
     };
-    let mut walk = RandomWalk::new(scene, ray);
+    let mut walk = RandomWalk::from_camera(scene, camera);
     let Some(first) = walk.arrive(sampler, tally) else { return };
     put(Plane::Alpha, &[1.0]);
-    let depth = (first.p - ray.origin).length();
+    let depth = (first.p - camera.ray.origin).length();
     put(Plane::Depth, &[(f64::from(depth) / scene.rebase().scale) as f32]);
     put(Plane::Position, &scene.rebase().point_in_file(first.p.as_dvec3()).as_vec3().to_array());
     if layout.offset(Plane::Albedo).is_none() && layout.offset(Plane::Normal).is_none() {
@@ -67,7 +68,7 @@ fn first_diffuse(
     tally: &mut TraceStats,
 ) -> (Spectrum, Vec3) {
     loop {
-        let surface = scene.surface(&mut point, walk.ray.bodies);
+        let surface = scene.surface(&mut point, walk.ray.state.bodies);
         let wo = -walk.ray.direction;
         let normal = if wo.dot(point.frame.n) < 0.0 { -point.frame.n } else { point.frame.n };
         let here = (walk.beta.map(|b: f32| b.min(1.0)) * surface.reflectance(), normal);

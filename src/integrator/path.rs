@@ -9,11 +9,12 @@
 
 use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
-use crate::geometry::{Local, Ray, SurfacePoint};
+use crate::camera::CameraSample;
+use crate::geometry::{Local, SurfacePoint};
 use crate::light::{Light, LightSample, LightSampleContext};
-use crate::path::{PreviousVertex, RandomWalk, TraceStats, toward_light};
+use crate::path::{PreviousVertex, RandomWalk, TraceStats};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
-use crate::scene::Scene;
+use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
 
@@ -157,8 +158,8 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let Some(sample) = lights.all()[index].sample_li(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
-        let segment = toward_light(self.scene, shading.point, walk.ray.bodies, &sample);
-        let through = self.scene.transmittance(&Ray { time: walk.ray.time, ..segment }, &mut tally.shadows);
+        let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(&sample.end));
+        let through = self.scene.transmittance(&edge, sampler, walk.bounce, &mut tally.shadows);
         walk.beta * scattering.f_cos * sample.radiance * through * weight
     }
 
@@ -178,13 +179,13 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
 impl<S: Strategy> Radiance for PathTracer<'_, S> {
     fn radiance<P: Sampler>(
         &self,
-        ray: Ray,
+        camera: &CameraSample,
         sampler: &mut P,
         _: impl FnOnce() -> P,
         _: &mut impl FnMut([f32; 2], Spectrum),
         tally: &mut TraceStats,
     ) -> Spectrum {
-        let mut walk = RandomWalk::new(self.scene, ray);
+        let mut walk = RandomWalk::from_camera(self.scene, camera);
         let mut total = Spectrum::ZERO;
         loop {
             let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
@@ -192,7 +193,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
             if walk.depth >= self.max_depth {
                 return total;
             }
-            let surface = self.scene.surface(&mut point, walk.ray.bodies);
+            let surface = self.scene.surface(&mut point, walk.ray.state.bodies);
             let wo = -walk.ray.direction;
             let Some(shading) = Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return total };
             if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {

@@ -1,9 +1,8 @@
 //! Samples of a pass: a camera ray and random numbers for each pixel, as pure functions of seed, pass and pixel.
 
 use super::IntegratorConfig;
-use crate::camera::Camera;
+use crate::camera::{Camera, CameraSample};
 use crate::film::{FilterSampler, Layout};
-use crate::geometry::Ray;
 use crate::sampling::{Address, IndependentSampler, Sampler, SamplerKind, Slot, Sobol};
 
 /// Separates the random numbers of light subpaths from those of the pixel.
@@ -22,8 +21,8 @@ pub(super) struct Sample<P> {
     pub(super) pixel: [u32; 2],
     /// Pixel index in the full image.
     pub(super) index: u64,
-    /// Camera ray.
-    pub(super) ray: Ray,
+    /// First edge of its camera subpath.
+    pub(super) camera: CameraSample,
     /// Sampler with the remaining random numbers.
     pub(super) numbers: P,
 }
@@ -34,6 +33,12 @@ pub(super) trait Work {
     type Output;
     /// Runs the computation. `source` returns the sampler of each pixel and of its light subpath.
     fn run<P: Sampler>(self, source: impl Fn(u64) -> P + Sync) -> Self::Output;
+}
+
+/// Samples the lens of `camera` for the raster position `film`, with the numbers of bounce 0.
+#[inline]
+pub(super) fn camera_sample(camera: &Camera, film: [f32; 2], sampler: &mut impl Sampler) -> CameraSample {
+    camera.sample_ray(film, camera.sample_lens(|| sampler.u2(0, Slot::Lens)), 0.0)
 }
 
 impl Samples {
@@ -63,8 +68,8 @@ impl Samples {
         let pixel = layout.pixel(at);
         let index = u64::from(pixel[1]) * u64::from(layout.width) + u64::from(pixel[0]);
         let mut numbers = source(index);
-        let ray = self.camera_ray(pixel, &mut numbers);
-        Sample { pixel, index, ray, numbers }
+        let camera = self.camera_sample(pixel, &mut numbers);
+        Sample { pixel, index, camera, numbers }
     }
 
     /// Returns the sampler of the light subpath of pixel number `index`.
@@ -73,10 +78,11 @@ impl Samples {
         source(index | LIGHT_STREAM)
     }
 
-    /// Generates the camera ray of one sample of a pixel.
+    /// Samples the position within a pixel, by the filter, and the lens.
     #[inline]
-    fn camera_ray(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> Ray {
-        let offset = self.filter.sample(sampler.u2(0, Slot::Aux));
-        self.camera.ray([pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]])
+    fn camera_sample(&self, pixel: [u32; 2], sampler: &mut impl Sampler) -> CameraSample {
+        let offset = self.filter.sample(sampler.u2(0, Slot::Film));
+        let film = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
+        camera_sample(&self.camera, film, sampler)
     }
 }

@@ -172,10 +172,10 @@ impl Pass<'_, '_> {
         let (mut report, mut tally) = (PassReport::default(), TraceStats::default());
         let address = Address::new(options.seed).with(self.pass);
         for at in pixels {
-            let Sample { pixel, index, ray, mut numbers } = samples.of_pixel(layout, at, source);
+            let Sample { pixel, index, camera, mut numbers } = samples.of_pixel(layout, at, source);
             let centre = pixel.map(|x| x as f32 + 0.5);
             let mut sink = Recording { shelf: self.shelf, options, centre, key: address.with(index), valid: true };
-            method.sample(ray, &mut numbers, || Samples::of_light(index, source), &mut sink, &mut tally);
+            method.sample(&camera, &mut numbers, || Samples::of_light(index, source), &mut sink, &mut tally);
             if !sink.valid {
                 report.drop_sample(InvalidSample { pass: self.pass, x: pixel[0], y: pixel[1] });
             }

@@ -1,7 +1,7 @@
 //! Emitting triangles with constant or textured radiance.
 
 use super::{EmitterPoint, LeRandom, LeSample, LightSample};
-use crate::geometry::{Frame, Hit, Local, Triangle, leave};
+use crate::geometry::{Bounds, Frame, Hit, Local, Triangle, leave};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
 use crate::texture::Texture;
@@ -183,6 +183,14 @@ impl AreaLight {
             ray,
             power,
         })
+    }
+
+    /// Returns the box around the origins of its rays. They are offset by no more than twice their error in each
+    /// coordinate: the normal's coordinates sum to less than √3.
+    pub(super) fn bounds(&self) -> Bounds {
+        let grow = 2.0 * self.triangle.most_error();
+        let Bounds { min, max } = Bounds::around(self.triangle.vertices);
+        Bounds { min: min - grow, max: max + grow }
     }
 
     /// Returns the density per area of the origin in [`AreaLight::sample_le`].

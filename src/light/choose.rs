@@ -1,7 +1,8 @@
 //! Selection of lights: by power, with a uniform floor.
 
-use super::{Environment, Light, LightSampleContext};
+use super::{EmitterPoint, Environment, Light, LightSampleContext};
 use crate::sampling::{Discrete, Distribution, Pdf};
+use glam::Vec3;
 
 /// Uniform share of the selection among lights with nonzero power. It keeps a nearby weak lamp sampled beside a strong
 /// one, and above rounding in the table.
@@ -56,6 +57,14 @@ impl Lights {
     #[inline]
     pub fn emitter_pmf(&self, i: usize) -> Pdf<Discrete> {
         self.by_power.as_ref().map_or(Pdf::new(0.0), |d| d.pmf(i))
+    }
+
+    /// Returns the density with which a light sample for the receiver `at` is the endpoint `end` of light `i` in the
+    /// direction `wi`, including the selection of the light. `position` is the endpoint's
+    /// [`LePdf::position`](super::LePdf::position).
+    #[inline]
+    pub fn end_pdf_li(&self, at: &LightSampleContext, i: usize, end: &EmitterPoint, wi: Vec3, position: f64) -> f64 {
+        f64::from(self.pmf(at, i).value()) * position * self.lights[i].end_pdf_ratio(at, end, wi)
     }
 
     /// Returns the probability that [`Lights::choose`] selects light `i` for the receiver `at`.

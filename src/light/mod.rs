@@ -19,7 +19,7 @@ pub use lat_long::EnvironmentMap;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 pub use sky::ConstantEnvironment;
 
-use crate::geometry::{Hit, SurfacePoint};
+use crate::geometry::{Bounds, Hit, SurfacePoint};
 use crate::sampling::Density;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -29,7 +29,7 @@ use glam::Vec3;
 pub struct LightSampleContext {
     /// Position.
     pub p: Vec3,
-    /// Geometric normal.
+    /// Geometric normal; zero in a medium.
     pub ng: Vec3,
 }
 
@@ -58,6 +58,14 @@ pub enum EmitterPoint {
     Point(Vec3),
     /// At infinity, outside the scene.
     Distant,
+}
+
+impl From<&SurfacePoint> for EmitterPoint {
+    #[inline]
+    fn from(point: &SurfacePoint) -> Self {
+        let SurfacePoint { p, error, ng, .. } = *point;
+        EmitterPoint::Surface { p, error, ng, touched: point.touched() }
+    }
 }
 
 /// A sampled direction toward a light.
@@ -98,6 +106,24 @@ impl Light {
             Light::Directional(light) => Some(light.sample()),
             Light::Area(light) => light.sample_li(at.p, u),
             Light::Environment(light) => light.sample(u),
+        }
+    }
+
+    /// Returns the density of the endpoint `end`, in the direction `wi`, in [`Light::sample_li`] from `at` over that in
+    /// emission sampling, [`LePdf::position`]. It is 1 where both sample points by area and directions of light from
+    /// infinity alike, as all lights do so far.
+    #[inline]
+    pub fn end_pdf_ratio(&self, _at: &LightSampleContext, _end: &EmitterPoint, _wi: Vec3) -> f64 {
+        1.0
+    }
+
+    /// Returns the box around the points where the light's rays begin; `None` at infinity.
+    pub fn bounds(&self) -> Option<Bounds> {
+        match self {
+            Light::Point(light) => Some(Bounds::around([light.position])),
+            Light::Spot(light) => Some(Bounds::around([light.position()])),
+            Light::Area(light) => Some(light.bounds()),
+            Light::Directional(_) | Light::Environment(_) => None,
         }
     }
 

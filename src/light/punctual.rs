@@ -65,6 +65,11 @@ impl SpotLight {
         SpotLight { point, axis, cos_outer, slope: (cos_inner - cos_outer).max(LEAST_DIFFERENCE).recip() }
     }
 
+    /// Returns its position.
+    pub(super) fn position(&self) -> Vec3 {
+        self.point.position
+    }
+
     /// Returns the square of a linear ramp in the cosine, as KHR_lights_punctual recommends [glTF20].
     #[inline]
     fn falloff(&self, cos: f32) -> f32 {

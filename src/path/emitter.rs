@@ -26,9 +26,9 @@ impl Emitter {
         Emitter { index, end: emitted.end, radiance }
     }
 
-    /// Returns the ray that a light `emitted`, with the bodies at its origin.
-    pub fn ray(scene: &Scene, emitted: &LeSample) -> Ray {
-        Ray { bodies: scene.bodies_of_light(&emitted.end, &emitted.ray), ..emitted.ray }
+    /// Returns the ray that its light `emitted`, with the bodies at the ray's origin.
+    pub fn ray(&self, scene: &Scene, emitted: &LeSample) -> Ray {
+        emitted.ray.carrying(emitted.ray.state.within(scene.bodies_of_light(self.index, &emitted.ray)))
     }
 
     /// Creates the endpoint of light `index` sampled from the point `p`.
@@ -66,8 +66,7 @@ impl Emitter {
     pub fn at(scene: &Scene, point: &SurfacePoint, wo: Vec3) -> Option<Self> {
         let (index, Light::Area(area)) = scene.light_at(point)? else { return None };
         let radiance = area.radiance(point.barycentric, wo);
-        let end = EmitterPoint::Surface { p: point.p, error: point.error, ng: point.ng, touched: point.touched() };
-        (!radiance.is_black()).then_some(Emitter { index, end, radiance })
+        (!radiance.is_black()).then_some(Emitter { index, end: point.into(), radiance })
     }
 
     /// Returns the endpoint on the environment in the unit direction `w`.

@@ -7,14 +7,14 @@
 //! [`FullPath::evaluate`]).
 
 use super::mis::MisStrategy;
-use super::{Emitter, Vertex};
+use super::{Emitter, SubpathVertex, SurfaceVertex};
 use crate::bsdf::shading::folds;
 use crate::bsdf::sides::{Sided, Sources};
 use crate::bsdf::{Bsdf, Lobes, Surface};
-use crate::camera::Camera;
-use crate::geometry::{Bodies, Frame, Local, SurfacePoint};
+use crate::camera::{Camera, CameraPoint, WiSample};
+use crate::geometry::{Frame, Local, Ray, RayState, SurfacePoint};
 use crate::light::{EmitterPoint, Light, LightSampleContext};
-use crate::scene::Scene;
+use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
 use glam::{DVec3, Vec3};
@@ -24,8 +24,8 @@ use glam::{DVec3, Vec3};
 pub struct PathVertex {
     /// Surface point.
     pub point: SurfacePoint,
-    /// Bodies in which a walk arrives; see [`Scene::bodies_toward`].
-    pub bodies: Bodies,
+    /// State in which a walk arrives; see [`Scene::state_toward`].
+    pub state: RayState,
     /// Scattering model.
     pub surface: Surface,
     /// Scattering component: one Dirac lobe, or [`Lobes::SMOOTH`].
@@ -35,7 +35,10 @@ pub struct PathVertex {
 /// A path x₀ x₁ … x_k from a light to the camera with k ≥ 2 edges.
 pub struct FullPath<'a> {
     scene: &'a Scene,
-    camera: Camera,
+    /// x_k, with the last edge.
+    eye: WiSample,
+    /// Density per area of x_k in camera subpaths and in connections to the camera.
+    lens_pdf: f64,
     emitter: Emitter,
     /// x₁ to x_{k−1}.
     nodes: Vec<PathVertex>,
@@ -62,17 +65,17 @@ pub struct Densities {
     pub log: Vec<Option<f64>>,
 }
 
-/// Conditional density of each vertex x₀ … x_{k−1} in subpaths from either end, per area.
+/// Conditional density of each vertex in subpaths from either end, per area.
 #[derive(Debug, Clone, Default)]
 pub struct VertexPdfs {
-    /// In a light subpath; for x₀, the density of emission sampling.
+    /// Of x₀ … x_{k−1} in a light subpath; for x₀, the density of emission sampling.
     pub light: Vec<f64>,
-    /// In a camera subpath.
+    /// Of x₀ … x_k in a camera subpath; for x_k, the density of the point of the lens.
     pub camera: Vec<f64>,
     /// Density of x₀ under next-event estimation from x₁.
     pub direct: f64,
-    /// Like `light` and `camera`, with the component of each Dirac vertex given and every other directional density set
-    /// to 1.
+    /// Like `light` and `camera`, but of x₀ … x_{k−1}, with the point of the lens and the component of each Dirac vertex
+    /// given and every other directional density set to 1.
     pub perturbation: [Vec<f64>; 2],
     /// Whether the edge to xₛ can be sampled by connecting its ends, for s = 0 (where a camera subpath hits the
     /// light) … k.
@@ -99,10 +102,21 @@ impl VertexPdfs {
 }
 
 impl PathVertex {
-    /// Creates the vertex of a walk that scatters through `lobe`.
-    pub fn new(vertex: &Vertex, lobe: Lobes) -> Self {
+    /// Creates the vertex of a walk that scatters through `lobe`; `None` if it is an endpoint.
+    pub fn new(vertex: &SubpathVertex, lobe: Lobes) -> Option<Self> {
         let lobe = if lobe.intersects(Lobes::DIRAC) { lobe } else { Lobes::SMOOTH };
-        PathVertex { point: vertex.point, bodies: vertex.bodies, surface: *vertex.surface, lobe }
+        let SurfaceVertex { point, surface, state } = vertex.vertex.surface()?;
+        Some(PathVertex { point: *point, state: *state, surface: **surface, lobe })
+    }
+
+    /// Returns a ray that leaves it in the unit direction `w`.
+    pub fn spawn(&self, scene: &Scene, w: Vec3) -> Ray {
+        self.point.spawn(w).carrying(scene.state_toward(&self.point, self.state, w))
+    }
+
+    /// Returns the edge in the unit direction `w` to `end`.
+    pub fn edge_to(&self, scene: &Scene, w: Vec3, end: EdgeEnd) -> Edge {
+        Edge::new(scene, &self.point, self.state, w, end)
     }
 
     /// Whether the scattering component is a Dirac lobe.
@@ -158,43 +172,43 @@ fn cosine(w: DVec3, ng: Vec3) -> f64 {
 }
 
 impl<'a> FullPath<'a> {
-    /// Creates the path from `emitter` through `nodes` to the camera. `directions` are unit vectors along its edges in
-    /// the direction of light flow: those of sampled walks, or [`FullPath::straight`]. `None` if the camera does not
-    /// see the last vertex.
+    /// Creates the path from `emitter` through `nodes` to `camera`, whose connection with the last of them is `eye`.
+    /// `directions` are unit vectors along its edges in the direction of light flow: those of sampled walks, or
+    /// [`FullPath::straight`].
     ///
     /// # Panics
     /// If there is no interior vertex, or if the number of directions is not the number of edges.
     pub fn new(
         scene: &'a Scene,
         camera: &Camera,
+        eye: WiSample,
         emitter: Emitter,
         nodes: Vec<PathVertex>,
         directions: Vec<DVec3>,
-    ) -> Option<FullPath<'a>> {
+    ) -> FullPath<'a> {
         assert!(!nodes.is_empty() && directions.len() == nodes.len() + 1, "{} directions", directions.len());
         let points: Vec<DVec3> = nodes.iter().map(|n| n.point.p.as_dvec3()).collect();
-        let eye = camera.sample_wi(nodes[nodes.len() - 1].point.p)?.eye.as_dvec3();
         let first = match emitter.end {
             EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p) => p.as_dvec3().distance_squared(points[0]),
             EmitterPoint::Distant => 1.0,
         };
         let between = points.windows(2).map(|pair| pair[0].distance_squared(pair[1]));
-        let last = points[points.len() - 1].distance_squared(eye);
+        let last = points[points.len() - 1].distance_squared(eye.eye.p.as_dvec3());
         let lengths2 = std::iter::once(first).chain(between).chain(std::iter::once(last)).collect();
-        Some(FullPath { scene, camera: camera.clone(), emitter, nodes, directions, lengths2 })
+        FullPath { scene, eye, lens_pdf: camera.lens_pdf(), emitter, nodes, directions, lengths2 }
     }
 
-    /// Returns the unit directions of the edges between the vertices, in f64. `first` is the direction of light from
-    /// infinity.
-    pub fn straight(emitter: &Emitter, nodes: &[PathVertex], camera: &Camera, first: DVec3) -> Option<Vec<DVec3>> {
+    /// Returns the unit directions of the edges between the vertices and the camera's point `eye`, in f64. `first` is
+    /// the direction of light from infinity.
+    pub fn straight(emitter: &Emitter, nodes: &[PathVertex], eye: &CameraPoint, first: DVec3) -> Vec<DVec3> {
         let mut points: Vec<DVec3> = nodes.iter().map(|n| n.point.p.as_dvec3()).collect();
-        points.push(camera.sample_wi(nodes.last()?.point.p)?.eye.as_dvec3());
+        points.push(eye.p.as_dvec3());
         let begin = match emitter.end {
             EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p) => (points[0] - p.as_dvec3()).normalize(),
             EmitterPoint::Distant => first,
         };
         let between = points.windows(2).map(|pair| (pair[1] - pair[0]).normalize());
-        Some(std::iter::once(begin).chain(between).collect())
+        std::iter::once(begin).chain(between).collect()
     }
 
     /// Emitter endpoint.
@@ -209,9 +223,9 @@ impl<'a> FullPath<'a> {
     pub fn length(&self, i: usize) -> f64 {
         self.lengths2[i].sqrt()
     }
-    /// Camera endpoint.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
+    /// Camera endpoint, with the last edge.
+    pub fn eye(&self) -> &WiSample {
+        &self.eye
     }
 
     /// Unit vectors along the edges, in the direction of light flow.
@@ -239,10 +253,10 @@ impl<'a> FullPath<'a> {
     pub fn steps(&self) -> (Spectrum<f64>, VertexPdfs) {
         let k = self.k();
         let factors: Vec<Factors> = (1..k).map(|i| self.factors(i)).collect();
-        let seen = self.camera.sample_wi(self.nodes[k - 2].point.p).map_or(0.0, |seen| f64::from(seen.importance));
+        let seen = f64::from(self.eye.importance);
         let radiance = if self.is_dark() { Spectrum::ZERO } else { self.emitter.radiance };
-        // We G of the last edge: the film covers |cos| magnification per area.
-        let mut f = radiance.cast::<f64>() * (seen * self.cosines(k - 1)[1]);
+        // We G of the last edge: the film covers |cos| importance per area of the scene, and area of the lens.
+        let mut f = radiance.cast::<f64>() * (seen * self.cosines(k - 1)[1] * self.lens_pdf);
         for (i, factors) in (1..k).zip(&factors) {
             f = f * factors.f * self.geometry(i - 1);
         }
@@ -319,9 +333,10 @@ impl<'a> FullPath<'a> {
         let lights = self.scene.lights();
         let light = &lights.all()[self.emitter.index];
         let emission = light.pdf_le(self.scene.ball(), self.directions[0].as_vec3());
-        let receiver = LightSampleContext::from(&self.nodes[0].point);
-        let direct = f64::from(lights.pmf(&receiver, self.emitter.index).value()) * emission.position;
-        let end = f64::from(lights.emitter_pmf(self.emitter.index).value()) * emission.position;
+        let (index, end, wi) = (self.emitter.index, &self.emitter.end, -self.directions[0].as_vec3());
+        let direct =
+            lights.end_pdf_li(&LightSampleContext::from(&self.nodes[0].point), index, end, wi, emission.position);
+        let made = f64::from(lights.emitter_pmf(index).value()) * emission.position;
         let area_at_1 = self.cosines(1)[0] / self.lengths2[0];
         let from_light = |first: [f64; 2], of: &dyn Fn(&Factors) -> f64| {
             let rest = (2..k).map(|i| of(&factors[i - 2]) * self.cosines(i)[0] / self.lengths2[i - 1]);
@@ -333,11 +348,13 @@ impl<'a> FullPath<'a> {
             let last = seen * self.cosines(k - 1)[1];
             std::iter::once(first).chain(rest).chain(std::iter::once(last)).collect::<Vec<f64>>()
         };
+        let mut camera = from_camera(&|f| f.to_light);
+        camera.push(self.lens_pdf);
         VertexPdfs {
-            light: from_light([end, emission.direction * area_at_1], &|f| f.to_camera),
-            camera: from_camera(&|f| f.to_light),
+            light: from_light([made, emission.direction * area_at_1], &|f| f.to_camera),
+            camera,
             direct,
-            perturbation: [from_light([end, area_at_1], &|f| f.perturbation[0]), from_camera(&|f| f.perturbation[1])],
+            perturbation: [from_light([made, area_at_1], &|f| f.perturbation[0]), from_camera(&|f| f.perturbation[1])],
             connects: (0..=k).map(|s| self.connects(s, light)).collect(),
         }
     }
@@ -347,7 +364,7 @@ impl<'a> FullPath<'a> {
         let k = self.k();
         let log = |s: usize| {
             let walks = if s == k { weights.light_walks.ln() } else { 0.0 };
-            walks + steps.log_split(0, k, s)
+            walks + steps.log_split(0, k + 1, s)
         };
         let can = |s: usize| steps.connects[s] && weights.techniques.has(s, k + 1 - s);
         Densities { log: (0..=k).map(|s| can(s).then(|| log(s)).filter(|log| log.is_finite())).collect() }
@@ -366,8 +383,7 @@ impl<'a> FullPath<'a> {
     /// # Errors
     /// A sentence that describes the first mismatch.
     pub fn verify(&self) -> Result<(), String> {
-        let straight = FullPath::straight(&self.emitter, &self.nodes, &self.camera, self.directions[0]);
-        let straight = straight.ok_or("the camera does not see the last vertex")?;
+        let straight = FullPath::straight(&self.emitter, &self.nodes, &self.eye.eye, self.directions[0]);
         for (i, (kept, line)) in self.directions.iter().zip(&straight).enumerate() {
             let (off, slack) = ((*kept - *line).length(), self.direction_slack(i));
             if off > slack {

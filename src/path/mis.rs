@@ -127,6 +127,8 @@ pub struct PartialMis {
     pub vc: f64,
     /// Sum of the techniques that split earlier, without the factors rᵢ q.
     pub vc_prev: f64,
+    /// dVM-like term of the techniques that merge at an earlier vertex; 0 without merging.
+    pub vm: f64,
     /// Index of the vertex in its subpath, from 0.
     pub index: u32,
 }
@@ -203,23 +205,29 @@ impl MisStrategy {
     }
 
     /// Returns the edge from a light with emission densities `end` (position, including the selection probability of
-    /// the light) and `ray` (direction). `direct` is the density with which next-event estimation samples the same
-    /// endpoint. Camera subpaths can hit the light unless it `is_dirac`.
+    /// the light) and `ray` (direction). Camera subpaths can hit the light unless it `is_dirac`. The factor of
+    /// next-event estimation depends on the receiver: see [`MisStrategy::received`].
     #[inline]
-    pub fn from_light(&self, end: f64, ray: f64, direct: f64, is_dirac: bool, start: EdgeOrigin) -> MisEdge {
+    pub fn from_light(&self, end: f64, ray: f64, is_dirac: bool, start: EdgeOrigin) -> MisEdge {
         let a = if is_dirac { 0.0 } else { Self::factor(self.techniques.hit) * self.power(end.recip()) };
-        let split = Self::factor(self.techniques.next_event) * self.power(direct / end);
         MisEdge {
-            before: PartialMis { vc: a, vc_prev: 0.0, index: 0 },
+            before: PartialMis { vc: a, ..PartialMis::default() },
             forward: ray,
             reverse: 0.0,
-            split,
+            split: 0.0,
             split_before: 1.0,
             start,
         }
     }
 
-    /// Returns the edge that leaves a vertex with partial sums `sums` at `p`. `densities` are forward and reverse;
+    /// Completes the edge `link` from a light whose receiver is known. `direct` is the density with which next-event
+    /// estimation samples the light's endpoint from there, `end` that of emission.
+    #[inline]
+    pub fn received(&self, link: &mut MisEdge, direct: f64, end: f64) {
+        link.split = Self::factor(self.techniques.next_event) * self.power(direct / end);
+    }
+
+    /// Returns the edge that leaves a vertex with partial sums `sums` at `start`. `densities` are forward and reverse;
     /// `is_dirac` marks a Dirac component.
     #[inline]
     pub fn from_vertex(
@@ -227,18 +235,10 @@ impl MisStrategy {
         sums: PartialMis,
         [forward, reverse]: [f64; 2],
         is_dirac: bool,
-        p: Vec3,
-        ng: Vec3,
+        start: EdgeOrigin,
     ) -> MisEdge {
         let split = Self::factor(!is_dirac);
-        MisEdge {
-            before: sums,
-            forward,
-            reverse,
-            split,
-            split_before: split * self.inner(sums.index),
-            start: EdgeOrigin::Surface { p, ng },
-        }
+        MisEdge { before: sums, forward, reverse, split, split_before: split * self.inner(sums.index), start }
     }
 
     /// Factor of the technique that splits before vertex `index`, for an interior vertex. Endpoints include theirs in
@@ -248,10 +248,10 @@ impl MisStrategy {
         if index < 2 { 1.0 } else { Self::factor(self.techniques.connect) }
     }
 
-    /// Returns the partial sums at the surface point `p`, reached by `link` along the unit direction `w`.
+    /// Returns the partial sums at a vertex at `p`, reached by `link` along the unit direction `w`; `cos` is its C(x).
     #[inline]
-    pub fn arrive(&self, link: &MisEdge, p: Vec3, ng: Vec3, w: Vec3) -> PartialMis {
-        let cos = cosine(w, ng);
+    pub fn arrive(&self, link: &MisEdge, p: Vec3, cos: f32, w: Vec3) -> PartialMis {
+        let cos = f64::from(cos);
         let (made, back) = match link.start {
             EdgeOrigin::Distant => (link.forward * cos, 1.0),
             EdgeOrigin::Point(from) => (link.forward * cos / squared_distance(from, p), 0.0),
@@ -281,6 +281,7 @@ impl MisStrategy {
         PartialMis {
             vc: link.split * self.power(made.recip()),
             vc_prev: self.power(back / made) * before,
+            vm: 0.0,
             index: link.before.index + 1,
         }
     }
@@ -293,10 +294,11 @@ impl MisStrategy {
         self.power(made) * (self.inner(sums.index) * sums.vc + self.power(reverse) * sums.vc_prev)
     }
 
-    /// Returns the MIS weight of emission hit by a camera subpath at a vertex with `sums`. `direct` is the next-event
-    /// density of the endpoint, `end` its emission density, and `ray` the emission density of the direction.
+    /// Returns the MIS weight of emission hit by a camera subpath at a vertex with `sums`. `direct` and `end` are the
+    /// densities of the endpoint, from the vertex before it under next-event estimation and under emission sampling;
+    /// `ray` is the emission density of the direction.
     #[inline]
-    pub fn hit(&self, sums: &PartialMis, direct: f64, end: f64, ray: f64) -> f64 {
+    pub fn hit(&self, sums: &PartialMis, [direct, end]: [f64; 2], ray: f64) -> f64 {
         if sums.index < 2 {
             return 1.0;
         }

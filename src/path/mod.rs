@@ -6,13 +6,15 @@ mod emitter;
 mod full;
 mod mis;
 mod subpath;
+mod vertex;
 mod walk;
 
-pub use connect::{Connection, Splat, connect, next_event, splat, toward_end, toward_light};
+pub use connect::{Connection, Splat, connect, next_event, splat};
 pub use emitter::Emitter;
 pub use full::{Densities, Evaluation, FullPath, PathVertex, VertexPdfs};
 pub use mis::{MisStrategy, PartialMis, Technique, Techniques};
-pub use subpath::{Arrival, Subpath, Vertex};
+pub use subpath::{Arrival, Subpath, SubpathVertex};
+pub use vertex::{MediumVertex, SurfaceVertex, Vertex};
 pub use walk::{PreviousVertex, RandomWalk, TraceStats};
 
 #[doc = include_str!("notation.md")]

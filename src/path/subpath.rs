@@ -2,66 +2,46 @@
 //!
 //! Usage: `arrive`, connect the vertex, `depart`, repeat.
 
-use super::Emitter;
-use super::mis::{EdgeOrigin, MisEdge, MisStrategy, PartialMis};
-use super::{PreviousVertex, RandomWalk, TraceStats};
-use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
-use crate::camera::Camera;
-use crate::geometry::{Bodies, Ray, SurfacePoint};
-use crate::light::{EmitterPoint, LeRandom, LightSampleContext};
-use crate::sampling::{Discrete, Pdf, Sampler, Slot};
+use super::mis::{MisEdge, MisStrategy, PartialMis};
+use super::{Emitter, PreviousVertex, RandomWalk, SurfaceVertex, TraceStats, Vertex};
+use crate::bsdf::{Lobes, Shading};
+use crate::camera::{Camera, CameraSample, LensPoint};
+use crate::light::{EmitterPoint, LeRandom};
+use crate::sampling::{Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
 use glam::Vec3;
-use std::borrow::Cow;
 
-/// Surface vertex of a subpath.
-pub struct Vertex<'a> {
-    /// Surface point.
-    pub point: SurfacePoint,
-    /// Scattering model.
-    pub surface: Cow<'a, Surface>,
+/// Vertex of a subpath beyond its endpoint.
+pub struct SubpathVertex<'a> {
+    /// The vertex.
+    pub vertex: Vertex<'a>,
     /// Unit direction to the previous vertex.
     pub known: Vec3,
     /// Throughput of the walk up to this vertex.
     pub beta: Spectrum,
     /// See [`RandomWalk::survival`].
     pub survival: f32,
-    /// Bodies in which the walk arrived.
-    pub bodies: Bodies,
     /// Partial MIS sums of earlier techniques.
     pub sums: PartialMis,
     /// Transport mode of the walk.
     pub mode: TransportMode,
 }
 
-impl Vertex<'_> {
-    /// Returns the BSDF for the known direction; `None` if it lies on different sides of the shading and geometric
-    /// normals.
+impl SubpathVertex<'_> {
+    /// See [`Vertex::shading`].
     #[inline]
     pub fn shading(&self) -> Option<Shading<'_>> {
-        Shading::new(&self.point, &self.surface, self.known, self.mode)
-    }
-
-    /// Whether a smooth lobe exists, so that connections can carry light.
-    #[inline]
-    pub fn is_connectible(&self) -> bool {
-        self.surface.lobes().intersects(Lobes::SMOOTH)
-    }
-
-    /// Returns the bodies of an edge that leaves along `w`.
-    #[inline]
-    pub fn bodies_toward(&self, scene: &Scene, w: Vec3) -> Bodies {
-        scene.bodies_toward(&self.point, self.bodies, w)
+        self.vertex.shading(self.known, self.mode)
     }
 }
 
 /// End of a subpath edge. Callers destructure it at once, so that its size does not matter.
 #[allow(clippy::large_enum_variant)]
 pub enum Arrival<'a> {
-    /// At a surface.
-    Surface(Vertex<'a>),
+    /// At a vertex that scatters.
+    Vertex(SubpathVertex<'a>),
     /// Outside the scene, with the partial MIS sums.
     Infinity(PartialMis),
 }
@@ -73,14 +53,25 @@ pub struct Subpath<'a> {
     /// The random walk.
     pub walk: RandomWalk<'a>,
     link: MisEdge,
+    start: Start,
+}
+
+/// Endpoint of a subpath, until its receiver is known.
+#[derive(Debug, Clone, Copy)]
+enum Start {
+    Camera(LensPoint),
+    /// A light by its index, its point, and the densities of both under emission sampling: probability and density of
+    /// the point.
+    Light(usize, EmitterPoint, [f64; 2]),
 }
 
 impl<'a> Subpath<'a> {
-    /// Starts a subpath along the camera ray `ray`.
+    /// Starts a subpath at the camera.
     #[inline]
-    pub fn from_camera(scene: &'a Scene, weights: &MisStrategy, ray: Ray) -> Self {
+    pub fn from_camera(scene: &'a Scene, weights: &MisStrategy, sample: &CameraSample) -> Self {
         // The density is known at the end of the edge: see `arrive`.
-        Subpath { scene, weights: *weights, walk: RandomWalk::new(scene, ray), link: weights.from_camera() }
+        let walk = RandomWalk::from_camera(scene, sample);
+        Subpath { scene, weights: *weights, walk, link: weights.from_camera(), start: Start::Camera(sample.lens) }
     }
 
     /// Starts a subpath from a sampled light. Returns it with its emitter endpoint; `None` if the sample emits nothing.
@@ -94,26 +85,18 @@ impl<'a> Subpath<'a> {
         };
         let emitted = light.sample_le(scene.ball(), &numbers)?;
         let power = emitted.power / pmf.value();
-        let (start, receiver) = match emitted.end {
-            EmitterPoint::Surface { p, ng, .. } => (EdgeOrigin::Surface { p, ng }, LightSampleContext { p, ng }),
-            EmitterPoint::Point(p) => (EdgeOrigin::Point(p), LightSampleContext { p, ng: emitted.ray.direction }),
-            EmitterPoint::Distant => {
-                (EdgeOrigin::Distant, LightSampleContext { p: emitted.ray.origin, ng: emitted.ray.direction })
-            }
-        };
         let density = light.pdf_le(scene.ball(), emitted.ray.direction);
         // Tangential emission: about one random number in 2²³ yields it. It has no density and carries no light.
         if density.direction <= 0.0 {
             return None;
         }
-        let end = |pmf: Pdf<Discrete>| f64::from(pmf.value()) * density.position;
-        // The selection probability of next-event estimation is evaluated at the receiver. Any receiver will do, as
-        // long as the choice does not depend on it.
-        let direct = end(scene.lights().pmf(&receiver, index));
-        let link = weights.from_light(end(pmf), density.direction, direct, light.is_dirac(), start);
+        let end = f64::from(pmf.value()) * density.position;
+        let origin = Vertex::Light(emitted.end).origin();
+        let link = weights.from_light(end, density.direction, light.is_dirac(), origin);
         let emitter = Emitter::of_emission(index, &emitted, &density);
-        let walk = RandomWalk::from_light(scene, Emitter::ray(scene, &emitted), power);
-        Some((Subpath { scene, weights: *weights, walk, link }, emitter))
+        let walk = RandomWalk::from_light(scene, emitter.ray(scene, &emitted), power);
+        let start = Start::Light(index, emitted.end, [f64::from(pmf.value()), density.position]);
+        Some((Subpath { scene, weights: *weights, walk, link, start }, emitter))
     }
 
     /// Traces the current edge to its end.
@@ -122,32 +105,41 @@ impl<'a> Subpath<'a> {
         let Some(mut point) = self.walk.arrive(sampler, tally) else {
             return Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction));
         };
-        if let PreviousVertex::Camera = self.walk.departure {
-            self.link.forward = camera.sample_wi(point.p).map_or(0.0, |seen| f64::from(seen.importance));
+        let (w, state) = (self.walk.ray.direction, self.walk.ray.state);
+        let (p, surface) = (point.p, self.scene.surface(&mut point, state.bodies));
+        let vertex = Vertex::Surface(SurfaceVertex { point, surface, state });
+        self.complete(camera, &vertex, p, w);
+        let sums = self.weights.arrive(&self.link, p, vertex.cos(w), w);
+        let RandomWalk { beta, survival, mode, .. } = self.walk;
+        Arrival::Vertex(SubpathVertex { vertex, known: -w, beta, survival, sums, mode })
+    }
+
+    /// Computes what the first edge of the subpath could not know before its end: the density of a camera ray at `p`,
+    /// and that of a light sample from `vertex` to the light.
+    #[inline]
+    fn complete(&mut self, camera: &Camera, vertex: &Vertex, p: Vec3, w: Vec3) {
+        match (&self.walk.departure, self.start) {
+            (PreviousVertex::Camera, Start::Camera(lens)) => {
+                self.link.forward = camera.sample_wi(p, lens).map_or(0.0, |seen| f64::from(seen.importance));
+            }
+            (PreviousVertex::Light, Start::Light(index, end, [pmf, position])) => {
+                let direct = |at| self.scene.lights().end_pdf_li(&at, index, &end, -w, position);
+                self.weights.received(&mut self.link, vertex.context().map_or(0.0, direct), pmf * position);
+            }
+            _ => {}
         }
-        let sums = self.weights.arrive(&self.link, point.p, point.ng, self.walk.ray.direction);
-        let surface = self.scene.surface(&mut point, self.walk.ray.bodies);
-        Arrival::Surface(Vertex {
-            point,
-            surface,
-            known: -self.walk.ray.direction,
-            beta: self.walk.beta,
-            survival: self.walk.survival,
-            bodies: self.walk.ray.bodies,
-            sums,
-            mode: self.walk.mode,
-        })
     }
 
     /// Samples the BSDF at `vertex`, at which the walk has arrived. Returns the sampled component; `None` if nothing
     /// scatters.
     #[inline]
-    pub fn depart(&mut self, vertex: &Vertex, shading: &Shading, sampler: &mut impl Sampler) -> Option<Lobes> {
-        let scatter = shading.sample(self.walk.scattering_numbers(&vertex.surface, sampler))?;
+    pub fn depart(&mut self, vertex: &SubpathVertex, shading: &Shading, sampler: &mut impl Sampler) -> Option<Lobes> {
+        let SurfaceVertex { point, surface, .. } = vertex.vertex.surface()?;
+        let scatter = shading.sample(self.walk.scattering_numbers(surface, sampler))?;
         let densities = shading.densities(&scatter);
-        let SurfacePoint { p, ng, .. } = vertex.point;
-        self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), p, ng);
-        self.walk.depart(&vertex.point, &scatter);
+        let origin = vertex.vertex.origin();
+        self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), origin);
+        self.walk.depart(point, &scatter);
         Some(scatter.lobe)
     }
 
@@ -155,7 +147,7 @@ impl<'a> Subpath<'a> {
     #[inline]
     pub fn go_on(
         &mut self,
-        vertex: &Vertex,
+        vertex: &SubpathVertex,
         shading: &Shading,
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,

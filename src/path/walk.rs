@@ -7,6 +7,7 @@
 
 use crate::accel::RayClass;
 use crate::bsdf::{ShadingSample, Surface};
+use crate::camera::CameraSample;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light::{AreaLight, LightSampleContext};
 use crate::numeric::BELOW_ONE;
@@ -93,10 +94,10 @@ pub struct RandomWalk<'a> {
 }
 
 impl<'a> RandomWalk<'a> {
-    /// Starts a walk along the camera ray `ray`, in the bodies that contain its origin.
+    /// Starts a walk at the camera, in the bodies that contain its origin.
     #[inline]
-    pub fn new(scene: &'a Scene, ray: Ray) -> Self {
-        let ray = Ray { bodies: scene.bodies_at(ray.origin), ..ray };
+    pub fn from_camera(scene: &'a Scene, &CameraSample { ray, medium, .. }: &CameraSample) -> Self {
+        let ray = ray.carrying(ray.state.within(medium.unwrap_or_else(|| scene.bodies_at(ray.origin))));
         let (beta, departure) = (Spectrum::ONE, PreviousVertex::Camera);
         RandomWalk {
             scene,
@@ -136,7 +137,9 @@ impl<'a> RandomWalk<'a> {
     pub fn arrive(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Option<SurfacePoint> {
         let mut point = self.trace(tally);
         if let Some(first) = &point {
-            if self.scene.features().content() && self.scene.may_pass(first, self.ray.bodies) || self.unseen(first) {
+            if self.scene.features().content() && self.scene.may_pass(first, self.ray.state.bodies)
+                || self.unseen(first)
+            {
                 point = self.past(*first, sampler, tally);
             }
         }
@@ -179,7 +182,7 @@ impl<'a> RandomWalk<'a> {
         for _ in 0..LONGEST {
             let w = self.ray.direction;
             let passage =
-                if self.unseen(&point) { Passage::FREE } else { self.scene.passage(&point, w, self.ray.bodies) };
+                if self.unseen(&point) { Passage::FREE } else { self.scene.passage(&point, w, self.ray.state.bodies) };
             let (met, chance) = (passage.met, passage.chance());
             if u < met {
                 self.beta *= passage.alpha / met;
@@ -191,8 +194,7 @@ impl<'a> RandomWalk<'a> {
             self.absorb(point.t);
             self.beta *= passage.through.map(|t: f32| t / chance);
             self.survival *= chance;
-            let bodies = self.scene.bodies_toward(&point, self.ray.bodies, w);
-            self.ray = Ray { bodies, time: self.ray.time, ..point.spawn(w) };
+            self.ray = point.spawn(w).carrying(self.scene.state_toward(&point, self.ray.state, w));
             point = self.trace(tally)?;
         }
         tally.overlong += 1;
@@ -202,8 +204,9 @@ impl<'a> RandomWalk<'a> {
 
     #[inline]
     fn absorb(&mut self, length: f32) {
-        if !self.ray.bodies.is_empty() && self.scene.features().media {
-            self.beta *= self.scene.absorption(self.ray.bodies, length);
+        let bodies = self.ray.state.bodies;
+        if !bodies.is_empty() && self.scene.features().media {
+            self.beta *= self.scene.absorption(bodies, length);
         }
     }
 
@@ -233,9 +236,9 @@ impl<'a> RandomWalk<'a> {
         self.straight &= scatter.density.is_delta();
         self.depth += 1;
         self.bounce += 1;
-        let bodies = self.scene.bodies_toward(point, self.ray.bodies, scatter.direction);
+        let state = self.scene.state_toward(point, self.ray.state, scatter.direction);
         self.departure = PreviousVertex::Surface(LightSampleContext::from(point), scatter.density);
-        self.ray = Ray { bodies, time: self.ray.time, ..point.spawn(scatter.direction) };
+        self.ray = point.spawn(scatter.direction).carrying(state);
     }
 
     /// Russian roulette by relative throughput and by depth. Survivors are scaled by 1/q.

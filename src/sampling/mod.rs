@@ -17,32 +17,41 @@ pub use sobol::Sobol;
 pub use table::Distribution;
 
 /// Purpose of a random number at one bounce. Random numbers are addressed by slot instead of consumed in order, so that
-/// control flow does not change the meaning of the others. Counts of dimensions are in parentheses.
+/// control flow does not change the meaning of the others. A slot of two dimensions takes two numbers. Samplers that
+/// stratify do so alike in every slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum Slot {
-    /// BSDF lobe selection (1).
+    /// BSDF lobe selection.
     Lobe = 0,
-    /// Direction (2), slots 1 and 2.
+    /// Direction, two dimensions.
     Direction = 1,
-    /// Light selection (1).
+    /// Light selection.
     LightPick = 3,
-    /// Point on a light (2), slots 4 and 5.
+    /// Point on a light, two dimensions.
     LightPoint = 4,
-    /// Russian roulette (1).
+    /// Russian roulette.
     Roulette = 6,
-    /// Distance in a medium (1).
-    Distance = 7,
-    /// Events along an edge: alpha and null boundaries (1).
-    Event = 8,
-    /// Wavelength channel selection (1).
-    Channel = 9,
-    /// Auxiliary (2), slots 10 and 11; at bounce 0 the position within the pixel.
-    Aux = 10,
+    /// Events along an edge in their order, each decided by what the one before left of the number: surfaces that blend
+    /// by alpha, null boundaries, collisions in media.
+    Event = 7,
+    /// Free flight in a medium. Nothing draws it yet.
+    MediumDistance = 8,
+    /// Wavelengths of the path, at bounce 0. Nothing draws it yet.
+    Wavelength = 9,
+    /// Position on the film, two dimensions, at bounce 0.
+    Film = 10,
+    /// Point of the camera's lens, two dimensions: of a camera subpath at bounce 0, and of the connection of a light
+    /// subpath's vertex to the camera at the bounce of the vertex.
+    Lens = 12,
+    /// Time in the shutter interval, at bounce 0. Nothing draws it yet.
+    Time = 14,
+    /// Length of a path in multiplexed chains; spare elsewhere.
+    PathLength = 15,
 }
 
 /// Number of slots per bounce.
-pub const SLOTS: u32 = 12;
+pub const SLOTS: u32 = 16;
 
 /// Sampler types.
 #[derive(
@@ -75,4 +84,31 @@ pub trait Sampler {
     fn u1(&mut self, bounce: u32, slot: Slot) -> f32;
     /// Returns two random numbers, jointly stratified if the sampler stratifies.
     fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No two numbers of a path share an address: neither two slots of a bounce nor those of two bounces.
+    #[test]
+    fn slots_of_a_bounce_do_not_overlap() {
+        use Slot::*;
+        let slots = [
+            (Lobe, 1),
+            (Direction, 2),
+            (LightPick, 1),
+            (LightPoint, 2),
+            (Roulette, 1),
+            (Event, 1),
+            (MediumDistance, 1),
+            (Wavelength, 1),
+            (Film, 2),
+            (Lens, 2),
+            (Time, 1),
+            (PathLength, 1),
+        ];
+        let taken: Vec<u32> = slots.iter().flat_map(|&(slot, size)| slot as u32..slot as u32 + size).collect();
+        assert_eq!(taken, (0..SLOTS).collect::<Vec<u32>>());
+    }
 }

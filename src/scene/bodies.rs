@@ -17,8 +17,8 @@
 use super::interior::Interior;
 use super::material::Material;
 use super::{ObjectInfo, Scene};
-use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, SurfacePoint, TriangleMesh};
-use crate::light::EmitterPoint;
+use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, RayState, SurfacePoint, TriangleMesh};
+use crate::light::Light;
 use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -301,14 +301,36 @@ impl Scene {
             .fold(Bodies::NONE, |inside, (body, _)| self.bodies.with(inside, body))
     }
 
-    /// Returns the bodies at the origin of a light ray `ray` from its `end`; rays from infinity start outside all
-    /// bodies.
-    pub fn bodies_of_light(&self, end: &EmitterPoint, ray: &Ray) -> Bodies {
-        match *end {
-            EmitterPoint::Distant => Bodies::NONE,
-            EmitterPoint::Point(p) => self.bodies_at(p),
-            EmitterPoint::Surface { .. } => self.bodies_at(ray.origin),
+    /// Returns the bodies that contain every point of the box `at`; `None` if they may differ from point to point.
+    pub(super) fn bodies_within(&self, at: &Bounds) -> Option<Bodies> {
+        if at.min == at.max {
+            return Some(self.bodies_at(at.min));
         }
+        let meets = self
+            .bodies
+            .places
+            .visit(|bounds| bounds.meets(at), |place| if place.bounds.meets(at) { Break(()) } else { Continue(()) });
+        meets.is_continue().then_some(Bodies::NONE)
+    }
+
+    /// Computes [`Scene::light_media`].
+    pub(super) fn media_of_lights(&self) -> Vec<Option<Bodies>> {
+        if self.bodies.is_empty() {
+            return Vec::new();
+        }
+        let medium = |light: &Light| match light.bounds() {
+            Some(bounds) => self.bodies_within(&bounds),
+            // Light from infinity begins outside all bodies.
+            None => Some(Bodies::NONE),
+        };
+        self.lights.all().iter().map(medium).collect()
+    }
+
+    /// Returns the bodies at the origin of the ray `ray` from light `index`.
+    #[inline]
+    pub fn bodies_of_light(&self, index: usize, ray: &Ray) -> Bodies {
+        let Some(medium) = self.light_media.get(index) else { return Bodies::NONE };
+        medium.unwrap_or_else(|| self.bodies_at(ray.origin))
     }
 
     /// Returns the bodies on the side of `point` toward `w`, for a path that arrives from `bodies` on either side.
@@ -322,6 +344,12 @@ impl Scene {
             body if w.dot(point.ng) < 0.0 => self.bodies.with(bodies, body),
             body => self.bodies.without(bodies, body),
         }
+    }
+
+    /// Returns the state on the side of `point` toward `w`, for a path that arrives in `state` on either side.
+    #[inline]
+    pub fn state_toward(&self, point: &SurfacePoint, state: RayState, w: Vec3) -> RayState {
+        state.within(self.bodies_toward(point, state.bodies, w))
     }
 
     /// Returns the transmittance of `length` scene units in `bodies` (Beer and Lambert).

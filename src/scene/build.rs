@@ -100,12 +100,13 @@ impl Scene {
         info.accel_bytes = accel.bytes();
         let views = Views::new(description.cameras, extent.min, extent.max);
         let lights = Lights::new(lights, ball.radius);
-        Ok(Scene {
+        let mut scene = Scene {
             geometry,
             objects,
             materials,
             bodies,
             lights,
+            light_media: Vec::new(),
             accel,
             contacts,
             rebase,
@@ -114,7 +115,9 @@ impl Scene {
             views,
             info,
             hash,
-        })
+        };
+        scene.light_media = scene.media_of_lights();
+        Ok(scene)
     }
 }
 

@@ -3,7 +3,10 @@
 
 use super::{ObjectInfo, Scene};
 use crate::accel::RayClass;
-use crate::geometry::{Bodies, Hit, Ray, SurfacePoint};
+use crate::camera::CameraPoint;
+use crate::geometry::{Bodies, Hit, Ray, RayState, SurfacePoint};
+use crate::light::EmitterPoint;
+use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
@@ -19,9 +22,29 @@ pub struct Passage {
     pub alpha: f32,
 }
 
+/// Straight connection of a surface point to another vertex. It makes all segments, so that each carries the state of
+/// its path.
+#[derive(Debug, Clone, Copy)]
+pub struct Edge {
+    ray: Ray,
+    /// Whether it ends at the camera, which does not see surfaces that are [`Scene::culled`].
+    to_camera: bool,
+}
+
+/// Far end of an [`Edge`].
+#[derive(Debug, Clone, Copy)]
+pub enum EdgeEnd<'e> {
+    /// The camera.
+    Camera(&'e CameraPoint),
+    /// A light.
+    Light(&'e EmitterPoint),
+    /// A surface.
+    Surface(&'e SurfacePoint),
+}
+
 /// Throughput of an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Edge {
+pub struct EdgeThroughput {
     /// Transmittance.
     pub through: Spectrum,
     /// Probability that a walk passes all surfaces on the edge.
@@ -36,6 +59,28 @@ impl Passage {
     #[inline]
     pub fn chance(&self) -> f32 {
         1.0 - self.met
+    }
+}
+
+impl Edge {
+    /// Creates the edge from `point`, reached in `state` from either side, in the unit direction `w` to `end`.
+    #[inline]
+    pub fn new(scene: &Scene, point: &SurfacePoint, state: RayState, w: Vec3, end: EdgeEnd) -> Self {
+        let segment = match end {
+            EdgeEnd::Camera(eye) => point.segment(eye.p, 0.0, point.ng, Hit::NONE),
+            EdgeEnd::Light(&EmitterPoint::Surface { p, error, ng, touched }) => point.segment(p, error, ng, touched),
+            EdgeEnd::Light(&EmitterPoint::Point(p)) => point.segment(p, 0.0, point.ng, Hit::NONE),
+            EdgeEnd::Light(EmitterPoint::Distant) => point.spawn(w),
+            EdgeEnd::Surface(other) => point.segment_to(other),
+        };
+        let ray = segment.carrying(scene.state_toward(point, state, w));
+        Edge { ray, to_camera: matches!(end, EdgeEnd::Camera(_)) }
+    }
+
+    /// Returns its ray: up to the parameter 1, or free to infinity.
+    #[inline]
+    pub fn ray(&self) -> &Ray {
+        &self.ray
     }
 }
 
@@ -74,54 +119,67 @@ impl Scene {
         whole.straight(w.dot(point.frame.n).abs().min(1.0))
     }
 
-    /// Returns the transmittance along the segment `ray` (`t_max` finite, or free space to infinity). Adds the number
-    /// of traced rays to `rays`.
+    /// Returns the transmittance of `edge`, and adds the number of traced rays to `rays`. Media on the edge take their
+    /// random numbers from `_sampler` at the bounce `_bounce`; absorption needs none.
     #[inline]
-    pub fn transmittance(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
-        self.accel.announce(RayClass::Shadow);
-        if self.features.content() {
-            return self.content(*ray, rays, |_| false).through;
-        }
-        if self.is_occluded(ray, rays) { Spectrum::ZERO } else { self.absorption(ray.bodies, segment_length(ray)) }
+    pub fn transmittance(&self, edge: &Edge, _sampler: &mut impl Sampler, _bounce: u32, rays: &mut u64) -> Spectrum {
+        self.clearance(edge, rays)
     }
 
-    /// Returns [`Scene::transmittance`] of a segment that ends at the camera, for which [`Scene::culled`] surfaces are
-    /// ignored.
+    /// Returns whether no light passes `edge`, and adds the number of traced rays to `rays`.
     #[inline]
-    pub fn transmittance_to_camera(&self, ray: &Ray, rays: &mut u64) -> Spectrum {
-        if !self.features.culled {
-            return self.transmittance(ray, rays);
-        }
-        self.accel.announce(RayClass::Shadow);
-        self.content(*ray, rays, |point| self.culled(point, -ray.direction)).through
+    pub fn is_blocked(&self, edge: &Edge, rays: &mut u64) -> bool {
+        self.clearance(edge, rays).is_black()
     }
 
-    /// Returns the throughput of the unoccluded segment `ray`, and the probability that walks pass it. Surfaces for
-    /// which `unseen` is true are ignored.
-    pub fn edge(&self, ray: &Ray, rays: &mut u64, unseen: impl Fn(&SurfacePoint) -> bool) -> Edge {
-        if self.features.content() {
-            return self.content(*ray, rays, unseen);
+    /// Returns the transmittance of all surfaces and absorbing media on `edge`.
+    #[inline]
+    fn clearance(&self, edge: &Edge, rays: &mut u64) -> Spectrum {
+        let Edge { ray, to_camera } = edge;
+        self.accel.announce(RayClass::Shadow);
+        if self.features.content() || *to_camera && self.features.culled {
+            return self.content(edge, rays).through;
         }
-        Edge { through: self.absorption(ray.bodies, segment_length(ray)), chance: 1.0 }
+        if self.is_occluded(ray, rays) {
+            Spectrum::ZERO
+        } else {
+            self.absorption(ray.state.bodies, segment_length(ray))
+        }
+    }
+
+    /// Returns the throughput of `edge`, on which nothing stops light, and the probability that walks pass it.
+    pub fn throughput(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
+        if self.features.content() {
+            return self.content(edge, rays);
+        }
+        let through = self.absorption(edge.ray.state.bodies, segment_length(&edge.ray));
+        EdgeThroughput { through, chance: 1.0 }
+    }
+
+    /// Returns whether the end of `edge` does not see the surface at `point`.
+    #[inline]
+    fn is_unseen(&self, edge: &Edge, point: &SurfacePoint) -> bool {
+        edge.to_camera && self.culled(point, -edge.ray.direction)
     }
 
     /// Steps from surface to surface along a segment, whose end is at parameter 1 if it is finite.
-    fn content(&self, mut ray: Ray, rays: &mut u64, unseen: impl Fn(&SurfacePoint) -> bool) -> Edge {
+    fn content(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
+        let mut ray = edge.ray;
         let (end, unit) = (ray.at(1.0), ray.direction.normalize());
-        let mut edge = Edge { through: Spectrum::ONE, chance: 1.0 };
-        while !edge.through.is_black() {
+        let mut found = EdgeThroughput { through: Spectrum::ONE, chance: 1.0 };
+        while !found.through.is_black() {
             *rays += 1;
             let Some(point) = self.intersect(&ray) else {
-                edge.through *= self.absorption(ray.bodies, segment_length(&ray));
+                found.through *= self.absorption(ray.state.bodies, segment_length(&ray));
                 break;
             };
-            edge.through *= self.absorption(ray.bodies, ray.direction.length() * point.t);
-            if !unseen(&point) {
-                let passage = self.passage(&point, unit, ray.bodies);
-                edge.through *= passage.through;
-                edge.chance *= passage.chance();
+            found.through *= self.absorption(ray.state.bodies, ray.direction.length() * point.t);
+            if !self.is_unseen(edge, &point) {
+                let passage = self.passage(&point, unit, ray.state.bodies);
+                found.through *= passage.through;
+                found.chance *= passage.chance();
             }
-            let bodies = self.bodies_toward(&point, ray.bodies, ray.direction);
+            let state = self.state_toward(&point, ray.state, ray.direction);
             let next = point.spawn(ray.direction);
             // The remaining segment is aimed at the end again: the origin was offset, and a parallel to the old ray
             // might hit the surface at the end.
@@ -136,9 +194,9 @@ impl Scene {
             } else {
                 break;
             };
-            ray = Ray { direction, t_max, bodies, end: ray.end, ..next };
+            ray = Ray { direction, t_max, state, end: ray.end, ..next };
         }
-        edge
+        found
     }
 }
 

@@ -20,12 +20,12 @@ mod usage;
 mod view;
 
 pub use build::BuildOptions;
-pub use edge::{Edge, Passage};
+pub use edge::{Edge, EdgeEnd, EdgeThroughput, Passage};
 pub use info::SceneInfo;
 pub use rebase::Rebase;
 
 use crate::accel::{Accel, Backend};
-use crate::geometry::Geometry;
+use crate::geometry::{Bodies, Geometry};
 use crate::light::{BoundingSphere, Lights};
 use bodies::AllBodies;
 use material::Material;
@@ -37,6 +37,8 @@ pub struct Scene {
     materials: Vec<Material>,
     bodies: AllBodies,
     lights: Lights,
+    /// Bodies that contain each light; `None` if they differ over the light. Empty for a scene without bodies.
+    light_media: Vec<Option<Bodies>>,
     accel: Accel,
     /// Touching surfaces of which one transmits light, if there are any.
     contacts: Option<Box<contact::Contacts>>,

@@ -92,7 +92,7 @@ impl Scene {
     pub fn camera(&self, selector: Option<&str>, width: u32, height: u32) -> Result<Camera> {
         let view = self.views.find(selector)?;
         let pose = pose(&view.transform, &self.rebase);
-        Ok(match view.projection {
+        let camera = match view.projection {
             Projection::Perspective { yfov, aspect } => {
                 let widest = aspect.or(self.views.automatic.then_some(1.0));
                 let tall = (yfov * 0.5).tan() * widest.map_or(1.0, |widest| widened(widest, width, height));
@@ -102,7 +102,9 @@ impl Scene {
                 let tall = ymag * widened(xmag / ymag, width, height);
                 Camera::Orthographic(Orthographic::new(pose, tall * self.rebase.scale, width, height))
             }
-        })
+        };
+        let medium = camera.bounds().and_then(|bounds| self.bodies_within(&bounds));
+        Ok(camera.within(medium))
     }
 
     /// Returns a sentence on the extra view of a `width` × `height` image beyond that of the selected camera; `None` if

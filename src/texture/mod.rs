@@ -1,5 +1,6 @@
 //! Textures: decoded images and their lookup.
 
+mod bitmap;
 mod block_extremes;
 mod extremes;
 mod radiance_map;

@@ -5,6 +5,7 @@
 use crate::picture::{Shot, agree, expect, render, scene_under};
 use etendue::accel::Backend;
 use etendue::bsdf::Shading;
+use etendue::camera::{CameraSample, LensPoint};
 use etendue::integrator::Method;
 use etendue::path::{RandomWalk, TraceStats};
 use etendue::sampling::{Address, IndependentSampler};
@@ -311,10 +312,11 @@ fn description_again(d: &Description) -> Description {
 
 /// Where a ray comes out that goes on through every boundary it meets.
 fn comes_out(scene: &Scene, ray: etendue::geometry::Ray) -> RandomWalk<'_> {
-    let mut walk = RandomWalk::new(scene, ray);
+    let sample = CameraSample { film: [0.0; 2], lens: LensPoint::CENTRE, ray, medium: None };
+    let mut walk = RandomWalk::from_camera(scene, &sample);
     let (mut numbers, mut tally) = (IndependentSampler::new(Address::new(1)), TraceStats::default());
     while let Some(mut point) = walk.arrive(&mut numbers, &mut tally) {
-        let surface = scene.surface(&mut point, walk.ray.bodies);
+        let surface = scene.surface(&mut point, walk.ray.state.bodies);
         let shading = Shading::new(&point, &surface, -walk.ray.direction, TransportMode::Radiance).expect("flat faces");
         let scatter = shading.sample([1.0 - f32::EPSILON, 0.5, 0.5]).expect("it goes on");
         walk.depart(&point, &scatter);

@@ -31,7 +31,7 @@ fn walks_along_the_surface_of_a_light_are_none() {
             for direction in [[0.0, 0.0], [0.0, 0.3], [0.3, 0.0], [0.5, 0.5], [LAST, 0.3], [LAST, LAST]] {
                 let mut numbers = Edge { light, direction };
                 let Some((mut path, _)) = Subpath::from_light(&world.scene, &weights, &mut numbers) else { continue };
-                let Arrival::Surface(found) = path.arrive(&camera, &mut numbers, &mut TraceStats::default()) else {
+                let Arrival::Vertex(found) = path.arrive(&camera, &mut numbers, &mut TraceStats::default()) else {
                     continue;
                 };
                 let (a, b) = (found.sums.vc, found.sums.vc_prev);

@@ -2,6 +2,7 @@
 
 use crate::made::{Made, Studio};
 use etendue::bsdf::{Bsdf, Lobes};
+use etendue::camera::Camera;
 use etendue::path::{FullPath, MisStrategy, Technique, Techniques};
 use etendue::sampling::Heuristic;
 use etendue_testing::deep;
@@ -56,7 +57,7 @@ fn all_weights() -> Vec<MisStrategy> {
 }
 
 /// Runs `check` on paths of every world and of all weights.
-fn each_path(walks: u64, check: impl Fn(&World, &MisStrategy, &Made)) {
+fn each_path(walks: u64, check: impl Fn(&World, &Camera, &MisStrategy, &Made)) {
     let walks = if deep() { 50 * walks } else { walks };
     for world in all() {
         let camera = world.scene.camera(None, SIDE, SIDE).expect("a camera");
@@ -67,7 +68,7 @@ fn each_path(walks: u64, check: impl Fn(&World, &MisStrategy, &Made)) {
                 for made in studio.sample(1000 * walks * seed + index) {
                     if weights.techniques.has(made.s, made.t) {
                         paths += 1;
-                        check(&world, &weights, &made);
+                        check(&world, &camera, &weights, &made);
                     }
                 }
             }
@@ -80,7 +81,7 @@ fn each_path(walks: u64, check: impl Fn(&World, &MisStrategy, &Made)) {
 #[test]
 fn weights_are_a_partition_of_unity_and_the_fast_ones_are_the_defined_ones() {
     let (worst, count, beyond) = (Cell::new(0.0f64), Cell::new(0u64), Cell::new(0u64));
-    each_path(200, |world, weights, made| {
+    each_path(200, |world, _, weights, made| {
         let densities = made.path.evaluate(weights).densities;
         let sum: f64 = (0..=made.path.k()).map(|s| densities.weight(weights, s)).sum();
         // a dozen terms in f64
@@ -115,7 +116,7 @@ fn weights_are_a_partition_of_unity_and_the_fast_ones_are_the_defined_ones() {
 #[test]
 fn what_a_technique_finds_is_the_integrand_over_its_density() {
     let (worst, count, critical) = (Cell::new(0.0f64), Cell::new(0u64), Cell::new(0u64));
-    each_path(200, |world, weights, made| {
+    each_path(200, |world, _, weights, made| {
         let off = value_off(weights, made);
         let is_rough_glass = made.nodes.iter().any(|n| n.surface.lobes().intersects(Lobes::TRANSMIT));
         count.set(count.get() + 1);
@@ -151,16 +152,16 @@ fn value_off(weights: &MisStrategy, made: &Made) -> f64 {
 #[test]
 fn weights_from_positions_alone_are_the_same() {
     let worst = Cell::new(0.0f64);
-    each_path(50, |world, weights, made| {
+    each_path(50, |world, camera, weights, made| {
         if made.nodes.iter().any(|node| node.lobe.intersects(Lobes::DIRAC)) {
             return; // a direction from positions is not the component's
         }
         let kept = made.path.directions();
-        let straight = FullPath::straight(&made.emitter, &made.nodes, made.path.camera(), kept[0]).expect("seen");
+        let eye = *made.path.eye();
+        let straight = FullPath::straight(&made.emitter, &made.nodes, &eye.eye, kept[0]);
         let turned = kept.iter().zip(&straight).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
         let grazing = cosines(made, &straight).fold(1.0, f64::min);
-        let again =
-            FullPath::new(&world.scene, made.path.camera(), made.emitter, made.nodes.clone(), straight).expect("seen");
+        let again = FullPath::new(&world.scene, camera, eye, made.emitter, made.nodes.clone(), straight);
         let [a, b] = [&made.path, &again].map(|path| path.evaluate(weights).densities.weight(weights, made.s));
         let bound = 1e-10 + 8.0 * made.path.k() as f64 * turned * (1.0 / world.alpha + 1.0 / grazing);
         worst.set(worst.get().max((a - b).abs()));
@@ -179,7 +180,7 @@ fn cosines<'a>(made: &'a Made, directions: &'a [DVec3]) -> impl Iterator<Item = 
 
 #[test]
 fn paths_are_where_they_say() {
-    each_path(50, |world, _, made| {
+    each_path(50, |world, _, _, made| {
         made.path.verify().unwrap_or_else(|e| panic!("{} ({}, {}): {e}", world.name, made.s, made.t));
     });
 }

@@ -1,12 +1,11 @@
 //! Paths as bidirectional path tracing makes them: both walks, kept whole, and every technique that joins them.
 
 use etendue::bsdf::Lobes;
-use etendue::camera::Camera;
-use etendue::geometry::{Ray, SurfacePoint};
+use etendue::camera::{Camera, LensPoint};
 use etendue::light::{EmitterPoint, Light, LightSampleContext};
 use etendue::path::{
-    Arrival, Emitter, FullPath, MisStrategy, PartialMis, PathVertex, Subpath, TraceStats, Vertex, connect, next_event,
-    splat, toward_end,
+    Arrival, Emitter, FullPath, MisStrategy, PartialMis, PathVertex, Subpath, SubpathVertex, SurfaceVertex, TraceStats,
+    Vertex, connect, next_event, splat,
 };
 use etendue::sampling::{Address, IndependentSampler, Sampler, Slot};
 use etendue::scene::Scene;
@@ -21,7 +20,7 @@ const LONGEST: usize = 7;
 /// that roulette let it come there and meet or pass what lets light through, over the share of light that edges
 /// carried.
 struct Step<'a> {
-    vertex: Vertex<'a>,
+    vertex: SubpathVertex<'a>,
     lobe: Lobes,
     undo: Spectrum,
 }
@@ -46,10 +45,21 @@ pub(crate) struct Studio<'a> {
     pub(crate) side: u32,
 }
 
+impl<'a> Step<'a> {
+    fn at(&self) -> &SurfaceVertex<'_> {
+        self.vertex.vertex.surface().expect("on a surface")
+    }
+
+    fn is_connectible(&self) -> bool {
+        self.vertex.vertex.is_connectible()
+    }
+}
+
 /// What a walk met, and what the sky is for it if it left.
 struct SubpathEnd<'a> {
     steps: Vec<Step<'a>>,
     sky: Option<Sky>,
+    lens: LensPoint,
 }
 
 /// A walk that left the scene.
@@ -65,41 +75,42 @@ impl<'a> Studio<'a> {
         let (mut steps, mut tally, mut through) = (Vec::<Step>::new(), TraceStats::default(), Spectrum::ONE);
         loop {
             let vertex = match path.arrive(self.camera, sampler, &mut tally) {
-                Arrival::Surface(vertex) => vertex,
+                Arrival::Vertex(vertex) => vertex,
                 Arrival::Infinity(sums) => {
                     let w = path.walk.ray.direction;
-                    let last = steps.last().map(|step: &Step| self.carried(&step.vertex, &EmitterPoint::Distant, w));
+                    let last =
+                        steps.last().map(|step: &Step| self.carried(&step.vertex.vertex, EmitterPoint::Distant, w));
                     let undo = (through * last.unwrap_or(Spectrum::ONE)).map(|x: f32| path.walk.survival / x);
                     let sky = Sky { sums, w: path.walk.ray.direction, beta: path.walk.beta, undo };
-                    return SubpathEnd { steps, sky: Some(sky) };
+                    return SubpathEnd { steps, sky: Some(sky), lens: LensPoint::CENTRE };
                 }
             };
-            through *= self.carried(&vertex, &from, vertex.known);
-            let SurfacePoint { p, error, ng, .. } = vertex.point;
-            from = EmitterPoint::Surface { p, error, ng, touched: vertex.point.touched() };
+            through *= self.carried(&vertex.vertex, from, vertex.known);
+            from = EmitterPoint::from(&vertex.vertex.surface().expect("on a surface").point);
             let undo = through.map(|x: f32| path.walk.survival / x);
             let left = vertex.shading().and_then(|shading| path.go_on(&vertex, &shading, sampler, &mut tally));
             steps.push(Step { vertex, lobe: left.unwrap_or(Lobes::SMOOTH), undo });
             if left.is_none() || steps.len() == LONGEST {
-                return SubpathEnd { steps, sky: None };
+                return SubpathEnd { steps, sky: None, lens: LensPoint::CENTRE };
             }
         }
     }
 
     /// What the edge between a vertex and the `end` in direction `w` carries.
-    fn carried(&self, vertex: &Vertex, end: &EmitterPoint, w: Vec3) -> Spectrum {
-        let bodies = self.scene.bodies_toward(&vertex.point, vertex.bodies, w);
-        let segment = Ray { bodies, ..toward_end(&vertex.point, end, w) };
-        self.scene.edge(&segment, &mut 0, |_| false).through
+    fn carried(&self, vertex: &Vertex, end: EmitterPoint, w: Vec3) -> Spectrum {
+        let edge = vertex.edge_to(self.scene, w, &Vertex::Light(end)).expect("from a surface");
+        self.scene.throughput(&edge, &mut 0).through
     }
 
     /// Every path that the two walks of sample `index` make.
     pub(crate) fn sample(&self, index: u64) -> Vec<Made<'a>> {
         let [mut eye, mut lamp] = [0, 1].map(|stream| IndependentSampler::new(Address::new(index).with(stream)));
-        let film = eye.u2(0, Slot::Aux).map(|u| u * self.side as f32);
-        let camera = self.camera.ray(film);
-        let eye_point = EmitterPoint::Point(camera.origin);
-        let camera = self.walk(Subpath::from_camera(self.scene, &self.weights, camera), eye_point, &mut eye);
+        let film = eye.u2(0, Slot::Film).map(|u| u * self.side as f32);
+        let lens = self.camera.sample_lens(|| eye.u2(0, Slot::Lens));
+        let camera = self.camera.sample_ray(film, lens, 0.0);
+        let eye_point = EmitterPoint::Point(camera.ray.origin);
+        let mut camera = self.walk(Subpath::from_camera(self.scene, &self.weights, &camera), eye_point, &mut eye);
+        camera.lens = lens;
         let light = Subpath::from_light(self.scene, &self.weights, &mut lamp);
         if let Some((_, Emitter { end: EmitterPoint::Surface { .. }, radiance, .. })) = &light {
             // Emission's power over its densities: a dozen roundings.
@@ -109,26 +120,36 @@ impl<'a> Studio<'a> {
         let mut made = Vec::new();
         if let Some((path, emitter)) = light {
             let light = self.walk(path, emitter.end, &mut lamp);
-            self.joined(&emitter, &light.steps, &camera.steps, &mut made);
+            self.joined(&emitter, &light.steps, &camera, &mut lamp, &mut made);
         }
         self.ended(&camera, &mut eye, &mut made);
         made
     }
 
     /// t = 1, and s, t ≥ 2.
-    fn joined(&self, emitter: &Emitter, light: &[Step<'a>], camera: &[Step<'a>], made: &mut Vec<Made<'a>>) {
-        for (i, y) in light.iter().enumerate().filter(|(_, y)| y.vertex.is_connectible()) {
-            if let Some(found) = splat(self.scene, &self.weights, self.camera, &y.vertex) {
-                let toward = self.camera.sample_wi(y.vertex.point.p).expect("seen").wi;
+    fn joined(
+        &self,
+        emitter: &Emitter,
+        light: &[Step<'a>],
+        camera: &SubpathEnd<'a>,
+        sampler: &mut IndependentSampler,
+        made: &mut Vec<Made<'a>>,
+    ) {
+        for (i, y) in light.iter().enumerate().filter(|(_, y)| y.is_connectible()) {
+            let lens = self.camera.sample_lens(|| sampler.u2(i as u32 + 1, Slot::Lens));
+            if let Some(found) = splat(self.scene, &self.weights, self.camera, lens, &y.vertex) {
+                let toward = self.camera.sample_wi(y.at().point.p, lens).expect("seen").wi;
                 let value = found.connection.value * y.undo;
-                made.extend(self.made(*emitter, &light[..=i], &[], toward, value, found.connection.weight, 1));
+                let weight = found.connection.weight;
+                made.extend(self.made(*emitter, &light[..=i], (&[], lens), toward, value, weight, 1));
             }
-            for (j, z) in camera.iter().enumerate().filter(|(_, z)| z.vertex.is_connectible()) {
+            for (j, z) in camera.steps.iter().enumerate().filter(|(_, z)| z.is_connectible()) {
                 let Some(shading) = z.vertex.shading() else { continue };
                 let Some(found) = connect(self.scene, &self.weights, &y.vertex, &z.vertex, &shading) else { continue };
-                let across = (z.vertex.point.p - y.vertex.point.p).normalize();
+                let across = (z.at().point.p - y.at().point.p).normalize();
                 let value = found.value * y.undo * z.undo;
-                made.extend(self.made(*emitter, &light[..=i], &camera[..=j], across, value, found.weight, j + 2));
+                let eye = (&camera.steps[..=j], camera.lens);
+                made.extend(self.made(*emitter, &light[..=i], eye, across, value, found.weight, j + 2));
             }
         }
     }
@@ -137,24 +158,25 @@ impl<'a> Studio<'a> {
     fn ended(&self, camera: &SubpathEnd<'a>, sampler: &mut IndependentSampler, made: &mut Vec<Made<'a>>) {
         for (j, z) in camera.steps.iter().enumerate() {
             let steps = &camera.steps[..=j];
-            let shading = z.vertex.shading().filter(|_| z.vertex.is_connectible());
+            let shading = z.vertex.shading().filter(|_| z.is_connectible());
             if let Some(shading) = shading {
                 if let Some(found) = next_event(self.scene, &self.weights, &z.vertex, &shading, sampler) {
-                    let (emitter, wi) = self.sampled(&z.vertex, sampler, j as u32);
-                    made.extend(self.made(emitter, &[], steps, -wi, found.value * z.undo, found.weight, j + 2));
+                    let (emitter, wi) = self.sampled(z.at(), sampler, j as u32);
+                    let (eye, value) = ((steps, camera.lens), found.value * z.undo);
+                    made.extend(self.made(emitter, &[], eye, -wi, value, found.weight, j + 2));
                 }
             }
             if j > 0 {
-                made.extend(self.hit(steps));
+                made.extend(self.hit(steps, camera.lens));
             }
         }
         if let (Some(sky), false) = (&camera.sky, camera.steps.is_empty()) {
-            made.extend(self.sky(&camera.steps, sky));
+            made.extend(self.sky(&camera.steps, sky, camera.lens));
         }
     }
 
     /// The light that next-event estimation samples from `z` with the numbers of `bounce`, and its direction.
-    fn sampled(&self, z: &Vertex, sampler: &mut IndependentSampler, bounce: u32) -> (Emitter, Vec3) {
+    fn sampled(&self, z: &SurfaceVertex, sampler: &mut IndependentSampler, bounce: u32) -> (Emitter, Vec3) {
         let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(&z.point));
         let (index, _) = lights.choose(&receiver, sampler.u1(bounce, Slot::LightPick)).expect("a light");
         let sample = lights.all()[index].sample_li(&receiver, sampler.u2(bounce, Slot::LightPoint)).expect("a sample");
@@ -163,45 +185,39 @@ impl<'a> Studio<'a> {
     }
 
     /// The last vertex of a walk from the camera as a light.
-    fn hit(&self, steps: &[Step<'a>]) -> Option<Made<'a>> {
-        let z = &steps.last()?.vertex;
-        let (index, light) = self.scene.light_at(&z.point)?;
+    fn hit(&self, steps: &[Step<'a>], lens: LensPoint) -> Option<Made<'a>> {
+        let (z, point) = (&steps.last()?.vertex, steps.last()?.at().point);
+        let (index, light) = self.scene.light_at(&point)?;
         let Light::Area(area) = light else { return None };
-        let radiance = area.radiance(z.point.barycentric, z.known);
+        let radiance = area.radiance(point.barycentric, z.known);
         if radiance.is_black() {
             return None;
         }
         let lights = self.scene.lights();
         let density = light.pdf_le(self.scene.ball(), z.known);
-        let [direct, end] = [lights.pmf(&LightSampleContext::from(&z.point), index), lights.emitter_pmf(index)];
-        let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value()) * density.position);
-        let weight = self.weights.hit(&z.sums, direct, end, density.direction);
-        let emitter = Emitter {
-            index,
-            end: EmitterPoint::Surface {
-                p: z.point.p,
-                error: z.point.error,
-                ng: z.point.ng,
-                touched: z.point.touched(),
-            },
-            radiance,
-        };
+        let before = &steps[steps.len() - 2].at().point;
+        let pmfs = [lights.pmf(&LightSampleContext::from(before), index), lights.emitter_pmf(index)];
+        let ends = pmfs.map(|pmf| f64::from(pmf.value()) * density.position);
+        let weight = self.weights.hit(&z.sums, ends, density.direction);
+        let emitter = Emitter { index, end: EmitterPoint::from(&point), radiance };
         let value = z.beta * radiance * steps[steps.len() - 1].undo;
-        self.made(emitter, &[], &steps[..steps.len() - 1], z.known, value, weight, steps.len() + 1)
+        let eye = (&steps[..steps.len() - 1], lens);
+        self.made(emitter, &[], eye, z.known, value, weight, steps.len() + 1)
     }
 
     /// What lies behind the last vertex of a walk from the camera.
-    fn sky(&self, steps: &[Step<'a>], sky: &Sky) -> Option<Made<'a>> {
+    fn sky(&self, steps: &[Step<'a>], sky: &Sky, lens: LensPoint) -> Option<Made<'a>> {
         let (index, environment) = self.scene.lights().environment()?;
         let (radiance, pdf) = environment.along(sky.w);
         let lights = self.scene.lights();
         let density = lights.all()[index].pdf_le(self.scene.ball(), -sky.w);
-        let z = &steps.last()?.vertex;
-        let [direct, end] = [lights.pmf(&LightSampleContext::from(&z.point), index), lights.emitter_pmf(index)];
-        let [direct, end] = [direct, end].map(|pmf| f64::from(pmf.value() * pdf.value()));
-        let weight = self.weights.hit(&sky.sums, direct, end, density.direction);
+        let z = &steps.last()?.at().point;
+        let pmfs = [lights.pmf(&LightSampleContext::from(z), index), lights.emitter_pmf(index)];
+        let ends = pmfs.map(|pmf| f64::from(pmf.value() * pdf.value()));
+        let weight = self.weights.hit(&sky.sums, ends, density.direction);
         let emitter = Emitter { index, end: EmitterPoint::Distant, radiance };
-        self.made(emitter, &[], steps, -sky.w, sky.beta * radiance * sky.undo, weight, steps.len() + 2)
+        let value = sky.beta * radiance * sky.undo;
+        self.made(emitter, &[], (steps, lens), -sky.w, value, weight, steps.len() + 2)
     }
 
     /// The path of the light's steps, the edge in direction `across`, and the camera's steps.
@@ -210,7 +226,7 @@ impl<'a> Studio<'a> {
         &self,
         emitter: Emitter,
         light: &[Step<'a>],
-        camera: &[Step<'a>],
+        (camera, lens): (&[Step<'a>], LensPoint),
         across: Vec3,
         value: Spectrum,
         weight: f64,
@@ -218,7 +234,7 @@ impl<'a> Studio<'a> {
     ) -> Option<Made<'a>> {
         let of = |steps: &[Step<'a>], i: usize, joins: bool| {
             let joined = joins && i + 1 == steps.len();
-            PathVertex::new(&steps[i].vertex, if joined { Lobes::SMOOTH } else { steps[i].lobe })
+            PathVertex::new(&steps[i].vertex, if joined { Lobes::SMOOTH } else { steps[i].lobe }).expect("on a surface")
         };
         let s = light.len() + camera.len() + 2 - t;
         let mut nodes: Vec<PathVertex> = (0..light.len()).map(|i| of(light, i, true)).collect();
@@ -227,7 +243,8 @@ impl<'a> Studio<'a> {
         let mut directions: Vec<DVec3> = light.iter().map(|step| -step.vertex.known.as_dvec3()).collect();
         directions.push(across.as_dvec3());
         directions.extend(camera.iter().rev().map(|step| step.vertex.known.as_dvec3()));
-        let path = FullPath::new(self.scene, self.camera, emitter, nodes.clone(), directions)?;
+        let eye = self.camera.sample_wi(nodes.last()?.point.p, lens)?;
+        let path = FullPath::new(self.scene, self.camera, eye, emitter, nodes.clone(), directions);
         (!value.is_black()).then_some(Made { s, t, value, weight, path, emitter, nodes })
     }
 }

@@ -1,6 +1,6 @@
 //! Cameras: where rays begin and go against the density that a uniform film position has there.
 
-use etendue::camera::{Camera, Orthographic, Pinhole, Pose};
+use etendue::camera::{Camera, LensPoint, Orthographic, Pinhole, Pose};
 use etendue_testing::chi_square::{SphereCells, p_value, sidak};
 use etendue_testing::random::{Random, samples};
 use glam::{DVec3, Vec3};
@@ -97,12 +97,12 @@ fn cameras_see_points_where_their_rays_go() {
             let along = |x: f32, y: f32| camera.ray([film[0] + x, film[1] + y]);
             let ray = along(0.0, 0.0);
             let p = ray.origin + ray.direction * distance;
-            let seen = camera.sample_wi(p).expect("in front");
+            let seen = camera.sample_wi(p, LensPoint::CENTRE).expect("in front");
             // Positions of magnitude 4 are rounded; a pixel is 1/20 of the view.
             let off = (seen.film[0] - film[0]).hypot(seen.film[1] - film[1]);
             assert!(off < 64.0 * f32::EPSILON * 20.0 / distance.min(1.0), "{camera:?} {film:?}: {:?}", seen.film);
             assert!(seen.wi.distance(-ray.direction) < 16.0 * f32::EPSILON / distance.min(1.0));
-            assert!((seen.eye - ray.origin).length() < 32.0 * f32::EPSILON);
+            assert!((seen.eye.p - ray.origin).length() < 32.0 * f32::EPSILON);
             let meet = |x: f32, y: f32| {
                 let (r, d) = (along(x, y), ray.direction.as_dvec3());
                 let (o, w) = (r.origin.as_dvec3(), r.direction.as_dvec3());
@@ -113,7 +113,7 @@ fn cameras_see_points_where_their_rays_go() {
             let area = across.cross(down).length();
             let covered = area * f64::from(seen.importance) / f64::from(SIDE * SIDE);
             assert!((covered - 1.0).abs() < 2e-3, "{camera:?} {film:?}: {covered}");
-            assert!(camera.sample_wi(ray.origin - ray.direction).is_none());
+            assert!(camera.sample_wi(ray.origin - ray.direction, LensPoint::CENTRE).is_none());
         }
     }
 }

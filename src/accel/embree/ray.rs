@@ -9,7 +9,7 @@ pub(super) fn query(ray: &Ray) -> RTCRayHit {
     debug_assert!(ray.t_min >= 0.0 || ray.t_min.is_nan(), "Embree sorts by distance as if there were no negative ones");
     let [org_x, org_y, org_z] = ray.origin.to_array();
     let [dir_x, dir_y, dir_z] = ray.direction.to_array();
-    let (tnear, tfar, time, mask) = (ray.t_min, ray.t_max, ray.time, u32::MAX);
+    let (tnear, tfar, time, mask) = (ray.t_min, ray.t_max, ray.state.time, u32::MAX);
     let none = RTC_INVALID_GEOMETRY_ID;
     RTCRayHit {
         ray: RTCRay { org_x, org_y, org_z, tnear, dir_x, dir_y, dir_z, time, tfar, mask, id: 0, flags: 0 },

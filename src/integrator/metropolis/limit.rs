@@ -8,8 +8,7 @@
 
 use super::FEWEST_EVENTS;
 use super::contribution::RegionMap;
-use crate::camera::Camera;
-use crate::geometry::Ray;
+use crate::camera::CameraSample;
 use crate::integrator::bidirectional::{Bidirectional, Sink, TechniqueSample};
 use crate::integrator::camera_pass::Radiance;
 use crate::path::TraceStats;
@@ -62,7 +61,6 @@ impl SampleThreshold {
 /// Bidirectional path tracing without the chains' share.
 pub(super) struct Limited<'a> {
     pub(super) tracer: Bidirectional<'a>,
-    pub(super) camera: Camera,
     pub(super) limit: SampleThreshold,
     /// Light subpaths per pixel.
     pub(super) walks: f32,
@@ -92,15 +90,15 @@ impl<F: FnMut([f32; 2], Spectrum)> Sink for Below<'_, F> {
 impl Radiance for Limited<'_> {
     fn radiance<S: Sampler>(
         &self,
-        ray: Ray,
+        camera: &CameraSample,
         sampler: &mut S,
         light: impl FnOnce() -> S,
         splats: &mut impl FnMut([f32; 2], Spectrum),
         tally: &mut TraceStats,
     ) -> Spectrum {
-        let film = self.camera.sample_wi(ray.at(1.0)).map_or([0.0; 2], |seen| seen.film);
-        let mut sink = Below { limit: &self.limit, walks: self.walks, film, color: Spectrum::ZERO, splats };
-        self.tracer.sample(ray, sampler, light, &mut sink, tally);
+        let (limit, walks, film) = (&self.limit, self.walks, camera.film);
+        let mut sink = Below { limit, walks, film, color: Spectrum::ZERO, splats };
+        self.tracer.sample(camera, sampler, light, &mut sink, tally);
         sink.color
     }
 }

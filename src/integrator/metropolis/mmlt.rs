@@ -84,18 +84,18 @@ fn number_in(start: f64, end: f64, at: f64) -> u32 {
 
 impl PathSampler for OneLength<'_> {
     fn sample(&self, [mut camera, mut light, mut join]: [Source; 3], found: &mut Contribution, tally: &mut TraceStats) {
-        let ChainContext { tracer, camera: lens, region, importance, .. } = &self.common;
-        let (events, pmf) = self.length(f64::from(join.u1(0, Slot::Distance)));
+        let ChainContext { tracer, region, importance, .. } = &self.common;
+        let (events, pmf) = self.length(f64::from(join.u1(0, Slot::PathLength)));
         let Some((s, count)) = self.technique(events, f64::from(join.u1(0, Slot::Lobe))) else { return };
-        let film = region.at(camera.u2(0, Slot::Aux));
+        let sample = self.common.camera_sample(&mut camera);
         let scale = (count as f64 / pmf) as f32;
         let mut add = |_, _, film: [f32; 2], color: Spectrum| {
             if region.contains(film) {
                 found.add(importance, film, color * scale);
             }
         };
-        let mut sink = ByTechnique { common: &self.common, film, found: &mut add };
-        tracer.technique([s, events + 2 - s], lens.ray(film), &mut camera, &mut light, &mut sink, tally);
+        let mut sink = ByTechnique { common: &self.common, film: sample.film, found: &mut add };
+        tracer.technique([s, events + 2 - s], &sample, &mut camera, &mut light, &mut sink, tally);
     }
 }
 
@@ -128,7 +128,7 @@ impl MarkovMethod for Multiplexed<'_> {
         x.point.clear();
         let part = |n: usize| n as f64 / count as f64;
         x.point.set(PrimaryStream::Connection, 0, Slot::Lobe, number_in(part(nth), part(nth + 1), technique));
-        x.point.set(PrimaryStream::Connection, 0, Slot::Distance, class.number_of(events, length));
+        x.point.set(PrimaryStream::Connection, 0, Slot::PathLength, class.number_of(events, length));
         x.found.clear();
         class.sample(x.point.draw(address), &mut x.found, &mut x.tally);
         x.found.scalar() > 0.0

@@ -34,15 +34,16 @@ pub use report::{ChainDigest, ChainReport, Normalisation, Tiles};
 use super::bidirectional::Bidirectional;
 use super::camera_pass::CameraPass;
 use super::path::{Combined, PathTracer};
+use super::samples::camera_sample;
 use super::{
     ChainsConfig, Integrator, IntegratorConfig, MltConfig, MmltConfig, PassReport, PilotEstimate, PssmltConfig,
 };
-use crate::camera::Camera;
+use crate::camera::{Camera, CameraSample};
 use crate::film::{Layout, PassFilm, Splats};
 use crate::mcmc::{Chain, Mixture, Numbers, State};
 use crate::parallel::Cancel;
 use crate::path::TraceStats;
-use crate::sampling::Address;
+use crate::sampling::{Address, Sampler, Slot};
 use crate::scene::Scene;
 use contribution::{Contribution, ImageImportance, Region};
 use limit::{Limited, SampleThreshold};
@@ -180,6 +181,12 @@ impl<'a> ChainContext<'a> {
         (0..=events + 1).filter(move |s| self.tracer.is_enabled(*s, events + 2 - s))
     }
 
+    /// Samples the raster position uniformly over the region, and the lens.
+    fn camera_sample(&self, sampler: &mut impl Sampler) -> CameraSample {
+        let film = self.region.at(sampler.u2(0, Slot::Film));
+        camera_sample(&self.camera, film, sampler)
+    }
+
     /// Number of edges of the paths assigned to chains.
     fn edges(&self) -> RangeInclusive<usize> {
         FEWEST_EVENTS + 1..=self.options.max_depth.map_or(usize::MAX, |most| most as usize + 1)
@@ -228,7 +235,7 @@ impl<'a, C: MarkovMethod> Metropolis<'a, C> {
             Box::new(CameraPass::new(tracer, scene, camera, &options))
         } else {
             let tracer = Bidirectional::new(scene, &camera, &options, pilot);
-            let limited = Limited { tracer, camera: camera.clone(), limit, walks: options.pixels() as f32 };
+            let limited = Limited { tracer, limit, walks: options.pixels() as f32 };
             Box::new(CameraPass::new(limited, scene, camera, &options))
         };
         // No pass has this seed, so that passes are independent of the pilot.

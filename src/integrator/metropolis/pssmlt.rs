@@ -9,7 +9,7 @@ use super::{ChainContext, MarkovMethod};
 use crate::mcmc::Mixture;
 use crate::mcmc::primary::Source;
 use crate::path::TraceStats;
-use crate::sampling::{Address, Sampler, Slot};
+use crate::sampling::Address;
 use crate::spectrum::Spectrum;
 
 /// The method.
@@ -30,15 +30,15 @@ impl PrimarySpace<'_> {
 
 impl PathSampler for PrimarySpace<'_> {
     fn sample(&self, [mut camera, light, _]: [Source; 3], found: &mut Contribution, tally: &mut TraceStats) {
-        let ChainContext { tracer, camera: lens, region, importance, .. } = &self.common;
-        let film = region.at(camera.u2(0, Slot::Aux));
+        let ChainContext { tracer, region, importance, .. } = &self.common;
+        let sample = self.common.camera_sample(&mut camera);
         let mut add = |_, _, film: [f32; 2], color: Spectrum| {
             if region.contains(film) {
                 found.add(importance, film, color);
             }
         };
-        let mut sink = ByTechnique { common: &self.common, film, found: &mut add };
-        tracer.sample(lens.ray(film), &mut camera, || light, &mut sink, tally);
+        let mut sink = ByTechnique { common: &self.common, film: sample.film, found: &mut add };
+        tracer.sample(&sample, &mut camera, || light, &mut sink, tally);
     }
 }
 

@@ -6,7 +6,7 @@ use crate::integrator::bidirectional::{Sink, TechniqueSample};
 use crate::mcmc::stratified;
 use crate::parallel::Cancel;
 use crate::path::TraceStats;
-use crate::sampling::{Address, IndependentSampler, Sampler, Slot};
+use crate::sampling::{Address, IndependentSampler};
 use crate::spectrum::Spectrum;
 use rayon::prelude::*;
 
@@ -124,9 +124,9 @@ fn bidirectional(
     tally: &mut TraceStats,
 ) {
     let [mut camera, light] = [0, 1].map(|stream| IndependentSampler::new(address.with(stream)));
-    let film = common.region.at(camera.u2(0, Slot::Aux));
-    let mut sink = ByTechnique { common, film, found };
-    common.tracer.sample(common.camera.ray(film), &mut camera, || light, &mut sink, tally);
+    let sample = common.camera_sample(&mut camera);
+    let mut sink = ByTechnique { common, film: sample.film, found };
+    common.tracer.sample(&sample, &mut camera, || light, &mut sink, tally);
 }
 
 /// A sink that forwards the chains' share of each technique, scaled to the whole film.

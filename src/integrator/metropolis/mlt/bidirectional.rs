@@ -111,12 +111,15 @@ impl<'c, 'a> Bidirectional<'c, 'a> {
         walker: &mut SubpathSampler,
     ) -> Option<Proposal> {
         let mut camera = SubpathBuffer::from_camera(x, range.b());
+        if range.b() == x.k() {
+            camera.lens = walker.lens();
+        }
         let finds_light = range.a == 0 && from_light == 0;
         for i in 0..from_camera {
             let is_surface = walker.lengthen(&mut camera)?;
             if finds_light && i + 1 == from_camera {
                 let (emitter, w) = camera.found_light(self.common.scene, is_surface)?;
-                return Some(SubpathBuffer::join(emitter, SubpathBuffer::default(), w, camera));
+                return Proposal::join(self.common, emitter, SubpathBuffer::default(), w, camera);
             }
             is_surface.then_some(())?;
         }
@@ -143,7 +146,7 @@ impl<'c, 'a> Bidirectional<'c, 'a> {
             }
         };
         let joint = light.nodes.len();
-        let mut draft = SubpathBuffer::join(emitter, light, across, camera);
+        let mut draft = Proposal::join(self.common, emitter, light, across, camera)?;
         if joint > 0 {
             draft.smoothed(joint)?;
         }
@@ -154,11 +157,14 @@ impl<'c, 'a> Bidirectional<'c, 'a> {
         Some(draft)
     }
 
-    /// Returns the logarithm of the density of the vertices a … b − 1 given the others, summed over all splits.
+    /// Returns the logarithm of the density of the vertices a … b − 1 given the others, summed over all splits. Where
+    /// the last of them is next to the camera, the point of the lens is new as well.
     fn log_made(&self, y: &PathState, a: usize, b: usize) -> f64 {
+        let to_camera = b == y.k();
         // Camera subpaths start uniformly on the film; densities are per pixel.
-        let film = if b == y.k() { f64::from(self.common.region.area()).ln() } else { 0.0 };
-        let of = |s: usize| y.steps.log_split(a, b, s) - if s < b { film } else { 0.0 };
+        let film = if to_camera { f64::from(self.common.region.area()).ln() } else { 0.0 };
+        let last = if to_camera { b + 1 } else { b };
+        let of = |s: usize| y.steps.log_split(a, last, s) - if s < b { film } else { 0.0 };
         let logs = (a..=b).filter(|&s| y.steps.connects[s]).map(of);
         let most = logs.clone().fold(f64::NEG_INFINITY, f64::max);
         if most == f64::NEG_INFINITY { most } else { most + logs.map(|log| (log - most).exp()).sum::<f64>().ln() }

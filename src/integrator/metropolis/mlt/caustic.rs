@@ -36,8 +36,7 @@ impl<'a> Caustic<'_, 'a> {
     fn angles(&self, x: &PathState, begin: usize) -> [f64; 2] {
         let seen = x.k() - 1;
         let way: f64 = (begin..seen).map(|i| x.path().length(i)).sum();
-        let point = x.node(seen).point.p;
-        let pixels = self.common.camera.sample_wi(point).map_or(1.0, |seen| f64::from(seen.importance).sqrt());
+        let pixels = f64::from(x.path().eye().importance).sqrt();
         let most = (SHARE_OF_SIDE * f64::from(self.common.region.side())).max(2.0 * PIXELS);
         let angles = [PIXELS, most].map(|r| (r / (pixels * way)).min(MOST));
         [angles[0].min(0.5 * angles[1]), angles[1]]
@@ -62,7 +61,8 @@ impl<'a> Caustic<'_, 'a> {
                 EmitterPoint::Distant => return None,
             };
             emitter = emitter.turned(self.common.scene, path.directions()[0], w.as_dvec3(), at)?;
-            walker.along(Ray { bodies: self.common.scene.bodies_of_light(&emitter.end, &ray), ..ray })?
+            let bodies = self.common.scene.bodies_of_light(emitter.index, &ray);
+            walker.along(ray.carrying(ray.state.within(bodies)))?
         };
         for i in begin + 1..=seen {
             let RayEnd::Surface(mut node) = met else { return None };
@@ -75,7 +75,8 @@ impl<'a> Caustic<'_, 'a> {
             part.nodes.push(node);
             (w, met) = (next, beyond);
         }
-        let mut draft = SubpathBuffer::join(emitter, part, path.directions()[seen], SubpathBuffer::default());
+        let camera = SubpathBuffer::at_camera(x.lens());
+        let mut draft = Proposal::join(self.common, emitter, part, path.directions()[seen], camera)?;
         draft.smoothed(seen)?;
         draft.connect(self.common, seen, walker.tally)?;
         Some(draft)

@@ -1,9 +1,10 @@
 //! Subpath extension and joining for path mutations.
 
 use super::super::ChainContext;
-use super::state::{PathState, Proposal};
+use super::state::PathState;
 use crate::bsdf::shading::folds;
 use crate::bsdf::{Folds, Lobes, Shading};
+use crate::camera::LensPoint;
 use crate::geometry::Ray;
 use crate::light::LeRandom;
 use crate::mcmc::Numbers;
@@ -33,6 +34,8 @@ pub(super) struct SubpathSampler<'w, 'a> {
 /// Vertices and edges of a path, from one of its ends.
 #[derive(Default)]
 pub(super) struct SubpathBuffer {
+    /// Point of the camera's lens, if the endpoint is the camera.
+    pub(super) lens: LensPoint,
     /// Vertices from the endpoint inward, without the endpoint.
     pub(super) nodes: Vec<PathVertex>,
     /// One direction per vertex, in the direction of light flow.
@@ -47,26 +50,24 @@ pub(super) enum RayEnd {
 }
 
 impl SubpathBuffer {
-    /// Copies x_{k−1} … x_b.
+    /// Starts at the point `lens` of the camera's lens.
+    pub(super) fn at_camera(lens: LensPoint) -> Self {
+        SubpathBuffer { lens, ..SubpathBuffer::default() }
+    }
+
+    /// Copies x_k … x_b.
     pub(super) fn from_camera(x: &PathState, b: usize) -> Self {
         let (path, k) = (x.path(), x.k());
         let nodes = path.nodes()[b - 1..].iter().rev().cloned().collect();
-        SubpathBuffer { nodes, directions: path.directions()[b..k].iter().rev().copied().collect() }
+        let directions = path.directions()[b..k].iter().rev().copied().collect();
+        SubpathBuffer { lens: x.lens(), nodes, directions }
     }
 
     /// Copies x₁ … x_{a−1}.
     pub(super) fn from_light(x: &PathState, a: usize) -> Self {
         let path = x.path();
-        SubpathBuffer { nodes: path.nodes()[..a - 1].to_vec(), directions: path.directions()[..a - 1].to_vec() }
-    }
-
-    /// Joins `light`, one edge in the direction `across`, and `camera` into a path.
-    pub(super) fn join(emitter: Emitter, light: SubpathBuffer, across: DVec3, camera: SubpathBuffer) -> Proposal {
-        let (mut nodes, mut directions) = (light.nodes, light.directions);
-        nodes.extend(camera.nodes.into_iter().rev());
-        directions.push(across);
-        directions.extend(camera.directions.into_iter().rev());
-        Proposal { emitter, nodes, directions }
+        let (nodes, directions) = (path.nodes()[..a - 1].to_vec(), path.directions()[..a - 1].to_vec());
+        SubpathBuffer { nodes, directions, ..SubpathBuffer::default() }
     }
 }
 
@@ -75,13 +76,10 @@ impl SubpathSampler<'_, '_> {
     fn follow(&mut self, mut walk: RandomWalk) -> Option<RayEnd> {
         let mut sampler = IndependentSampler::new(self.numbers.address());
         let Some(mut point) = walk.arrive(&mut sampler, self.tally) else { return Some(RayEnd::Outside) };
-        let surface = self.common.scene.surface(&mut point, walk.ray.bodies).into_owned();
-        point.consistent.then_some(RayEnd::Surface(PathVertex {
-            point,
-            bodies: walk.ray.bodies,
-            surface,
-            lobe: Lobes::SMOOTH,
-        }))
+        let state = walk.ray.state;
+        let surface = self.common.scene.surface(&mut point, state.bodies).into_owned();
+        let node = PathVertex { point, state, surface, lobe: Lobes::SMOOTH };
+        node.point.consistent.then_some(RayEnd::Surface(node))
     }
 
     /// Traces a ray that does not start at the camera.
@@ -91,14 +89,19 @@ impl SubpathSampler<'_, '_> {
 
     /// Traces the edge from `node` in the direction `w`.
     pub(super) fn leave(&mut self, node: &PathVertex, w: Vec3) -> Option<RayEnd> {
-        let bodies = self.common.scene.bodies_toward(&node.point, node.bodies, w);
-        self.along(Ray { bodies, ..node.point.spawn(w) })
+        self.along(node.spawn(self.common.scene, w))
     }
 
-    /// Traces the camera ray through a raster position.
-    pub(super) fn through_film(&mut self, film: [f32; 2]) -> Option<(DVec3, RayEnd)> {
-        let ray = self.common.camera.ray(film);
-        Some((-ray.direction.as_dvec3(), self.follow(RandomWalk::new(self.common.scene, ray))?))
+    /// Traces the camera ray from a point of the lens through a raster position.
+    pub(super) fn through_film(&mut self, film: [f32; 2], lens: LensPoint) -> Option<(DVec3, RayEnd)> {
+        let sample = self.common.camera.sample_ray(film, lens, 0.0);
+        let walk = RandomWalk::from_camera(self.common.scene, &sample);
+        Some((-sample.ray.direction.as_dvec3(), self.follow(walk)?))
+    }
+
+    /// Samples a point of the camera's lens.
+    pub(super) fn lens(&mut self) -> LensPoint {
+        self.common.camera.sample_lens(|| pair(self.numbers))
     }
 
     /// Samples a raster position uniformly.
@@ -156,7 +159,7 @@ impl SubpathSampler<'_, '_> {
         let (w, met) = match part.nodes.last_mut() {
             None => {
                 let film = self.film();
-                self.through_film(film)?
+                self.through_film(film, part.lens)?
             }
             Some(node) => {
                 let known = part.directions.last()?.as_vec3();
@@ -186,8 +189,9 @@ impl SubpathSampler<'_, '_> {
         let emitted = light.sample_le(scene.ball(), &numbers)?;
         let density = light.pdf_le(scene.ball(), emitted.ray.direction);
         let emitter = Emitter::of_emission(index, &emitted, &density);
-        let mut part = SubpathBuffer { nodes: Vec::new(), directions: vec![emitted.ray.direction.as_dvec3()] };
-        let met = self.along(Emitter::ray(scene, &emitted))?;
+        let directions = vec![emitted.ray.direction.as_dvec3()];
+        let mut part = SubpathBuffer { directions, ..SubpathBuffer::default() };
+        let met = self.along(emitter.ray(scene, &emitted))?;
         part.add(met).then_some((emitter, part))
     }
 

@@ -72,21 +72,17 @@ impl<'c, 'a> Eye<'c, 'a> {
 
     /// Builds the path with the vertices from the camera to number `last` moved.
     fn perturb(&self, x: &PathState<'a>, last: usize, walker: &mut SubpathSampler) -> Option<Proposal> {
-        let film = self.moved(x.film, walker.numbers)?;
-        let mut part = SubpathBuffer::default();
-        let (w, mut met) = walker.through_film(film)?;
+        let film = self.moved(x.path().eye().film, walker.numbers)?;
+        let mut part = SubpathBuffer::at_camera(x.lens());
+        let (w, mut met) = walker.through_film(film, part.lens)?;
         part.directions.push(w);
         for i in (last.max(1)..x.k()).rev() {
             let RayEnd::Surface(mut node) = met else { return None };
             let known = part.directions.last()?.as_vec3();
             if i == last {
                 part.nodes.push(node);
-                let mut draft = SubpathBuffer::join(
-                    *x.path().emitter(),
-                    SubpathBuffer::from_light(x, i),
-                    x.path().directions()[i - 1],
-                    part,
-                );
+                let (light, across) = (SubpathBuffer::from_light(x, i), x.path().directions()[i - 1]);
+                let mut draft = Proposal::join(self.common, *x.path().emitter(), light, across, part)?;
                 draft.smoothed(i)?;
                 draft.connect(self.common, i - 1, walker.tally)?;
                 return Some(draft);
@@ -107,7 +103,7 @@ impl<'c, 'a> Eye<'c, 'a> {
         }
         let is_surface = part.add(met);
         let (emitter, w) = part.found_light(self.common.scene, is_surface)?;
-        Some(SubpathBuffer::join(emitter, SubpathBuffer::default(), w, part))
+        Proposal::join(self.common, emitter, SubpathBuffer::default(), w, part)
     }
 
     /// Returns the logarithm of the density of the vertices `last` … k − 1, without factors that are equal both ways.

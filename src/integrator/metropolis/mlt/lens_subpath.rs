@@ -36,7 +36,7 @@ impl<'a> LensSubpath<'_, 'a> {
     /// Builds the path with a new subpath in place of its vertices from number `last` on.
     fn mutate(&self, x: &PathState<'a>, last: usize, walker: &mut SubpathSampler) -> Option<Proposal> {
         let longest = self.common.edges().end().saturating_sub(last);
-        let mut part = SubpathBuffer::default();
+        let mut part = SubpathBuffer::at_camera(walker.lens());
         walker.lengthen(&mut part)?.then_some(())?;
         while part.nodes.len() <= longest {
             let (known, node) = (part.directions.last()?.as_vec3(), part.nodes.last_mut()?);
@@ -55,14 +55,15 @@ impl<'a> LensSubpath<'_, 'a> {
             return None;
         }
         let across = x.path().directions()[last - 1];
-        let mut draft = SubpathBuffer::join(*x.path().emitter(), SubpathBuffer::from_light(x, last), across, part);
+        let light = SubpathBuffer::from_light(x, last);
+        let mut draft = Proposal::join(self.common, *x.path().emitter(), light, across, part)?;
         draft.smoothed(last)?;
         draft.connect(self.common, last - 1, walker.tally)?;
         Some(draft)
     }
 
-    /// Returns the logarithm of the density of the vertices from number `last` on, including the raster position and
-    /// the end of the subpath.
+    /// Returns the logarithm of the density of the vertices from number `last` on, including the raster position,
+    /// the point of the lens and the end of the subpath.
     fn log_made(x: &PathState, last: usize) -> f64 {
         let goes_on: f64 = passages(x.node(last), x.path().directions()[last].as_vec3()).iter().sum();
         (1.0 - goes_on).ln() + x.steps.camera[last..].iter().map(|density| density.ln()).sum::<f64>()

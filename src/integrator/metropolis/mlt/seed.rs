@@ -7,6 +7,7 @@ use super::state::Proposal;
 use crate::bsdf::Lobes;
 use crate::path::{Arrival, Emitter, MisStrategy, PathVertex, Subpath, TraceStats};
 use crate::sampling::{Address, Heuristic, IndependentSampler, Sampler, Slot};
+use glam::DVec3;
 
 /// A replayed subpath, and whether it left the scene.
 struct SubpathEnd {
@@ -27,11 +28,11 @@ fn walk(
     for i in 1..=count {
         let w = path.walk.ray.direction.as_dvec3();
         part.directions.push(if from_camera { -w } else { w });
-        let Arrival::Surface(vertex) = path.arrive(&common.camera, sampler, tally) else {
+        let Arrival::Vertex(vertex) = path.arrive(&common.camera, sampler, tally) else {
             return (i == count).then_some(SubpathEnd { part, leaves: true });
         };
         let lobe = if i == count { Lobes::SMOOTH } else { path.go_on(&vertex, &vertex.shading()?, sampler, tally)? };
-        part.nodes.push(PathVertex::new(&vertex, lobe));
+        part.nodes.push(PathVertex::new(&vertex, lobe)?);
     }
     Some(SubpathEnd { part, leaves: false })
 }
@@ -50,29 +51,34 @@ pub(super) fn path(
         light_walks: 1.0,
     };
     let [mut camera, mut light] = [0, 1].map(|stream| IndependentSampler::new(address.with(stream)));
-    let film = common.region.at(camera.u2(0, Slot::Aux));
-    let path = Subpath::from_camera(common.scene, &weights, common.camera.ray(film));
+    let sample = common.camera_sample(&mut camera);
+    let path = Subpath::from_camera(common.scene, &weights, &sample);
     let SubpathEnd { part: mut from_camera, leaves } = walk(common, path, &mut camera, t - 1, tally, true)?;
+    from_camera.lens = sample.lens;
     match s {
         0 => {
             let (emitter, w) = from_camera.found_light(common.scene, !leaves)?;
-            Some(SubpathBuffer::join(emitter, SubpathBuffer::default(), w, from_camera))
+            Proposal::join(common, emitter, SubpathBuffer::default(), w, from_camera)
         }
         1 if !leaves => {
             let (z, bounce) = (&from_camera.nodes.last()?.point, t as u32 - 2);
             let (pick, u) = (camera.u1(bounce, Slot::LightPick), camera.u2(bounce, Slot::LightPoint));
             let (emitter, w) = Emitter::chosen(common.scene, z, pick, u)?;
-            Some(SubpathBuffer::join(emitter, SubpathBuffer::default(), w, from_camera))
+            Proposal::join(common, emitter, SubpathBuffer::default(), w, from_camera)
         }
         _ if !leaves => {
             let (path, emitter) = Subpath::from_light(common.scene, &weights, &mut light)?;
             let SubpathEnd { part: from_light, leaves } = walk(common, path, &mut light, s - 1, tally, false)?;
-            let y = from_light.nodes.last()?.point;
+            let y = from_light.nodes.last()?.point.p.as_dvec3();
             let across = match from_camera.nodes.last() {
-                Some(z) => (z.point.p.as_dvec3() - y.p.as_dvec3()).try_normalize()?,
-                None => common.camera.sample_wi(y.p)?.wi.as_dvec3(),
+                Some(z) => (z.point.p.as_dvec3() - y).try_normalize()?,
+                None => {
+                    // The number of the vertex in its subpath is the bounce of its random numbers.
+                    from_camera.lens = common.camera.sample_lens(|| light.u2(s as u32 - 1, Slot::Lens));
+                    DVec3::ZERO
+                }
             };
-            (!leaves).then(|| SubpathBuffer::join(emitter, from_light, across, from_camera))
+            if leaves { None } else { Proposal::join(common, emitter, from_light, across, from_camera) }
         }
         _ => None,
     }

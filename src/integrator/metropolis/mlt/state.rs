@@ -3,11 +3,13 @@
 use super::super::contribution::Contribution;
 use super::super::limit::SampleThreshold;
 use super::super::{ChainContext, ImageState};
+use super::extend::SubpathBuffer;
 use crate::bsdf::{Bsdf, Lobes};
-use crate::geometry::{Hit, Ray, SurfacePoint};
+use crate::camera::{LensPoint, WiSample};
 use crate::light::EmitterPoint;
 use crate::mcmc::State;
-use crate::path::{Emitter, FullPath, PathVertex, TraceStats, VertexPdfs, toward_end};
+use crate::path::{Emitter, FullPath, PathVertex, TraceStats, VertexPdfs};
+use crate::scene::{Edge, EdgeEnd};
 use crate::spectrum::Spectrum;
 use glam::DVec3;
 
@@ -19,6 +21,8 @@ pub(super) struct Proposal {
     pub(super) nodes: Vec<PathVertex>,
     /// Directions of the k edges, in the direction of light flow.
     pub(super) directions: Vec<DVec3>,
+    /// x_k, with the last edge.
+    eye: WiSample,
 }
 
 /// An evaluated path; empty until first set.
@@ -29,8 +33,6 @@ pub(in super::super) struct PathState<'a> {
     /// Contribution scaled to a largest lane of 1, since f may exceed the range of f32.
     found: Contribution,
     log_target: f64,
-    /// Raster position.
-    pub(super) film: [f32; 2],
     pub(super) tally: TraceStats,
 }
 
@@ -61,6 +63,11 @@ impl<'a> PathState<'a> {
         &self.path().nodes()[i - 1]
     }
 
+    /// Point of the lens at x_k.
+    pub(super) fn lens(&self) -> LensPoint {
+        self.path().eye().eye.lens
+    }
+
     /// Number of edges.
     pub(in super::super) fn k(&self) -> usize {
         self.path().k()
@@ -76,13 +83,13 @@ impl<'a> PathState<'a> {
         if !draft.is_consistent() {
             return None;
         }
-        let last = draft.nodes.last()?;
-        let film = common.camera.sample_wi(last.point.p)?.film;
+        let film = draft.eye.film;
         if !common.region.contains(film) {
             return None;
         }
         let content = Content::of(common, &draft, &mut self.tally);
-        let path = FullPath::new(common.scene, &common.camera, draft.emitter, draft.nodes, draft.directions)?;
+        let Proposal { emitter, nodes, directions, eye } = draft;
+        let path = FullPath::new(common.scene, &common.camera, eye, emitter, nodes, directions);
         let (f, mut steps) = path.steps();
         let f = content.as_ref().map_or(f, |content| f * content.through.cast::<f64>());
         let f = f * share_of_chains(common, film, &path, &steps, &f);
@@ -96,7 +103,7 @@ impl<'a> PathState<'a> {
         self.found.clear();
         self.found.add(&common.importance, film, Spectrum(f.0.map(|x| (x / most) as f32)));
         self.log_target = most.ln() + self.found.log_scalar();
-        (self.path, self.steps, self.film) = (Some(path), steps, film);
+        (self.path, self.steps) = (Some(path), steps);
         Some(())
     }
 }
@@ -143,16 +150,13 @@ impl Content {
         }
         let mut found = Content { through: Spectrum::ONE, passed: Vec::new(), met: [Vec::new(), Vec::new()] };
         for i in 0..draft.directions.len() {
-            let to_camera = i + 1 == draft.directions.len();
-            let segment = draft.segment(common, i)?;
-            let unseen = |point: &SurfacePoint| to_camera && scene.culled(point, -segment.direction);
-            let edge = scene.edge(&segment, &mut tally.shadows, unseen);
+            let edge = scene.throughput(&draft.edge(common, i), &mut tally.shadows);
             found.through *= edge.through;
             found.passed.push(f64::from(edge.chance));
         }
         for (i, node) in draft.nodes.iter().enumerate() {
-            let met = |w: DVec3| match scene.features().content() && scene.may_pass(&node.point, node.bodies) {
-                true => f64::from(scene.passage(&node.point, w.as_vec3(), node.bodies).met),
+            let met = |w: DVec3| match scene.features().content() && scene.may_pass(&node.point, node.state.bodies) {
+                true => f64::from(scene.passage(&node.point, w.as_vec3(), node.state.bodies).met),
                 false => 1.0,
             };
             found.met[0].push(met(draft.directions[i]));
@@ -175,6 +179,24 @@ impl Content {
 }
 
 impl Proposal {
+    /// Joins `light`, one edge in the direction `across`, and `camera` into a path; `None` if the camera does not see
+    /// its last vertex. An edge between this vertex and the camera has its own direction.
+    pub(super) fn join(
+        common: &ChainContext,
+        emitter: Emitter,
+        light: SubpathBuffer,
+        across: DVec3,
+        camera: SubpathBuffer,
+    ) -> Option<Proposal> {
+        let (mut nodes, mut directions) = (light.nodes, light.directions);
+        let to_camera = camera.nodes.is_empty();
+        nodes.extend(camera.nodes.into_iter().rev());
+        let eye = common.camera.sample_wi(nodes.last()?.point.p, camera.lens)?;
+        directions.push(if to_camera { eye.wi.as_dvec3() } else { across });
+        directions.extend(camera.directions.into_iter().rev());
+        Some(Proposal { emitter, nodes, directions, eye })
+    }
+
     /// Marks x_i as connectible; `None` if it has Dirac components alone.
     pub(super) fn smoothed(&mut self, i: usize) -> Option<()> {
         let node = &mut self.nodes[i - 1];
@@ -182,21 +204,16 @@ impl Proposal {
         node.surface.lobes().intersects(Lobes::SMOOTH).then_some(())
     }
 
-    /// Returns the segment of edge `i`, starting at the end nearer to the camera except for the last edge; `None` if
-    /// the camera does not see the vertex.
-    fn segment(&self, common: &ChainContext, i: usize) -> Option<Ray> {
-        let to_camera = i + 1 == self.directions.len();
-        let (node, w) =
-            if to_camera { (&self.nodes[i - 1], self.directions[i]) } else { (&self.nodes[i], -self.directions[i]) };
-        let bodies = common.scene.bodies_toward(&node.point, node.bodies, w.as_vec3());
-        let segment = if to_camera {
-            node.point.segment(common.camera.sample_wi(node.point.p)?.eye, 0.0, node.point.ng, Hit::NONE)
+    /// Returns edge `i`, starting at the end nearer to the camera except for the last edge.
+    fn edge(&self, common: &ChainContext, i: usize) -> Edge {
+        let (node, w, end) = if i + 1 == self.directions.len() {
+            (&self.nodes[i - 1], self.directions[i], EdgeEnd::Camera(&self.eye.eye))
         } else if i == 0 {
-            toward_end(&node.point, &self.emitter.end, w.as_vec3())
+            (&self.nodes[0], -self.directions[0], EdgeEnd::Light(&self.emitter.end))
         } else {
-            node.point.segment_to(&self.nodes[i - 1].point)
+            (&self.nodes[i], -self.directions[i], EdgeEnd::Surface(&self.nodes[i - 1].point))
         };
-        Some(Ray { bodies, ..segment })
+        node.edge_to(common.scene, w.as_vec3(), end)
     }
 
     /// Connects x_i and x_{i+1}, both smooth, by a straight edge; `None` if it is occluded.
@@ -204,14 +221,11 @@ impl Proposal {
         let (scene, k) = (common.scene, self.directions.len());
         let shadows = &mut tally.shadows;
         if i + 1 == k {
-            let y = &self.nodes[i - 1].point;
-            let seen = common.camera.sample_wi(y.p)?;
-            if scene.culled(y, -seen.wi) || !common.region.contains(seen.film) {
+            if scene.culled(&self.nodes[i - 1].point, -self.eye.wi) || !common.region.contains(self.eye.film) {
                 return None;
             }
-            self.directions[i] = seen.wi.as_dvec3();
             self.scatters(i)?;
-            return (!scene.transmittance_to_camera(&self.segment(common, i)?, shadows).is_black()).then_some(());
+            return (!scene.is_blocked(&self.edge(common, i), shadows)).then_some(());
         }
         if i == 0 {
             let (z, before) = (&self.nodes[0].point, self.directions[0]);
@@ -230,7 +244,7 @@ impl Proposal {
             self.scatters(i)?;
             self.scatters(i + 1)?;
         }
-        (!scene.transmittance(&self.segment(common, i)?, shadows).is_black()).then_some(())
+        (!scene.is_blocked(&self.edge(common, i), shadows)).then_some(())
     }
 
     /// Whether x_i can scatter incident light at all: its direction must lie on the same side of both normals. Tested

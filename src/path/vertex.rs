@@ -1,0 +1,119 @@
+//! Vertices of paths. What depends on the kind of a vertex is asked of it: C(x), the context of light samples,
+//! scattering, and the edges that leave it.
+
+use super::mis::EdgeOrigin;
+use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
+use crate::camera::CameraPoint;
+use crate::geometry::{RayState, SurfacePoint};
+use crate::light::{EmitterPoint, LightSampleContext};
+use crate::scene::{Edge, EdgeEnd, Scene};
+use crate::transport::TransportMode;
+use glam::Vec3;
+use std::borrow::Cow;
+
+/// Vertex of a path.
+pub enum Vertex<'a> {
+    /// At the camera.
+    Camera(CameraPoint),
+    /// At a light.
+    Light(EmitterPoint),
+    /// On a surface.
+    Surface(SurfaceVertex<'a>),
+    /// In a medium.
+    Medium(MediumVertex),
+}
+
+/// A vertex on a surface.
+pub struct SurfaceVertex<'a> {
+    /// Surface point.
+    pub point: SurfacePoint,
+    /// Scattering model.
+    pub surface: Cow<'a, Surface>,
+    /// State in which a walk arrives.
+    pub state: RayState,
+}
+
+/// A scattering event in a medium. There is none, since media absorb only.
+#[derive(Debug, Clone, Copy)]
+pub enum MediumVertex {}
+
+impl Vertex<'_> {
+    /// Returns C(x) for the unit direction `w`: |w·ng| on a surface, 1 in space. The camera's cosine is part of We.
+    #[inline]
+    pub fn cos(&self, w: Vec3) -> f32 {
+        match self {
+            Vertex::Surface(SurfaceVertex { point: SurfacePoint { ng, .. }, .. })
+            | Vertex::Light(EmitterPoint::Surface { ng, .. }) => w.dot(*ng).abs(),
+            Vertex::Camera(_) | Vertex::Light(EmitterPoint::Point(_) | EmitterPoint::Distant) => 1.0,
+            Vertex::Medium(none) => match *none {},
+        }
+    }
+
+    /// Returns its position; `None` at infinity.
+    #[inline]
+    pub fn p(&self) -> Option<Vec3> {
+        match self {
+            Vertex::Surface(vertex) => Some(vertex.point.p),
+            Vertex::Camera(eye) => Some(eye.p),
+            Vertex::Light(EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p)) => Some(*p),
+            Vertex::Light(EmitterPoint::Distant) => None,
+            Vertex::Medium(none) => match *none {},
+        }
+    }
+
+    /// Returns its surface, if it scatters on one.
+    #[inline]
+    pub fn surface(&self) -> Option<&SurfaceVertex<'_>> {
+        match self {
+            Vertex::Surface(vertex) => Some(vertex),
+            Vertex::Camera(_) | Vertex::Light(_) => None,
+            Vertex::Medium(none) => match *none {},
+        }
+    }
+
+    /// Returns it as the receiver of light samples; `None` for an endpoint.
+    #[inline]
+    pub fn context(&self) -> Option<LightSampleContext> {
+        self.surface().map(|vertex| LightSampleContext::from(&vertex.point))
+    }
+
+    /// Returns the BSDF for the direction `known`; `None` if nothing scatters, as where `known` lies on different sides
+    /// of the shading and geometric normals.
+    #[inline]
+    pub fn shading(&self, known: Vec3, mode: TransportMode) -> Option<Shading<'_>> {
+        let SurfaceVertex { point, surface, .. } = self.surface()?;
+        Shading::new(point, surface, known, mode)
+    }
+
+    /// Whether it scatters smoothly, so that connections can carry light.
+    #[inline]
+    pub fn is_connectible(&self) -> bool {
+        self.surface().is_some_and(|vertex| vertex.surface.lobes().intersects(Lobes::SMOOTH))
+    }
+
+    /// Returns the edge in the unit direction `w` to `other`; `None` from an endpoint, since connections begin where
+    /// light scatters.
+    #[inline]
+    pub fn edge_to(&self, scene: &Scene, w: Vec3, other: &Vertex) -> Option<Edge> {
+        let SurfaceVertex { point, state, .. } = self.surface()?;
+        let end = match other {
+            Vertex::Camera(eye) => EdgeEnd::Camera(eye),
+            Vertex::Light(end) => EdgeEnd::Light(end),
+            Vertex::Surface(other) => EdgeEnd::Surface(&other.point),
+            Vertex::Medium(none) => match *none {},
+        };
+        Some(Edge::new(scene, point, *state, w, end))
+    }
+
+    /// Returns it as the origin of an edge of a subpath.
+    #[inline]
+    pub(super) fn origin(&self) -> EdgeOrigin {
+        match self {
+            Vertex::Surface(SurfaceVertex { point: SurfacePoint { p, ng, .. }, .. })
+            | Vertex::Light(EmitterPoint::Surface { p, ng, .. }) => EdgeOrigin::Surface { p: *p, ng: *ng },
+            Vertex::Light(EmitterPoint::Point(p)) => EdgeOrigin::Point(*p),
+            Vertex::Camera(_) | Vertex::Light(EmitterPoint::Distant) => EdgeOrigin::Distant,
+            Vertex::Medium(none) => match *none {},
+        }
+    }
+}
