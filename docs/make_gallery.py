@@ -28,7 +28,7 @@ PICTURES = [
     ("glass-caustic", "glass-caustic", "bdpt", 64, OWN, None, []),
     ("veach-mis", "veach-mis", "path", 256, OWN, None, []),
     ("ajar-door", "ajar-door", "mlt", 128, OWN, None, ["--exposure", "2"]),
-    ("caustic-pool", "caustic-pool", "mmlt", 128, OWN, None, []),
+    ("caustic-pool", "caustic-pool", "mlt", 64, OWN, None, []),
     ("mirror-caustic", "mirror-caustic", "mlt", 32, OWN, None, []),
 ]
 # The first picture of the README.
