@@ -7,6 +7,7 @@ ASSETS is a copy of Khronos's glTF-Sample-Assets/Models, SAMPLES a folder with B
 with sunset.hdr and studio.hdr of pmndrs/assets. The other scenes are those of scenes/ (`make scenes`). Needs Pillow.
 Rows state CPU seconds, since they do not depend on other work of the machine.
 """
+
 import argparse
 import json
 import subprocess
@@ -47,8 +48,24 @@ def scene_of(arguments, source):
 def render(arguments, picture, folder):
     name, source, method, spp, size, environment, options = picture
     image, report = Path(folder) / "image.png", Path(folder) / "report.json"
-    command = [arguments.etendue, "render", str(scene_of(arguments, source)), "--no-config", "-m", method, "--spp", str(spp),
-               "--size", size, "--quiet", "-o", str(image), "--report", str(report), *options]
+    command = [
+        arguments.etendue,
+        "render",
+        str(scene_of(arguments, source)),
+        "--no-config",
+        "-m",
+        method,
+        "--spp",
+        str(spp),
+        "--size",
+        size,
+        "--quiet",
+        "-o",
+        str(image),
+        "--report",
+        str(report),
+        *options,
+    ]
     if environment:
         command += ["--env", str(arguments.maps / f"{environment}.hdr")]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
@@ -56,7 +73,10 @@ def render(arguments, picture, folder):
     Image.open(image).convert("RGB").save(ROOT / f"docs/images/gallery/{name}.jpg", quality=90)
     error, cpu = told["error"], told["render"]["cpu_seconds"]
     reasons = ", ".join(reason["reason"] for reason in error["reasons"])
-    print(f"| {name} | {method} | {told['render']['spp']} | {cpu:.0f} s | {error['relmse']['value']:.1e} | {reasons} |", flush=True)
+    print(
+        f"| {name} | {method} | {told['render']['spp']} | {cpu:.0f} s | {error['relmse']['value']:.1e} | {reasons} |",
+        flush=True,
+    )
 
 
 def main():

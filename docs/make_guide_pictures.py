@@ -3,9 +3,10 @@
 
     docs/make_guide_pictures.py materials|error|dark [--etendue target/release/etendue] [--model FILE] [--map FILE.hdr]
 
-`dark` needs --model (Khronos's WaterBottle) and --map (forest.hdr of pmndrs/assets). Needs Pillow; `error` needs numpy and
-OpenEXR too. About two CPU minutes in all.
+`dark` needs --model (Khronos's WaterBottle) and --map (forest.hdr of pmndrs/assets). Needs Pillow; `error` needs numpy
+and OpenEXR too. About two CPU minutes in all.
 """
+
 import argparse
 import base64
 import json
@@ -41,7 +42,13 @@ def sheet(pictures, columns, out):
 
 # --- spheres of all kinds of materials ----------------------------------------------------------------------------
 def metal(roughness):
-    return {"pbrMetallicRoughness": {"baseColorFactor": [1, 0.77, 0.34, 1], "metallicFactor": 1, "roughnessFactor": roughness}}
+    return {
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [1, 0.77, 0.34, 1],
+            "metallicFactor": 1,
+            "roughnessFactor": roughness,
+        }
+    }
 
 
 def plastic(roughness, **more):
@@ -51,7 +58,10 @@ def plastic(roughness, **more):
 
 def clear(roughness=0.0, color=(1, 1, 1), **extensions):
     base = {"baseColorFactor": [*color, 1], "metallicFactor": 0, "roughnessFactor": roughness}
-    return {"pbrMetallicRoughness": base, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, **extensions}}
+    return {
+        "pbrMetallicRoughness": base,
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, **extensions},
+    }
 
 
 def alpha(mode):
@@ -60,15 +70,34 @@ def alpha(mode):
 
 
 SOLID = {"KHR_materials_volume": {"thicknessFactor": 1}}
-TINTED = {"KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0.6, "attenuationColor": [0.5, 0.9, 0.6]}}
+TINTED = {
+    "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0.6, "attenuationColor": [0.5, 0.9, 0.6]}
+}
 SPHERES = [
-    ("non-metal, roughness 0", plastic(0)), ("0.2", plastic(0.2)), ("0.4", plastic(0.4)), ("0.7", plastic(0.7)),
+    ("non-metal, roughness 0", plastic(0)),
+    ("0.2", plastic(0.2)),
+    ("0.4", plastic(0.4)),
+    ("0.7", plastic(0.7)),
     ("specularFactor 0", plastic(0.2, extensions={"KHR_materials_specular": {"specularFactor": 0}})),
-    ("metal, roughness 0", metal(0)), ("0.2", metal(0.2)), ("0.4", metal(0.4)), ("0.7", metal(0.7)), ("1", metal(1)),
-    ("transmission", clear()), ("rough 0.4", clear(0.4)), ("with volume", clear(**SOLID)), ("ior 1.05", clear(**SOLID, KHR_materials_ior={"ior": 1.05})),
+    ("metal, roughness 0", metal(0)),
+    ("0.2", metal(0.2)),
+    ("0.4", metal(0.4)),
+    ("0.7", metal(0.7)),
+    ("1", metal(1)),
+    ("transmission", clear()),
+    ("rough 0.4", clear(0.4)),
+    ("with volume", clear(**SOLID)),
+    ("ior 1.05", clear(**SOLID, KHR_materials_ior={"ior": 1.05})),
     ("attenuation", clear(**TINTED)),
-    ("alphaMode BLEND", alpha("BLEND")), ("unlit", {**plastic(1), "extensions": {"KHR_materials_unlit": {}}}),
-    ("emissive", {"emissiveFactor": [1, 0.5, 0.2], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 1.5}}}),
+    ("alphaMode BLEND", alpha("BLEND")),
+    ("unlit", {**plastic(1), "extensions": {"KHR_materials_unlit": {}}}),
+    (
+        "emissive",
+        {
+            "emissiveFactor": [1, 0.5, 0.2],
+            "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 1.5}},
+        },
+    ),
     ("metallic 0.5", {"pbrMetallicRoughness": {**metal(0.3)["pbrMetallicRoughness"], "metallicFactor": 0.5}}),
     ("base colour 1", {"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1}}),
 ]
@@ -95,29 +124,64 @@ def sphere_scene(material, path):
         block = b"".join(struct.pack(layout, *value) for value in values)
         views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(block)})
         vector = layout == "<3f"
-        accessor = {"bufferView": len(views) - 1, "componentType": 5126 if vector else 5125, "count": len(values),
-                    "type": "VEC3" if vector else "SCALAR"}
+        accessor = {
+            "bufferView": len(views) - 1,
+            "componentType": 5126 if vector else 5125,
+            "count": len(values),
+            "type": "VEC3" if vector else "SCALAR",
+        }
         if vector:
-            accessor |= {"min": [min(v[k] for v in values) for k in range(3)], "max": [max(v[k] for v in values) for k in range(3)]}
+            accessor |= {
+                "min": [min(v[k] for v in values) for k in range(3)],
+                "max": [max(v[k] for v in values) for k in range(3)],
+            }
         accessors.append(accessor)
         data += block
-    grey = lambda value: {"pbrMetallicRoughness": {"baseColorFactor": [value] * 3 + [1], "metallicFactor": 0, "roughnessFactor": 1},
-                          "extensions": {"KHR_materials_specular": {"specularFactor": 0}}}
-    lamp = {"emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 9}},
-            "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}
+    grey = lambda value: {
+        "pbrMetallicRoughness": {"baseColorFactor": [value] * 3 + [1], "metallicFactor": 0, "roughnessFactor": 1},
+        "extensions": {"KHR_materials_specular": {"specularFactor": 0}},
+    }
+    lamp = {
+        "emissiveFactor": [1, 1, 1],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 9}},
+        "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]},
+    }
     quads = [{"primitives": [{"attributes": {"POSITION": 2}, "indices": 3, "material": m}]} for m in (1, 2, 3)]
     ball = {"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0}, "indices": 1, "material": 0}]}
-    stripes = [{"mesh": 1 + i % 2, "translation": [0.8 * (i - 5), -1.001, 0], "scale": [0.4, 1, 8]} for i in range(11)]
-    lamps = [{"mesh": 3, "translation": t, "rotation": r, "scale": s} for t, r, s in (
-        ([-3, 4, 2.5], [0.9, 0.0, 0.43, 0.0], [1, 1, 1]), ([4, 3, -1], [0.88, 0.0, -0.48, 0.0], [0.6, 1, 1.5]))]
+    stripes = [
+        {"mesh": 1 + i % 2, "translation": [0.8 * (i - 5), -1.001, 0], "scale": [0.4, 1, 8]} for i in range(11)
+    ]
+    lamps = [
+        {"mesh": 3, "translation": t, "rotation": r, "scale": s}
+        for t, r, s in (
+            ([-3, 4, 2.5], [0.9, 0.0, 0.43, 0.0], [1, 1, 1]),
+            ([4, 3, -1], [0.88, 0.0, -0.48, 0.0], [0.6, 1, 1.5]),
+        )
+    ]
     scene = {
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(4 + len(stripes)))}],
-        "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0.9, 5.2], "rotation": [-0.0785, 0, 0, 0.9969]}, *lamps, *stripes],
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(4 + len(stripes)))}],
+        "nodes": [
+            {"mesh": 0},
+            {"camera": 0, "translation": [0, 0.9, 5.2], "rotation": [-0.0785, 0, 0, 0.9969]},
+            *lamps,
+            *stripes,
+        ],
         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 1, "znear": 0.1}}],
-        "meshes": [ball, *quads], "materials": [material, grey(0.7), grey(0.12), lamp],
-        "accessors": accessors, "bufferViews": views,
-        "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}],
-        "extensionsUsed": sorted({"KHR_materials_specular", "KHR_materials_emissive_strength", *material.get("extensions", {})}),
+        "meshes": [ball, *quads],
+        "materials": [material, grey(0.7), grey(0.12), lamp],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [
+            {
+                "byteLength": len(data),
+                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+            }
+        ],
+        "extensionsUsed": sorted(
+            {"KHR_materials_specular", "KHR_materials_emissive_strength", *material.get("extensions", {})}
+        ),
     }
     path.write_text(json.dumps(scene))
 
@@ -128,7 +192,22 @@ def materials(arguments):
         for caption, material in SPHERES:
             scene, image = Path(folder) / "sphere.gltf", Path(folder) / "sphere.png"
             sphere_scene(material, scene)
-            run(arguments, "render", scene, "-m", "bdpt", "--env", "0.25,0.28,0.32", "--size", "160x160", "--spp", "64", "--quiet", "-o", image)
+            run(
+                arguments,
+                "render",
+                scene,
+                "-m",
+                "bdpt",
+                "--env",
+                "0.25,0.28,0.32",
+                "--size",
+                "160x160",
+                "--spp",
+                "64",
+                "--quiet",
+                "-o",
+                image,
+            )
             pictures.append((caption, Image.open(image).convert("RGB")))
     sheet(pictures, 5, OUT / "materials.jpg")
 
@@ -140,27 +219,55 @@ def error(arguments):
 
     def grey(values):
         values = numpy.clip(values, 0, 1) ** (1 / 2.2)
-        return Image.fromarray((255 * values + 0.5).astype(numpy.uint8)).convert("RGB").resize((288, 288), Image.NEAREST)
+        return (
+            Image.fromarray((255 * values + 0.5).astype(numpy.uint8)).convert("RGB").resize((288, 288), Image.NEAREST)
+        )
 
     with tempfile.TemporaryDirectory() as folder:
         scene, image, png = ROOT / "scenes/cornell-box/scene.gltf", Path(folder) / "a.exr", Path(folder) / "a.png"
         run(arguments, "render", scene, "--size", "256x256", "--spp", "16", "--quiet", "-o", image, "--png")
-        read = lambda path: {name: channel.pixels for name, channel in OpenEXR.File(str(path), separate_channels=True).channels().items()}
+        read = lambda path: {
+            name: channel.pixels
+            for name, channel in OpenEXR.File(str(path), separate_channels=True).channels().items()
+        }
         mine, truth = read(image), read(scene.parent / "reference.exr")
         stated = sum(mine[f"stderr.{c}"] for c in "RGB") / 3
         true = sum(abs(mine[c] - truth[c]) for c in "RGB") / 3
         picture = Image.open(png).convert("RGB").resize((288, 288), Image.NEAREST)
-        sheet([("16 samples per pixel", picture), ("stated standard error, times 5", grey(5 * stated)),
-               ("distance from a reference, times 5", grey(5 * true))], 3, OUT / "error.jpg")
+        sheet(
+            [
+                ("16 samples per pixel", picture),
+                ("stated standard error, times 5", grey(5 * stated)),
+                ("distance from a reference, times 5", grey(5 * true)),
+            ],
+            3,
+            OUT / "error.jpg",
+        )
 
 
 # --- a model that is dark -----------------------------------------------------------------------------------------
 def dark(arguments):
     pictures = []
     with tempfile.TemporaryDirectory() as folder:
-        for caption, options in (("as downloaded", []), ("--env 1", ["--env", "1"]), ("--env forest.hdr", ["--env", arguments.map])):
+        for caption, options in (
+            ("as downloaded", []),
+            ("--env 1", ["--env", "1"]),
+            ("--env forest.hdr", ["--env", arguments.map]),
+        ):
             image = Path(folder) / "a.png"
-            run(arguments, "render", arguments.model, "--size", "240x240", "--spp", "128", "--quiet", "-o", image, *options)
+            run(
+                arguments,
+                "render",
+                arguments.model,
+                "--size",
+                "240x240",
+                "--spp",
+                "128",
+                "--quiet",
+                "-o",
+                image,
+                *options,
+            )
             pictures.append((caption, Image.open(image).convert("RGB")))
     sheet(pictures, 3, OUT / "dark.jpg")
 
