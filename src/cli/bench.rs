@@ -32,17 +32,6 @@ fn scene_name(scenes: &[PathBuf], at: usize) -> String {
     if twins > 0 { format!("{name}-{}", twins + 1) } else { name }
 }
 
-/// Returns the distinct `items` in order.
-fn unique<T: Copy + PartialEq>(items: &[T]) -> Vec<T> {
-    let mut unique: Vec<T> = Vec::new();
-    items.iter().for_each(|&item| {
-        if !unique.contains(&item) {
-            unique.push(item);
-        }
-    });
-    unique
-}
-
 /// Returns this process's command line, quoted for a shell.
 fn command() -> String {
     typed(std::env::args().skip(1))

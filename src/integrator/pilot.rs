@@ -8,6 +8,7 @@
 use super::{Integrator, IntegratorConfig};
 use crate::camera::Camera;
 use crate::film::{Layout, PassFilm, Units};
+use crate::numeric;
 use crate::parallel::Cancel;
 use crate::scene::Scene;
 
@@ -56,17 +57,11 @@ impl PilotEstimate {
         // The pilot is never cancelled, so that it always reports.
         let options = IntegratorConfig { seed: PILOT_SEED, ..*options };
         integrator(camera, &options).run_pass(0, &Cancel::new(), &mut film);
-        let mean = mean(&mut film);
+        let mean = numeric::mean(film.values());
         let exponent = if mean > 0.0 { mean.log2().floor() as i32 } else { 0 };
         let extent = f64::from(scene.radius()) / scene.rebase().scale;
         let length = if extent > 0.0 { extent.log2().floor() as i32 } else { 0 };
         let unit = |exponent: i32| f64::from(exponent - BITS_BELOW_MEAN).exp2();
         PilotEstimate::with(Units { radiance: unit(exponent), length: unit(length) })
     }
-}
-
-/// Returns the mean over all pixels and lanes, summed in pixel order.
-fn mean(film: &mut PassFilm) -> f64 {
-    let values = film.values();
-    values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len().max(1) as f64
 }

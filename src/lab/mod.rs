@@ -15,3 +15,14 @@ pub mod techniques;
 pub mod verify;
 
 pub use conditions::Conditions;
+
+/// Returns the distinct `items` in order.
+pub(crate) fn unique<T: Copy + PartialEq>(items: &[T]) -> Vec<T> {
+    let mut unique: Vec<T> = Vec::new();
+    items.iter().for_each(|&item| {
+        if !unique.contains(&item) {
+            unique.push(item);
+        }
+    });
+    unique
+}

@@ -7,6 +7,7 @@ use super::{LoadTimings, Outputs, PassPlan, Provenance, RenderSettings, Surround
 use crate::film::{Film, ImageError, Plane};
 use crate::integrator::{ChainDigest, Guards, InvalidSample};
 use crate::io::exr::{self, Attribute, Layer};
+use crate::numeric;
 use crate::spectrum::LANES;
 use serde::Serialize;
 use serde_json::Value;
@@ -145,7 +146,11 @@ impl RenderReport {
             build: preparation.map(|p| Phase { seconds: p.build_seconds }),
             render: Render::of(provenance, film),
             guards: work.passes.guards,
-            chains: work.passes.chains.as_ref().map(|chains| chains.digest(light(film))),
+            chains: work
+                .passes
+                .chains
+                .as_ref()
+                .map(|chains| chains.digest(mean_of(film) * film.layout().pixels() as f64)),
             clamp: settings.clamp.map(|limit| clamp(limit, provenance, film, error.as_ref())),
             error,
             target: None,
@@ -258,12 +263,6 @@ impl RenderReport {
     }
 }
 
-/// Radiance summed over all pixels, as a mean over lanes.
-fn light(film: &Film) -> f64 {
-    let color = film.mean(Plane::Color);
-    color.iter().map(|&x| f64::from(x)).sum::<f64>() / LANES as f64
-}
-
 impl Machine {
     fn now(preparation: Option<LoadTimings>) -> Self {
         Machine {
@@ -317,9 +316,9 @@ fn clamp(limit: f32, provenance: &Provenance, film: &Film, error: Option<&ImageE
     Clamp { biased: true, limit, samples: guards.clamped, mean_removed, share_removed }
 }
 
+/// Mean of all pixels and lanes.
 fn mean_of(film: &Film) -> f64 {
-    let colors = film.mean(crate::film::Plane::Color);
-    colors.iter().copied().map(f64::from).sum::<f64>() / colors.len().max(1) as f64
+    numeric::mean(&film.mean(Plane::Color))
 }
 
 /// Arguments of `render` that trace only this sample.

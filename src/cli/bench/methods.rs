@@ -1,6 +1,6 @@
 //! `etendue bench methods`: error against time, methods and backends side by side.
 
-use super::{command, scene_name, unique};
+use super::{command, scene_name};
 use crate::accel::Backend;
 use crate::cli::args::{SceneArgs, ThreadArgs};
 use crate::cli::named_value::named;
@@ -9,6 +9,7 @@ use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
 use crate::integrator::Method;
 use crate::lab::bench_methods::{self, BenchScene, MethodsReport, MethodsRequest, SceneReport};
+use crate::lab::unique;
 use crate::named::Named;
 use crate::session::{Budget, SettingsPatch};
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! `etendue bench rays`: the ray throughput of the backends, and the agreement of their hits.
 
-use super::{command, scene_name, unique};
+use super::{command, scene_name};
 use crate::accel::{Backend, Build};
 use crate::cli::args::SceneArgs;
 use crate::cli::args::ThreadArgs;
@@ -12,6 +12,7 @@ use crate::lab::bench_rays::{
     self, CategoryRow, PaceRates, Rate, RayAddress, RayBenchRequest, RayBenchSubject, RaysReport, RowRates, SceneRates,
 };
 use crate::lab::equivalence::DifferenceCounts;
+use crate::lab::unique;
 use crate::session::SettingsPatch;
 use crate::session::machine;
 use std::path::PathBuf;

@@ -45,6 +45,13 @@ impl ExrImage {
         self.layers.iter().find(|layer| layer.name == name).map(|layer| &layer.values[..])
     }
 
+    /// Returns the channels `prefix`R, G and B, interleaved; `None` without one of them.
+    pub fn rgb(&self, prefix: &str) -> Option<Vec<f32>> {
+        let channel = |name: &str| self.channel(&format!("{prefix}{name}"));
+        let (r, g, b) = (channel("R")?, channel("G")?, channel("B")?);
+        Some(r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b]).collect())
+    }
+
     /// See [`hash_pixels`].
     pub fn hash_pixels(&self) -> String {
         hash_pixels(self.width, self.height, Some(self.crop), &self.layers)

@@ -1,12 +1,13 @@
 //! Rendering of references for the benchmark.
 
 use super::contestant::{self, BenchCase, label};
-use super::reference::{Record, Reference, epsilon, noise};
+use super::reference::{Record, Reference, noise};
 use super::{BenchScene, MethodsRequest};
 use crate::error::{Error, Result};
 use crate::film::{Film, Plane};
 use crate::integrator::{self, Method};
 use crate::io::exr;
+use crate::lab::image::relmse_epsilon;
 use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::session::{Outputs, Program, RenderSettings};
@@ -101,7 +102,7 @@ fn render(
     let (cancel, start) = (Cancel::new(), Instant::now());
     let judge = |film: &Film, _| {
         let rgb = film.mean(Plane::Color);
-        let epsilon = epsilon(&rgb);
+        let epsilon = relmse_epsilon(&rgb);
         let noise = film.standard_error().map_or(f64::INFINITY, |stderr| noise(&rgb, &stderr, epsilon));
         // Another doubling takes as long as all samples so far.
         if suffices(field, &rgb, noise, epsilon) || 2 * start.elapsed() > request.reference_budget {

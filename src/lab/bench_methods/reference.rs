@@ -2,8 +2,9 @@
 
 use super::{BenchScene, defect};
 use crate::error::{Error, Result};
-use crate::film::relmse_epsilon;
+
 use crate::io::exr;
+use crate::lab::image::relmse_epsilon;
 use crate::session::RenderSettings;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -51,28 +52,14 @@ impl Reference {
                 format!("the reference {} is {}×{} and the images are {w}×{h}", path.display(), size[0], size[1]);
             return Err(Error::usage(format!("{what}: use --size {}x{}", size[0], size[1])));
         }
-        let channels = |names: [&str; 3]| {
-            let [r, g, b] = names.map(|name| image.channel(name));
-            let (r, g, b) = (r?, g?, b?);
-            Some(r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b]).collect::<Vec<f32>>())
-        };
         let missing = || Error::usage(format!("the reference {} has no channels R, G and B", path.display()));
-        let rgb = channels(["R", "G", "B"]).ok_or_else(missing)?;
-        let epsilon = epsilon(&rgb);
-        let noise = channels(["stderr.R", "stderr.G", "stderr.B"]).map(|stderr| noise(&rgb, &stderr, epsilon));
+        let rgb = image.rgb("").ok_or_else(missing)?;
+        let epsilon = relmse_epsilon(&rgb);
+        let noise = image.rgb("stderr.").map(|stderr| noise(&rgb, &stderr, epsilon));
         let origin = if noise.is_some() { "given, with its standard error" } else { "given" };
         let record = Record { file: path.into(), origin: origin.into(), epsilon, noise, is_cut_short: false };
         Ok(Reference { rgb, record })
     }
-}
-
-/// Returns the ε of relMSE for a reference.
-pub(super) fn epsilon(rgb: &[f32]) -> f64 {
-    let finite = rgb.iter().copied().map(f64::from).filter(|v| v.is_finite());
-    let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
-    // A black image has no scale: any ε will do.
-    let mean: f64 = if sum > 0.0 { sum / count } else { 1.0 };
-    relmse_epsilon(mean)
 }
 
 /// relMSE of an image according to its standard error.
@@ -90,7 +77,7 @@ mod tests {
     fn noise_is_what_the_standard_error_says() {
         // (0.1² / (1 + ε) + 0 + 0.2² / (4 + ε)) / 3 with ε = (0.1 × 1)².
         let (rgb, stderr) = ([1.0, 0.0, 2.0], [0.1, 0.0, 0.2]);
-        let epsilon = epsilon(&rgb);
+        let epsilon = relmse_epsilon(&rgb);
         assert!((epsilon - 0.01).abs() < 1e-15, "rounding");
         let exact = (0.01 / 1.01 + 0.04 / 4.01) / 3.0;
         assert!((noise(&rgb, &stderr, epsilon) / exact - 1.0).abs() < 1e-6, "0.1 and 0.2 as f32");

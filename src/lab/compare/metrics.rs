@@ -5,9 +5,6 @@ use crate::io::png::ToneCurve;
 use crate::lab::image::{self, flip};
 use serde::Serialize;
 
-/// ε of relMSE is the square of this fraction of the reference's mean, as in the error estimate that images carry.
-const FLOOR: f64 = 0.1;
-
 /// Error metrics of an image against its reference. Infinite values are `null` in JSON.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Metrics {
@@ -41,7 +38,7 @@ pub struct Metrics {
 impl Metrics {
     pub(super) fn of(pair: &ImagePair, epsilon: Option<f64>) -> Metrics {
         let (colors, reference) = (&pair.image.colors[..], &pair.reference.colors[..]);
-        let epsilon = epsilon.unwrap_or_else(|| (FLOOR * finite_mean(reference)).powi(2));
+        let epsilon = epsilon.unwrap_or_else(|| image::relmse_epsilon(reference));
         let displayed = |values: &[f32]| values.iter().map(|&v| display(v)).collect::<Vec<f32>>();
         let ppd = flip::PIXELS_PER_DEGREE;
         let hdr = pair.hdr_flip();
@@ -65,9 +62,4 @@ impl Metrics {
 /// Returns the display value. Non-finite values stay non-finite and are left out.
 fn display(value: f32) -> f32 {
     if value.is_finite() { ToneCurve::Srgb.apply(value) } else { value }
-}
-
-fn finite_mean(values: &[f32]) -> f64 {
-    let (sum, n) = values.iter().filter(|v| v.is_finite()).fold((0.0, 0_u32), |(s, n), &v| (s + f64::from(v), n + 1));
-    sum / f64::from(n.max(1))
 }

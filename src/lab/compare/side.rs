@@ -52,12 +52,12 @@ impl Side {
     pub(super) fn read(path: &Path) -> Result<Side> {
         let image = exr::read(path)?;
         let missing = || Error::usage(format!("{} has no channels R, G and B", path.display()));
-        let colors = interleaved(&image, "").ok_or_else(missing)?;
+        let colors = image.rgb("").ok_or_else(missing)?;
         Ok(Side {
             origin: Origin::of(path, &image),
             size: [image.width, image.height],
             crop: image.crop,
-            errors: interleaved(&image, "stderr."),
+            errors: image.rgb("stderr."),
             record: Header(&image).text(RECORD),
             colors,
         })
@@ -120,10 +120,4 @@ impl Header<'_> {
             Attribute::Float(_) => None,
         }
     }
-}
-
-fn interleaved(image: &ExrImage, prefix: &str) -> Option<Vec<f32>> {
-    let channel = |name: &str| image.channel(&format!("{prefix}{name}"));
-    let (r, g, b) = (channel("R")?, channel("G")?, channel("B")?);
-    Some(r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b]).collect())
 }

@@ -7,6 +7,8 @@
 
 pub mod flip;
 
+use crate::{film, numeric};
+
 use rayon::prelude::*;
 
 /// Number of values per parallel chunk, fixed so that the order of additions does not depend on the threads.
@@ -36,6 +38,14 @@ pub fn mae(image: &[f32], reference: &[f32]) -> f64 {
 pub fn relmse(image: &[f32], reference: &[f32], epsilon: f64) -> f64 {
     assert!(epsilon >= 0.0, "ε = {epsilon}");
     mean(image, reference, |i, r| ratio((i - r) * (i - r), r * r + epsilon))
+}
+
+/// Returns the default ε of relMSE for a reference, that of its mean over finite values.
+pub fn relmse_epsilon(reference: &[f32]) -> f64 {
+    let finite: Vec<f32> = reference.iter().copied().filter(|v| v.is_finite()).collect();
+    let mean = numeric::mean(&finite);
+    // A black image has no scale: any ε will do.
+    film::relmse_epsilon(if mean > 0.0 { mean } else { 1.0 })
 }
 
 /// Returns the symmetric mean absolute error, mean |I − R| / (|I| + |R|), from 0 to 1 (other authors use twice this

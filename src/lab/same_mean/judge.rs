@@ -137,19 +137,17 @@ pub fn judge<M: PartialEq + Copy>(pictures: &[TestedPicture<'_, M>], level: f64)
     let n = pictures.len();
     assert!(n >= 2 && level > 0.0 && level < 1.0, "{n} pictures at level {level}");
     let numbers: Vec<[usize; 2]> = (0..n).flat_map(|a| (a + 1..n).map(move |b| [a, b])).collect();
-    let test = |unseen: fn(&TestedPicture<'_, M>) -> f64| {
-        let pair =
-            |&[a, b]: &[usize; 2]| Tested::new([&pictures[a], &pictures[b]], [a, b].map(|i| unseen(&pictures[i])));
-        let mut pairs: Vec<Tested> = numbers.iter().map(pair).collect();
-        let tests = correct_all(&mut pairs);
-        (pairs, tests)
-    };
-    let (plain, _) = test(|_| 0.0);
-    let (pairs, [tile_tests, image_tests]) = test(|picture| picture.unseen());
+    let mut pairs: Vec<Tested> = numbers.iter().map(|&[a, b]| Tested::new([&pictures[a], &pictures[b]])).collect();
+    correct_all(&mut pairs);
+    let found = |tested: &Tested| tested.p.iter().any(|&p| p < level);
+    let plain: Vec<bool> = pairs.iter().map(found).collect();
+    for (tested, pair) in pairs.iter_mut().zip(&numbers) {
+        tested.test(pair.map(|i| pictures[i].unseen()));
+    }
+    let [tile_tests, image_tests] = correct_all(&mut pairs);
     let each = [level / 2.0 / tile_tests.max(1) as f64, level / 2.0 / image_tests as f64];
-    let of = |((&[a, b], tested), plain): ((&[usize; 2], &Tested), &Tested)| {
-        let found = |tested: &Tested| tested.p.iter().any(|&p| p < level);
-        let outcome = match [found(plain), found(tested)] {
+    let of = |((&[a, b], tested), &plain): ((&[usize; 2], &Tested), &bool)| {
+        let outcome = match [plain, found(tested)] {
             [_, true] => Outcome::Differ,
             [true, false] => Outcome::CannotTell,
             [false, false] => Outcome::Agree,
@@ -162,9 +160,9 @@ pub fn judge<M: PartialEq + Copy>(pictures: &[TestedPicture<'_, M>], level: f64)
 
 /// Tests two pictures, corrected for the number of tests.
 pub(crate) fn test_pair<M: PartialEq>(pictures: [&TestedPicture<'_, M>; 2]) -> Tested {
-    let mut pairs = [Tested::new(pictures, pictures.map(TestedPicture::unseen))];
-    correct_all(&mut pairs);
-    let [pair] = pairs;
+    let mut pair = Tested::new(pictures);
+    pair.test(pictures.map(TestedPicture::unseen));
+    correct_all(std::slice::from_mut(&mut pair));
     pair
 }
 
@@ -186,14 +184,21 @@ fn correct(pairs: &mut [Tested], range: impl Fn(&Tested) -> std::ops::Range<usiz
 }
 
 impl Tested {
-    /// Tests two pictures, which may have missed `unseen` light each, as a sum over pixels.
-    fn new<M: PartialEq>([a, b]: [&TestedPicture<'_, M>; 2], unseen: [f64; 2]) -> Tested {
+    /// Compares two pictures, and tests them as if their errors could be trusted.
+    fn new<M: PartialEq>([a, b]: [&TestedPicture<'_, M>; 2]) -> Tested {
         let kin = if a.method == b.method { Kin::SameMethod } else { Kin::OtherMethod };
         let levels = compare(a.pyramid, b.pyramid, kin);
         let first = a.pyramid.levels.len() - levels.len();
         let sides = (0..levels.len()).map(|i| a.pyramid.side(first + i)).collect();
-        let (t, p) = levels.iter().flatten().map(|c| c.test(unseen)).map(|test| (test.statistic, test.p_value)).unzip();
-        Tested { levels, sides, t, p }
+        let mut tested = Tested { levels, sides, t: Vec::new(), p: Vec::new() };
+        tested.test([0.0; 2]);
+        tested
+    }
+
+    /// Tests the pictures, which may have missed `unseen` light each, as a sum over pixels.
+    fn test(&mut self, unseen: [f64; 2]) {
+        let tests = self.levels.iter().flatten().map(|c| c.test(unseen));
+        (self.t, self.p) = tests.map(|test| (test.statistic, test.p_value)).unzip();
     }
 
     /// Returns the number of tests.

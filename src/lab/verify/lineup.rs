@@ -4,6 +4,7 @@ use super::REPLICATES;
 use crate::accel::Backend;
 use crate::error::{Error, Result};
 use crate::integrator::{self, Method};
+use crate::lab::unique;
 use crate::named::Named;
 use crate::scene::Scene;
 use crate::session::{LoadedScene, RenderSettings, SettingsPatch, Size};
@@ -39,7 +40,7 @@ pub struct Excluded {
 impl VerifyRequest {
     /// Returns the requested backends without duplicates.
     pub fn backends(&self) -> Vec<Backend> {
-        once(self.backends.as_deref().unwrap_or(Backend::AVAILABLE))
+        unique(self.backends.as_deref().unwrap_or(Backend::AVAILABLE))
     }
 
     /// Selects the requested methods that can be compared on `scene`.
@@ -47,7 +48,7 @@ impl VerifyRequest {
     /// # Errors
     /// A usage error if there are fewer than two candidates.
     pub fn lineup(&self, scene: &Scene) -> Result<Lineup> {
-        let wanted = once(self.methods.as_deref().unwrap_or(Method::all()));
+        let wanted = unique(self.methods.as_deref().unwrap_or(Method::all()));
         let judged =
             wanted.into_iter().map(|method| Excluded { method, reasons: integrator::blind_spots(method, scene) });
         let (seeing, excluded): (Vec<_>, Vec<_>) = judged.partition(|e| e.reasons.is_empty());
@@ -55,16 +56,6 @@ impl VerifyRequest {
         let candidates = lineup.methods.len() * self.backends().len();
         if candidates >= 2 { Ok(lineup) } else { Err(too_few(&lineup, candidates)) }
     }
-}
-
-fn once<T: Copy + PartialEq>(items: &[T]) -> Vec<T> {
-    let mut kept = Vec::new();
-    for &item in items {
-        if !kept.contains(&item) {
-            kept.push(item);
-        }
-    }
-    kept
 }
 
 fn too_few(lineup: &Lineup, candidates: usize) -> Error {
@@ -122,7 +113,7 @@ mod tests {
         let mut seeds = vec![seed(0, Method::Path, Backend::Obvhs), seed(1, Method::Path, Backend::Obvhs)];
         seeds.push(seed(0, Method::Path, Backend::Embree));
         seeds.push(seed(0, Method::PathNee, Backend::Obvhs));
-        assert_eq!(once(&seeds).len(), 4);
+        assert_eq!(unique(&seeds).len(), 4);
     }
 
     #[test]

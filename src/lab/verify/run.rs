@@ -2,10 +2,10 @@
 //! their number is fixed. All get equal shares, and background load affects them alike.
 
 use super::Candidate;
-use crate::error::{Error, Kind, Result};
+use crate::error::Result;
 use crate::film::Layout;
 use crate::parallel::Cancel;
-use crate::session::machine::available_memory;
+use crate::session::machine;
 use std::time::{Duration, Instant};
 
 /// Amount of rendering.
@@ -80,13 +80,6 @@ fn fraction(candidates: &[Candidate<'_>], effort: Effort, elapsed: Duration) -> 
 /// # Errors
 /// The memory they need.
 pub fn affordable(layout: &Layout, candidates: usize) -> Result<()> {
-    let need = Candidate::bytes(layout, candidates);
-    match available_memory() {
-        Some(available) if need > available => {
-            let (need, available) = (need as f64 / 1e9, available as f64 / 1e9);
-            let what = format!("the films of {candidates} candidates take {need:.1} GB and {available:.1} GB are free");
-            Err(Error::new(Kind::Memory, format!("{what}: use a smaller --size")))
-        }
-        _ => Ok(()),
-    }
+    let what = format!("the films of {candidates} candidates");
+    machine::affordable(&what, Candidate::bytes(layout, candidates), "use a smaller --size")
 }

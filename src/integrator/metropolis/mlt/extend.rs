@@ -1,7 +1,6 @@
 //! Subpath extension and joining for path mutations.
 
 use super::super::ChainContext;
-use super::state::PathState;
 use crate::bsdf::shading::folds;
 use crate::bsdf::{Folds, Lobes, Shading};
 use crate::camera::LensPoint;
@@ -53,21 +52,6 @@ impl SubpathBuffer {
     /// Starts at the point `lens` of the camera's lens.
     pub(super) fn at_camera(lens: LensPoint) -> Self {
         SubpathBuffer { lens, ..SubpathBuffer::default() }
-    }
-
-    /// Copies x_k … x_b.
-    pub(super) fn from_camera(x: &PathState, b: usize) -> Self {
-        let (path, k) = (x.path(), x.k());
-        let nodes = path.nodes()[b - 1..].iter().rev().cloned().collect();
-        let directions = path.directions()[b..k].iter().rev().copied().collect();
-        SubpathBuffer { lens: x.lens(), nodes, directions }
-    }
-
-    /// Copies x₁ … x_{a−1}.
-    pub(super) fn from_light(x: &PathState, a: usize) -> Self {
-        let path = x.path();
-        let (nodes, directions) = (path.nodes()[..a - 1].to_vec(), path.directions()[..a - 1].to_vec());
-        SubpathBuffer { nodes, directions, ..SubpathBuffer::default() }
     }
 }
 

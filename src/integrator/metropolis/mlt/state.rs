@@ -178,6 +178,23 @@ impl Content {
     }
 }
 
+impl SubpathBuffer {
+    /// Copies x_k … x_b.
+    pub(super) fn from_camera(x: &PathState, b: usize) -> Self {
+        let (path, k) = (x.path(), x.k());
+        let nodes = path.nodes()[b - 1..].iter().rev().cloned().collect();
+        let directions = path.directions()[b..k].iter().rev().copied().collect();
+        SubpathBuffer { lens: x.lens(), nodes, directions }
+    }
+
+    /// Copies x₁ … x_{a−1}.
+    pub(super) fn from_light(x: &PathState, a: usize) -> Self {
+        let path = x.path();
+        let (nodes, directions) = (path.nodes()[..a - 1].to_vec(), path.directions()[..a - 1].to_vec());
+        SubpathBuffer { nodes, directions, ..SubpathBuffer::default() }
+    }
+}
+
 impl Proposal {
     /// Joins `light`, one edge in the direction `across`, and `camera` into a path; `None` if the camera does not see
     /// its last vertex. An edge between this vertex and the camera has its own direction.
