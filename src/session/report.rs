@@ -179,6 +179,7 @@ impl RenderReport {
     pub fn target_missed(&self) -> Option<String> {
         let target = self.target.filter(|target| !target.reached)?;
         let found = match target.last_look {
+            Some(look) if look.upper_limit <= 0.0 => "the image is black".into(),
             Some(look) if look.upper_limit <= target.relmse => "the interval is not to be trusted".into(),
             Some(look) => {
                 format!("at {} samples per pixel it is only known to be below {:.3e}", look.passes, look.upper_limit)

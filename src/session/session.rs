@@ -135,8 +135,8 @@ impl<'a> Session<'a> {
         look(film, provenance, check);
         let mut renderer = FilmRenderer::new(integrator, film);
         for pass in missing() {
-            let is_good_enough = check.is_some_and(|check| check.reached);
-            if is_good_enough || !time_left(renderer.film(), provenance, done, clock.wall()) {
+            let is_over = check.is_some_and(|check| check.ends_render());
+            if is_over || !time_left(renderer.film(), provenance, done, clock.wall()) {
                 break;
             }
             let Some(report) = renderer.pass(pass, cancel) else { return Ok(Ended::Interrupted) };

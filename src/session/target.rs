@@ -30,6 +30,13 @@ pub struct Check {
     pub reached: bool,
 }
 
+impl Check {
+    /// Whether the render ends here: the target is reached, or the image is black.
+    pub fn ends_render(&self) -> bool {
+        self.reached || self.upper_limit <= 0.0
+    }
+}
+
 /// Looks at `film` if a look is due: when all replicates have the same power of two of passes. `known` is prior
 /// knowledge about its samples.
 pub fn check(film: &Film, known: impl Into<Known>, target: f64) -> Option<Check> {
@@ -89,10 +96,11 @@ mod tests {
         assert!(passes_needed(&check(f64::INFINITY)) > 1 << 40);
     }
 
-    /// A black image has no error, which is below any target.
+    /// More samples of a black image are likely to be black as well. Its error is unknown, not small.
     #[test]
-    fn an_image_without_error_is_good_enough_at_the_first_look() {
-        assert!(check(&film(16), Independent::Pixels, 1e-9).unwrap().reached);
+    fn a_black_image_ends_the_render_and_misses_the_target() {
+        let look = check(&film(16), Independent::Pixels, 1e-9).unwrap();
+        assert!(look.ends_render() && !look.reached);
         assert!(check(&film(8), Independent::Pixels, 1e-9).is_none());
     }
 }
