@@ -76,12 +76,16 @@ impl LoadedScene {
         })
     }
 
-    /// Resolves the settings with the aspect ratio of the scene's camera.
+    /// Resolves the settings with the aspect ratio of the scene's camera, and its lens.
     ///
     /// # Errors
-    /// The camera does not exist, or a value is out of range.
+    /// The camera does not exist or has no lens, the lens is focused on nothing, or a value is out of range.
     pub fn settings(&self, choices: &SettingsPatch) -> Result<RenderSettings> {
-        choices.settings(self.scene.aspect(choices.camera.as_deref())?)
+        let settings = choices.settings(self.scene.aspect(choices.camera.as_deref())?)?;
+        let lens = choices
+            .lens()?
+            .map(|lens| lens.resolve(&self.scene, settings.camera.as_deref(), settings.width, settings.height));
+        Ok(RenderSettings { lens: lens.transpose()?, ..settings })
     }
 
     /// Rejects a scene that uses features ignored by étendue.

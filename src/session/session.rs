@@ -42,7 +42,7 @@ impl<'a> Session<'a> {
             return Err(Error::new(Kind::Usage, refusal));
         }
         let clock = Stopwatch::start();
-        let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let camera = settings.camera_in(&stage.scene)?;
         let pilot = integrator::pilot(&stage.scene, &camera, &settings.options(), &layout);
         let film = Film::new(layout.clone(), settings.replicates, settings.seed, pilot.units);
         Ok(Session { stage, layout, film, provenance, clock, check: None })
@@ -77,7 +77,7 @@ impl<'a> Session<'a> {
             TechniqueImages::bytes_per_pixel(&options, deepest),
             self.layout.pixels(),
         )?;
-        let camera = self.stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let camera = settings.camera_in(&self.stage.scene)?;
         let watched = passes.iter().enumerate().inspect(|(done, _)| watch(*done as f64 / passes.len() as f64));
         let passes = watched.map(|(_, pass)| pass);
         Ok(integrator::technique_images(&self.stage.scene, &camera, &options, &self.layout, passes, deepest, cancel))
@@ -105,7 +105,7 @@ impl<'a> Session<'a> {
         mut checkpoint: Option<Checkpoint>,
     ) -> Result<Ended> {
         let (stage, settings) = (self.stage, self.provenance.settings.clone());
-        let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let camera = settings.camera_in(&stage.scene)?;
         let pilot = PilotEstimate::with(self.film.units());
         let integrator = integrator::build(settings.method, &stage.scene, camera, &settings.options(), &pilot);
         let mut scratch = PassFilm::new(&self.layout).with_unit(self.film.units().radiance);

@@ -3,8 +3,8 @@
 
 use super::plan::round_spp;
 use super::{
-    Aov, Budget, EnvironmentChoice, FrameNumber, PassPlan, PassSelection, RenderSettings, Size, StopCriteria,
-    Surroundings, Window,
+    Aov, Aperture, Budget, EnvironmentChoice, Focus, FrameNumber, LensSettings, PassPlan, PassSelection,
+    RenderSettings, Size, StopCriteria, Surroundings, Window,
 };
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
@@ -51,6 +51,17 @@ pub struct SettingsPatch {
     /// Camera by name or number from 0 [default: the first]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
+    /// Aperture of the camera's lens: an f-stop, for full-frame film 24 mm high and scene units in metres, or a radius
+    /// in scene units [default: a pinhole, everything in focus]
+    #[arg(long, value_name = "f/STOP|RADIUS", allow_negative_numbers = true)]
+    pub aperture: Option<Aperture>,
+    /// What the lens is focused on: a distance along the camera's axis in scene units, the centre of a node, or what
+    /// the camera sees at the centre of a pixel
+    #[arg(long, value_name = "DISTANCE|node:NAME|pixel:X,Y", allow_negative_numbers = true)]
+    pub focus: Option<Focus>,
+    /// Blades of the aperture, at least 3, in place of a disk of the same area [default: 0, a disk]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    pub blades: Option<u32>,
     /// Frame of the scene's animations; frame 0 is at time 0 [default: the scene as it stands]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub frame: Option<u32>,
@@ -190,6 +201,9 @@ impl SettingsPatch {
             size: self.size.or(fallback.size),
             crop: self.crop.or(fallback.crop),
             camera: self.camera.or(fallback.camera),
+            aperture: self.aperture.or(fallback.aperture),
+            focus: self.focus.or(fallback.focus),
+            blades: self.blades.or(fallback.blades),
             frame: self.frame.or(fallback.frame),
             animation: self.animation.or(fallback.animation),
             fps: self.fps.or(fallback.fps),
@@ -220,11 +234,13 @@ impl SettingsPatch {
         }
     }
 
-    /// Resolves the settings, for a camera with aspect ratio `aspect` (width over height).
+    /// Resolves the settings, for a camera with aspect ratio `aspect` (width over height). Those without a scene have no
+    /// lens: see [`super::LoadedScene::settings`].
     ///
     /// # Errors
     /// Values out of range, a crop outside the image.
     pub fn settings(&self, aspect: Option<f64>) -> Result<RenderSettings> {
+        self.lens()?;
         let [width, height] = self.image_size(aspect);
         let mut aovs = self.aovs.clone().unwrap_or_default();
         aovs.sort_unstable();
@@ -238,6 +254,7 @@ impl SettingsPatch {
             height,
             crop: self.crop.map(|w| within(w.0, width, height)).transpose()?,
             camera: self.camera.clone(),
+            lens: None,
             frame: self.frame()?,
             animation: self.animation.clone(),
             depth: self.depth,
@@ -254,6 +271,14 @@ impl SettingsPatch {
             heuristic: self.heuristic.unwrap_or_default(),
             metropolis: self.metropolis()?,
         })
+    }
+
+    /// Returns the chosen lens, if any.
+    ///
+    /// # Errors
+    /// As [`LensSettings::chosen`].
+    pub fn lens(&self) -> Result<Option<LensSettings>> {
+        LensSettings::chosen(self.aperture, self.focus.clone(), self.blades)
     }
 
     /// Returns the chosen frame, if any.

@@ -93,7 +93,7 @@ pub(super) fn settings(
 ) -> Result<RenderSettings> {
     let aspect = stage.scene.aspect(choices.camera.as_deref())?;
     let size = choices.size.unwrap_or_else(|| default_size(aspect));
-    let settings = SettingsPatch { size: Some(size), ..choices.clone() }.settings(aspect)?;
+    let settings = stage.settings(&SettingsPatch { size: Some(size), ..choices.clone() })?;
     let seed = seed(settings.seed, method, backend);
     // Clamping biases each method differently. AOVs are not compared.
     Ok(RenderSettings { method, backend, seed, replicates: REPLICATES, clamp: None, aovs: Vec::new(), ..settings })
