@@ -14,7 +14,7 @@ fn main() -> etendue::Result<()> {
     let projection = Projection::Perspective { yfov: 0.8, aspect: None };
     // A camera looks along −z of its transform.
     let transform = DAffine3::from_translation(DVec3::new(0.0, 1.0, 5.0));
-    description.cameras.push(CameraDescription { name: "front".into(), projection, transform });
+    description.cameras.push(CameraDescription { name: "front".into(), projection, transform, lens: None });
 
     let scene = Scene::from_description(description)?;
     let image = Render::new(&scene).size(64, 48).spp(16).run()?;

@@ -2,9 +2,11 @@
 
 mod orthographic;
 mod pinhole;
+mod thin_lens;
 
 pub use orthographic::Orthographic;
 pub use pinhole::Pinhole;
+pub use thin_lens::{Aperture, ThinLens};
 
 use crate::geometry::{Bodies, Bounds, Ray};
 use glam::{Vec2, Vec3};
@@ -14,6 +16,8 @@ use glam::{Vec2, Vec3};
 pub enum Camera {
     /// All rays through one point.
     Pinhole(Pinhole),
+    /// Rays through a lens.
+    ThinLens(ThinLens),
     /// Parallel rays.
     Orthographic(Orthographic),
 }
@@ -80,9 +84,10 @@ pub struct CameraSample {
 impl Camera {
     /// Connects the point `p` to the point `lens` of the lens; `None` behind the camera.
     #[inline]
-    pub fn sample_wi(&self, p: Vec3, _lens: LensPoint) -> Option<WiSample> {
+    pub fn sample_wi(&self, p: Vec3, lens: LensPoint) -> Option<WiSample> {
         match self {
             Camera::Pinhole(camera) => camera.sample_wi(p),
+            Camera::ThinLens(camera) => camera.sample_wi(p, lens),
             Camera::Orthographic(camera) => camera.sample_wi(p),
         }
     }
@@ -90,9 +95,10 @@ impl Camera {
     /// Samples a point of the lens, uniformly over its area. The random numbers `u` are not asked of cameras without a
     /// lens.
     #[inline]
-    pub fn sample_lens(&self, _u: impl FnOnce() -> [f32; 2]) -> LensPoint {
+    pub fn sample_lens(&self, u: impl FnOnce() -> [f32; 2]) -> LensPoint {
         match self {
             Camera::Pinhole(_) | Camera::Orthographic(_) => LensPoint::CENTRE,
+            Camera::ThinLens(camera) => camera.sample_lens(u()),
         }
     }
 
@@ -101,6 +107,7 @@ impl Camera {
     pub fn lens_pdf(&self) -> f64 {
         match self {
             Camera::Pinhole(_) | Camera::Orthographic(_) => 1.0,
+            Camera::ThinLens(camera) => camera.lens_pdf(),
         }
     }
 
@@ -110,6 +117,7 @@ impl Camera {
     pub fn sample_ray(&self, film: [f32; 2], lens: LensPoint, time: f32) -> CameraSample {
         let (mut ray, medium) = match self {
             Camera::Pinhole(camera) => (camera.ray(film), camera.medium()),
+            Camera::ThinLens(camera) => (camera.ray(film, lens), camera.medium()),
             Camera::Orthographic(camera) => (camera.ray(film), None),
         };
         ray.state.time = time;
@@ -126,6 +134,7 @@ impl Camera {
     pub fn bounds(&self) -> Option<Bounds> {
         match self {
             Camera::Pinhole(camera) => Some(camera.bounds()),
+            Camera::ThinLens(camera) => Some(camera.bounds()),
             Camera::Orthographic(_) => None,
         }
     }
@@ -135,6 +144,7 @@ impl Camera {
     pub fn within(self, medium: Option<Bodies>) -> Camera {
         match self {
             Camera::Pinhole(camera) => Camera::Pinhole(camera.within(medium)),
+            Camera::ThinLens(camera) => Camera::ThinLens(camera.within(medium)),
             Camera::Orthographic(_) => self,
         }
     }
@@ -144,6 +154,7 @@ impl Camera {
         let ratio = glam::Vec2::new(from[0] as f32 / to[0] as f32, from[1] as f32 / to[1] as f32);
         match self {
             Camera::Pinhole(camera) => Camera::Pinhole(camera.with_pixels(ratio)),
+            Camera::ThinLens(camera) => Camera::ThinLens(camera.with_pixels(ratio)),
             Camera::Orthographic(camera) => Camera::Orthographic(camera.with_pixels(ratio)),
         }
     }

@@ -48,25 +48,45 @@ impl Pinhole {
 
     /// See [`super::Camera::sample_wi`].
     #[inline]
-    pub fn sample_wi(&self, p: Vec3) -> Option<WiSample> {
-        let Pose { position, right, up, backward } = self.pose;
-        let to = position - p;
+    pub(super) fn sample_wi(&self, p: Vec3) -> Option<WiSample> {
+        self.connect(p, CameraPoint { p: self.pose.position, lens: LensPoint::CENTRE }, Vec2::ZERO)
+    }
+
+    /// See [`super::Camera::sample_ray`].
+    #[inline]
+    pub(super) fn ray(&self, film: [f32; 2]) -> Ray {
+        Ray::new(self.pose.position, self.direction(film, Vec2::ZERO))
+    }
+
+    /// Returns the point that lies `offset` to the right and upward of the camera.
+    #[inline]
+    pub(super) fn beside(&self, offset: Vec2) -> Vec3 {
+        let Pose { position, right, up, .. } = self.pose;
+        position + right * offset.x + up * offset.y
+    }
+
+    /// Connects `p` to the point `eye` in the camera's plane; `None` behind the camera. The slopes of rays from `eye` are
+    /// by `shift` less than those of the pinhole's rays through the same raster position.
+    #[inline]
+    pub(super) fn connect(&self, p: Vec3, eye: CameraPoint, shift: Vec2) -> Option<WiSample> {
+        let Pose { right, up, backward, .. } = self.pose;
+        let to = eye.p - p;
         let (depth, distance) = (to.dot(backward), to.length());
         // A direction of cosine c covers 1 / (pixel area c³) pixels per steradian [Veach97 §8.3.2].
         let importance = distance / ((self.scale.x * self.scale.y).abs() * depth.powi(3));
-        let film = (Vec2::new(-to.dot(right), -to.dot(up)) / depth - self.corner) / self.scale;
-        let eye = CameraPoint { p: position, lens: LensPoint::CENTRE };
+        let on_plane = Vec2::new(-to.dot(right), -to.dot(up)) / depth + shift;
+        let film = (on_plane - self.corner) / self.scale;
         let seen = WiSample { film: film.to_array(), wi: to / distance, eye, importance };
         (depth > 0.0 && importance.is_finite()).then_some(seen)
     }
 
-    /// See [`super::Camera::ray`].
+    /// Returns the unit direction of a raster position, with a slope reduced by `shift`: see [`Pinhole::connect`].
     #[inline]
-    pub fn ray(&self, film: [f32; 2]) -> Ray {
-        let v = Vec2::from(film) * self.scale + self.corner;
-        let Pose { position, right, up, backward } = self.pose;
+    pub(super) fn direction(&self, film: [f32; 2], shift: Vec2) -> Vec3 {
+        let v = Vec2::from(film) * self.scale + self.corner - shift;
+        let Pose { right, up, backward, .. } = self.pose;
         let direction: Vec3 = right * v.x + up * v.y - backward;
-        Ray::new(position, direction.normalize())
+        direction.normalize()
     }
 }
 

@@ -107,23 +107,31 @@ impl<'a> Subpath<'a> {
         };
         let (w, state) = (self.walk.ray.direction, self.walk.ray.state);
         let (p, surface) = (point.p, self.scene.surface(&mut point, state.bodies));
-        let vertex = Vertex::Surface(SurfaceVertex { point, surface, state });
-        self.complete(camera, &vertex, p, w);
-        let sums = self.weights.arrive(&self.link, p, vertex.cos(w), w);
         let RandomWalk { beta, survival, mode, .. } = self.walk;
-        Arrival::Vertex(SubpathVertex { vertex, known: -w, beta, survival, sums, mode })
+        // The vertex is made where it stays: it is large.
+        let mut found = SubpathVertex {
+            vertex: Vertex::Surface(SurfaceVertex { point, surface, state }),
+            known: -w,
+            beta,
+            survival,
+            sums: PartialMis::default(),
+            mode,
+        };
+        self.complete(camera, &found.vertex, p, w);
+        found.sums = self.weights.arrive(&self.link, p, found.vertex.cos(w), w);
+        Arrival::Vertex(found)
     }
 
     /// Computes what the first edge of the subpath could not know before its end: the density of a camera ray at `p`,
     /// and that of a light sample from `vertex` to the light.
     #[inline]
     fn complete(&mut self, camera: &Camera, vertex: &Vertex, p: Vec3, w: Vec3) {
-        match (&self.walk.departure, self.start) {
-            (PreviousVertex::Camera, Start::Camera(lens)) => {
+        match (&self.walk.departure, &self.start) {
+            (PreviousVertex::Camera, &Start::Camera(lens)) => {
                 self.link.forward = camera.sample_wi(p, lens).map_or(0.0, |seen| f64::from(seen.importance));
             }
-            (PreviousVertex::Light, Start::Light(index, end, [pmf, position])) => {
-                let direct = |at| self.scene.lights().end_pdf_li(&at, index, &end, -w, position);
+            (PreviousVertex::Light, &Start::Light(index, ref end, [pmf, position])) => {
+                let direct = |at| self.scene.lights().end_pdf_li(&at, index, end, -w, position);
                 self.weights.received(&mut self.link, vertex.context().map_or(0.0, direct), pmf * position);
             }
             _ => {}

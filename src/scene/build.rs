@@ -99,6 +99,7 @@ impl Scene {
         info.accel_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
         info.accel_bytes = accel.bytes();
         let views = Views::new(description.cameras, extent.min, extent.max);
+        let names = description.instances.into_iter().map(|instance| instance.name).collect();
         let lights = Lights::new(lights, ball.radius);
         let mut scene = Scene {
             geometry,
@@ -113,6 +114,7 @@ impl Scene {
             ball,
             features,
             views,
+            names,
             info,
             hash,
         };

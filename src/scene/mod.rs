@@ -9,6 +9,7 @@ mod contact;
 pub mod description;
 mod edge;
 mod extent;
+mod focus;
 mod info;
 mod interior;
 mod material;
@@ -46,6 +47,8 @@ pub struct Scene {
     ball: BoundingSphere,
     features: Features,
     views: view::Views,
+    /// Names of the instances in file order.
+    names: Vec<String>,
     info: SceneInfo,
     hash: String,
 }

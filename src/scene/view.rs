@@ -3,7 +3,7 @@
 use super::Scene;
 use super::description::{self, Projection};
 use super::rebase::Rebase;
-use crate::camera::{Camera, Orthographic, Pinhole, Pose};
+use crate::camera::{Aperture, Camera, Orthographic, Pinhole, Pose, ThinLens};
 use crate::error::{Error, Result};
 use glam::{DAffine3, DVec3};
 
@@ -45,7 +45,7 @@ fn framing(min: DVec3, max: DVec3) -> description::CameraDescription {
     let right = DVec3::Y.cross(backward).normalize();
     let transform = DAffine3::from_cols(right, backward.cross(right), backward, eye);
     let projection = Projection::Perspective { yfov, aspect: None };
-    description::CameraDescription { name: "automatic".into(), projection, transform }
+    description::CameraDescription { name: "automatic".into(), projection, transform, lens: None }
 }
 
 /// Returns the factor on the height of a view of aspect ratio `aspect` that makes all of it fit the image.
@@ -65,6 +65,13 @@ fn pose(transform: &DAffine3, rebase: &Rebase) -> Pose {
     }
 }
 
+/// Returns the camera `pinhole` with a lens of file units.
+fn thin_lens(pinhole: Pinhole, lens: &description::Lens, rebase: &Rebase) -> ThinLens {
+    let radius = (lens.radius * rebase.scale) as f32;
+    let aperture = Aperture::new(radius, lens.blades, lens.rotation.to_radians() as f32);
+    ThinLens::new(pinhole, aperture, (lens.focus * rebase.scale) as f32)
+}
+
 impl Scene {
     /// Returns the names of the cameras, by index.
     pub fn cameras(&self) -> Vec<String> {
@@ -82,6 +89,22 @@ impl Scene {
         })
     }
 
+    /// Returns the selected camera of the description.
+    pub(super) fn view(&self, selector: Option<&str>) -> Result<&description::CameraDescription> {
+        self.views.find(selector)
+    }
+
+    /// Returns the vertical field of view of the selected camera in radians; `None` if it is orthographic.
+    ///
+    /// # Errors
+    /// As [`Scene::camera`].
+    pub fn yfov(&self, selector: Option<&str>) -> Result<Option<f64>> {
+        Ok(match self.views.find(selector)?.projection {
+            Projection::Perspective { yfov, .. } => Some(yfov),
+            Projection::Orthographic { .. } => None,
+        })
+    }
+
     /// Returns the camera with the name or index `selector` (the first without one) for a `width` × `height` image of
     /// square pixels. The file's view is never cropped: for another aspect ratio the other angle is widened
     /// [glTF20 §3.10.3]. A camera without an aspect ratio keeps its vertical field of view; the automatic one has at
@@ -90,13 +113,31 @@ impl Scene {
     /// # Errors
     /// A usage error that lists the cameras if there is none of that name or index.
     pub fn camera(&self, selector: Option<&str>, width: u32, height: u32) -> Result<Camera> {
+        self.camera_with_lens(selector, width, height, None)
+    }
+
+    /// Returns [`Scene::camera`] with `lens` in place of its own, if one is given.
+    ///
+    /// # Errors
+    /// As [`Scene::camera`].
+    pub fn camera_with_lens(
+        &self,
+        selector: Option<&str>,
+        width: u32,
+        height: u32,
+        lens: Option<&description::Lens>,
+    ) -> Result<Camera> {
         let view = self.views.find(selector)?;
         let pose = pose(&view.transform, &self.rebase);
         let camera = match view.projection {
             Projection::Perspective { yfov, aspect } => {
                 let widest = aspect.or(self.views.automatic.then_some(1.0));
                 let tall = (yfov * 0.5).tan() * widest.map_or(1.0, |widest| widened(widest, width, height));
-                Camera::Pinhole(Pinhole::new(pose, 2.0 * tall.atan(), width, height))
+                let pinhole = Pinhole::new(pose, 2.0 * tall.atan(), width, height);
+                match lens.or(view.lens.as_ref()).filter(|lens| lens.radius > 0.0 && lens.focus > 0.0) {
+                    Some(lens) => Camera::ThinLens(thin_lens(pinhole, lens, &self.rebase)),
+                    None => Camera::Pinhole(pinhole),
+                }
             }
             Projection::Orthographic { xmag, ymag } => {
                 let tall = ymag * widened(xmag / ymag, width, height);

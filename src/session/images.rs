@@ -26,7 +26,7 @@ pub fn ids(stage: &LoadedScene, settings: &RenderSettings) -> Result<Option<Ids>
     if !needs_ids(&settings.aovs) {
         return Ok(None);
     }
-    let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+    let camera = settings.camera_in(&stage.scene)?;
     Ok(Some(integrator::ids(&stage.scene, &camera, &settings.layout())))
 }
 

@@ -55,7 +55,7 @@ impl RenderJob {
     /// The camera does not exist, or the crop does not fit the image.
     pub fn fitted(self, stage: &LoadedScene) -> Result<RenderJob> {
         let mut patch = self.patch;
-        let settings = patch.settings(stage.scene.aspect(patch.camera.as_deref())?)?;
+        let settings = stage.settings(&patch)?;
         patch.size = Some(Size { width: settings.width, height: Some(settings.height) });
         Ok(RenderJob { settings, patch, ..self })
     }
@@ -66,7 +66,8 @@ impl RenderJob {
     /// A choice contradicts the method.
     pub fn settings_of(&self, method: Method) -> Result<RenderSettings> {
         let replicates = Some(self.settings.replicates);
-        SettingsPatch { method: Some(method), replicates, ..self.patch.clone() }.settings(None)
+        let patch = SettingsPatch { method: Some(method), replicates, ..self.patch.clone() };
+        Ok(RenderSettings { lens: self.settings.lens, ..patch.settings(None)? })
     }
 
     /// Returns the provenance of a film of this job that begins now. The job is fitted to the scene.

@@ -1,7 +1,7 @@
 //! A loaded and built scene, with the time that loading and building took.
 
 use super::machine::{self, Stopwatch};
-use super::{FrameNumber, Moment, Surroundings};
+use super::{FrameNumber, Moment, RenderSettings, SettingsPatch, Surroundings};
 use crate::error::{Error, Result};
 use crate::io::gltf;
 use crate::scene::description::Description;
@@ -79,6 +79,18 @@ impl LoadedScene {
         let build_seconds = building.wall().as_secs_f64();
         let preparation = LoadTimings { load_seconds: 0.0, build_seconds, threads: options.threads };
         Ok(LoadedScene { info: scene.info().clone(), path: path.to_owned(), surroundings, preparation, scene })
+    }
+
+    /// Resolves the settings with the aspect ratio of the scene's camera, and its lens.
+    ///
+    /// # Errors
+    /// The camera does not exist or has no lens, the lens is focused on nothing, or a value is out of range.
+    pub fn settings(&self, choices: &SettingsPatch) -> Result<RenderSettings> {
+        let settings = choices.settings(self.scene.aspect(choices.camera.as_deref())?)?;
+        let lens = choices
+            .lens()?
+            .map(|lens| lens.resolve(&self.scene, settings.camera.as_deref(), settings.width, settings.height));
+        Ok(RenderSettings { lens: lens.transpose()?, ..settings })
     }
 
     /// Rejects a scene that uses features ignored by étendue.

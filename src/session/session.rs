@@ -44,7 +44,7 @@ impl<'a> Session<'a> {
             return Err(Error::new(Kind::Usage, refusal));
         }
         let clock = Stopwatch::start();
-        let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let camera = settings.camera_in(&stage.scene)?;
         let pilot = integrator::pilot(&stage.scene, &camera, &settings.options(), &layout);
         let film = Film::new(layout.clone(), settings.replicates, settings.seed, pilot.units);
         Ok(Session { stage, layout, film, provenance, clock, check: None })
@@ -79,7 +79,7 @@ impl<'a> Session<'a> {
             TechniqueImages::bytes_per_pixel(&options, deepest),
             self.layout.pixels(),
         )?;
-        let camera = self.stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let camera = settings.camera_in(&self.stage.scene)?;
         let watched = passes.iter().enumerate().inspect(|(done, _)| watch(*done as f64 / passes.len() as f64));
         let passes = watched.map(|(_, pass)| pass);
         Ok(integrator::technique_images(&self.stage.scene, &camera, &options, &self.layout, passes, deepest, cancel))
@@ -121,7 +121,7 @@ impl<'a> Session<'a> {
         build: impl FnOnce(&'a Scene, Camera, &IntegratorConfig, &PilotEstimate) -> Box<dyn Integrator + 'a>,
     ) -> Result<Ended> {
         let (stage, settings) = (self.stage, &self.provenance.settings);
-        let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let camera = settings.camera_in(&stage.scene)?;
         let pilot = PilotEstimate::with(self.film.units());
         let integrator = build(&stage.scene, camera, &settings.options(), &pilot);
         let Session { film, provenance, check, clock: session_clock, .. } = self;

@@ -1,6 +1,6 @@
 //! Types of settings: how their values are written on the command line.
 
-use super::{Aov, Budget, EnvironmentChoice, Size, Window};
+use super::{Aov, Aperture, Budget, EnvironmentChoice, Focus, Size, Window};
 use crate::accel::{Backend, Build};
 use crate::film::Filter;
 use crate::integrator::{Method, Mutations};
@@ -44,7 +44,7 @@ macro_rules! parsed {
     };
 }
 
-parsed!(u32, u64, f32, f64, String, Budget, EnvironmentChoice, Mutations, Size, Window);
+parsed!(u32, u64, f32, f64, String, Aperture, Budget, EnvironmentChoice, Focus, Mutations, Size, Window);
 
 macro_rules! named {
     ($($type:ty),*) => {

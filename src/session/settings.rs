@@ -3,10 +3,13 @@
 
 use super::{Aov, FrameNumber, Moment};
 use crate::accel::{Backend, Build};
+use crate::camera::Camera;
+use crate::error::Result;
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{IntegratorConfig, MethodConfig};
 use crate::sampling::SamplerKind;
-use crate::scene::BuildOptions;
+use crate::scene::description::Lens;
+use crate::scene::{BuildOptions, Scene};
 
 /// All settings, besides the scene, that the pixels of a pass depend on.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -23,6 +26,9 @@ pub struct RenderSettings {
     pub crop: Option<Crop>,
     /// Camera by name or number; `None` for the first.
     pub camera: Option<String>,
+    /// Lens that replaces the camera's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lens: Option<Lens>,
     /// The frame of the scene's animations; `None` for the scene at rest. Its hash is then the same as before frames
     /// were introduced.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -53,6 +59,14 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
+    /// Returns the camera in `scene`.
+    ///
+    /// # Errors
+    /// It does not exist.
+    pub fn camera_in(&self, scene: &Scene) -> Result<Camera> {
+        scene.camera_with_lens(self.camera.as_deref(), self.width, self.height, self.lens.as_ref())
+    }
+
     /// Returns the options for building the scene on `threads` threads.
     pub fn build_options(&self, threads: usize) -> BuildOptions {
         BuildOptions { backend: self.backend, build: self.build, threads }
@@ -186,6 +200,16 @@ mod tests {
         let moved = RenderSettings { frame, ..rest };
         let back: RenderSettings = serde_json::from_value(serde_json::json!(moved)).unwrap();
         assert_eq!((back.frame, back.hash()), (frame, moved.hash()));
+    }
+
+    #[test]
+    fn settings_without_a_lens_are_as_they_always_were() {
+        let (pinhole, lens) = (settings(), Some(Lens { radius: 0.1, focus: 2.5, blades: 6, rotation: 0.0 }));
+        assert!(serde_json::json!(pinhole).get("lens").is_none());
+        let focused = RenderSettings { lens, ..pinhole.clone() };
+        let back: RenderSettings = serde_json::from_value(serde_json::json!(focused)).unwrap();
+        assert_eq!((back.lens, back.hash()), (lens, focused.hash()));
+        assert_ne!(focused.hash(), pinhole.hash());
     }
 
     #[test]

@@ -4,8 +4,8 @@
 use super::plan::round_spp;
 use super::setting_value::{Form, SettingValue};
 use super::{
-    Aov, Budget, EnvironmentChoice, FrameNumber, PassPlan, PassSelection, RenderSettings, Size, StopCriteria,
-    Surroundings, Window,
+    Aov, Aperture, Budget, EnvironmentChoice, Focus, FrameNumber, LensSettings, PassPlan, PassSelection,
+    RenderSettings, Size, StopCriteria, Surroundings, Window,
 };
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
@@ -114,6 +114,14 @@ settings! {
     "crop" => crop: Window { value: "X0,Y0,X1,Y1", example: r#""0,0,640,360""# }
     /// Camera by name or number from 0 [default: the first]
     "camera" => camera: String { value: "NAME", example: r#""0""# }
+    /// Aperture of the camera's lens: an f-stop, for full-frame film 24 mm high and scene units in metres, or a radius
+    /// in scene units [default: a pinhole, everything in focus]
+    "aperture" => aperture: Aperture { value: "f/STOP|RADIUS", example: r#""f/2.8""# }
+    /// What the lens is focused on: a distance along the camera's axis in scene units, the centre of a node, or what
+    /// the camera sees at the centre of a pixel
+    "focus" => focus: Focus { value: "DISTANCE|node:NAME|pixel:X,Y", example: r#"2.5"# }
+    /// Blades of the aperture, at least 3, in place of a disk of the same area [default: 0, a disk]
+    "blades" => blades: u32 { value: "NUMBER", example: r#"6"# }
     /// Frame of the scene's animations; frame 0 is at time 0 [default: the scene as it stands]
     "frame" => frame: u32 { value: "NUMBER", example: r#"0"# }
     /// The only animation that is played, by name or number from 0, from frame 0 if no other is chosen [default: all
@@ -226,11 +234,13 @@ impl SettingsPatch {
         self.completed(fallback)
     }
 
-    /// Resolves the settings, for a camera with aspect ratio `aspect` (width over height).
+    /// Resolves the settings, for a camera with aspect ratio `aspect` (width over height). Those without a scene have no
+    /// lens: see [`super::LoadedScene::settings`].
     ///
     /// # Errors
     /// Values out of range, a crop outside the image.
     pub fn settings(&self, aspect: Option<f64>) -> Result<RenderSettings> {
+        self.lens()?;
         let [width, height] = self.image_size(aspect);
         let mut aovs = self.aovs.clone().unwrap_or_default();
         aovs.sort_unstable();
@@ -241,6 +251,7 @@ impl SettingsPatch {
             height,
             crop: self.crop.map(|w| within(w.0, width, height)).transpose()?,
             camera: self.camera.clone(),
+            lens: None,
             frame: self.frame()?,
             animation: self.animation.clone(),
             depth: self.depth,
@@ -254,6 +265,14 @@ impl SettingsPatch {
             clamp: self.clamp.map(positive).transpose()?,
             transparent: self.transparent.unwrap_or(false),
         })
+    }
+
+    /// Returns the chosen lens, if any.
+    ///
+    /// # Errors
+    /// As [`LensSettings::chosen`].
+    pub fn lens(&self) -> Result<Option<LensSettings>> {
+        LensSettings::chosen(self.aperture, self.focus.clone(), self.blades)
     }
 
     /// Returns the chosen frame, if any.

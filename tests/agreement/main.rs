@@ -20,6 +20,7 @@ mod hidden_tails;
 mod images_of_lights;
 mod invariance;
 mod lamps;
+mod lens;
 mod meaning;
 mod moved;
 mod picture;

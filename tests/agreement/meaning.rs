@@ -33,7 +33,12 @@ fn mirror() -> Material {
 fn from_above(y: f64) -> CameraDescription {
     let axes = DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y);
     let transform = DAffine3 { matrix3: axes, translation: DVec3::Y * (y + 0.5) };
-    CameraDescription { name: "above".into(), projection: Projection::Orthographic { xmag: 0.1, ymag: 0.1 }, transform }
+    CameraDescription {
+        name: "above".into(),
+        projection: Projection::Orthographic { xmag: 0.1, ymag: 0.1 },
+        transform,
+        lens: None,
+    }
 }
 
 fn surrounded(radiance: [f32; 3], camera: CameraDescription) -> Description {

@@ -144,5 +144,13 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("path", "identities::what_a_technique_finds_is_the_integrand_over_its_density"),
     of("lib", "film::splats::tests::a_crop_sees_what_falls_on_it"),
     of("lib", "film::splats::tests::splats_keep_their_light"),
+    of("sampling", "cameras::the_image_of_a_point_out_of_focus_is_an_even_disk"),
+    of("sampling", "cameras::rays_of_a_lens_meet_in_the_plane_of_focus"),
+    of("sampling", "cameras::blades_are_a_polygon_of_the_same_area"),
+    of("sampling", "cameras::cameras_see_points_where_their_rays_go"),
+    of("agreement", "lens::a_speck_out_of_focus_is_an_even_disk"),
+    of("agreement", "lens::layers_see_through_the_same_points_of_the_lens"),
+    of("lib", "scene::focus::tests::depths_are_along_the_axis"),
+    of("lib", "session::lens::tests::an_f_stop_is_the_focal_length_over_the_diameter"),
     of("accel", "segments::a_segment_meets_neither_of_the_surfaces_that_it_joins"),
 ];

@@ -1,9 +1,10 @@
 //! Cameras: where rays begin and go against the density that a uniform film position has there.
 
-use etendue::camera::{Camera, LensPoint, Orthographic, Pinhole, Pose};
+use etendue::camera::{Aperture, Camera, LensPoint, Orthographic, Pinhole, Pose, ThinLens};
 use etendue_testing::chi_square::{SphereCells, p_value, sidak};
 use etendue_testing::random::{Random, samples};
 use glam::{DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
 
 const SAMPLES: u32 = 40_000;
 /// Width and height in pixels.
@@ -85,6 +86,8 @@ fn cameras_see_points_where_their_rays_go() {
     let cameras = [
         Camera::Pinhole(Pinhole::new(pose(), 1.0, SIZE[0], SIZE[1])),
         Camera::Orthographic(Orthographic::new(pose(), 0.7, SIZE[0], SIZE[1])),
+        thin_lens(0),
+        thin_lens(5),
     ];
     // Side of the square of film, in pixels: small enough for its projection to be a parallelogram to 1e-4 of a
     // pinhole's pixels of
@@ -94,10 +97,11 @@ fn cameras_see_points_where_their_rays_go() {
     for camera in cameras {
         for _ in 0..samples(300) {
             let (film, distance) = (film(&mut random), 0.5 + 3.0 * random.f32());
-            let along = |x: f32, y: f32| camera.ray([film[0] + x, film[1] + y]);
+            let lens = camera.sample_lens(|| random.cube());
+            let along = |x: f32, y: f32| camera.sample_ray([film[0] + x, film[1] + y], lens, 0.0).ray;
             let ray = along(0.0, 0.0);
             let p = ray.origin + ray.direction * distance;
-            let seen = camera.sample_wi(p, LensPoint::CENTRE).expect("in front");
+            let seen = camera.sample_wi(p, lens).expect("in front");
             // Positions of magnitude 4 are rounded; a pixel is 1/20 of the view.
             let off = (seen.film[0] - film[0]).hypot(seen.film[1] - film[1]);
             assert!(off < 64.0 * f32::EPSILON * 20.0 / distance.min(1.0), "{camera:?} {film:?}: {:?}", seen.film);
@@ -113,7 +117,7 @@ fn cameras_see_points_where_their_rays_go() {
             let area = across.cross(down).length();
             let covered = area * f64::from(seen.importance) / f64::from(SIDE * SIDE);
             assert!((covered - 1.0).abs() < 2e-3, "{camera:?} {film:?}: {covered}");
-            assert!(camera.sample_wi(ray.origin - ray.direction, LensPoint::CENTRE).is_none());
+            assert!(camera.sample_wi(ray.origin - ray.direction, lens).is_none());
         }
     }
 }
@@ -141,5 +145,97 @@ fn film_positions_mean_the_same_at_any_size() {
             let off = a.origin.distance(b.origin) + a.direction.distance(b.direction);
             assert!(off < ROUNDING, "{camera:?} {u} {v}: {off}");
         }
+    }
+}
+
+/// Radius of the lens and distance of its plane of focus.
+const RADIUS: f64 = 0.1;
+const FOCUS: f64 = 2.0;
+
+fn thin_lens(blades: u32) -> Camera {
+    let pinhole = Pinhole::new(pose(), 1.0, SIZE[0], SIZE[1]);
+    Camera::ThinLens(ThinLens::new(pinhole, Aperture::new(RADIUS as f32, blades, 0.3), FOCUS as f32))
+}
+
+/// All rays through a raster position meet in the plane of focus, where the pinhole's ray goes.
+#[test]
+fn rays_of_a_lens_meet_in_the_plane_of_focus() {
+    let (camera, pinhole) = (thin_lens(0), Camera::Pinhole(Pinhole::new(pose(), 1.0, SIZE[0], SIZE[1])));
+    let (mut random, axis) = (Random::new(86), -pose().backward);
+    for _ in 0..samples(300) {
+        let film = film(&mut random);
+        let in_focus = |camera: &Camera, lens: LensPoint| {
+            let ray = camera.sample_ray(film, lens, 0.0).ray;
+            let along =
+                (f64::from(axis.dot(pose().position - ray.origin)) + FOCUS) / f64::from(axis.dot(ray.direction));
+            ray.origin.as_dvec3() + ray.direction.as_dvec3() * along
+        };
+        let lens = camera.sample_lens(|| random.cube());
+        let off = in_focus(&camera, lens).distance(in_focus(&pinhole, LensPoint::CENTRE));
+        // Positions of magnitude 4 and a direction, a few roundings each, along a ray of length 3.
+        assert!(off < 64.0 * f64::from(f32::EPSILON), "{film:?}: {off:e}");
+    }
+}
+
+/// p-value of the images of a point at distance `z` for being even over a disk of `radius` pixels; 0 if one lies
+/// outside. Cells are 8 rings of equal area by 8 sectors.
+fn image_is_even(blades: u32, z: f64, radius: f64, seed: u64) -> f64 {
+    let (camera, mut random, n) = (thin_lens(blades), Random::new(seed), samples(SAMPLES));
+    let chief = camera.ray([11.0, 4.0]);
+    let p = chief.origin + chief.direction * (z as f32 / chief.direction.dot(-pose().backward));
+    let centre = camera.sample_wi(p, LensPoint::CENTRE).expect("in front").film;
+    let mut observed = vec![0.0; 64];
+    for _ in 0..n {
+        let lens = camera.sample_lens(|| random.cube());
+        let film = camera.sample_wi(p, lens).expect("in front").film;
+        let [x, y] = [0, 1].map(|i| f64::from(film[i] - centre[i]) / radius);
+        // A position on the film has a dozen roundings of 30 pixels.
+        if x.hypot(y) > 1.0 + 12.0 * 30.0 * f64::from(f32::EPSILON) / radius {
+            return 0.0;
+        }
+        let (ring, sector) = ((x * x + y * y) * 8.0, (y.atan2(x) + PI) / TAU * 8.0);
+        observed[(ring as usize).min(7) * 8 + (sector as usize).min(7)] += 1.0;
+    }
+    p_value(&observed, &vec![f64::from(n) / 64.0; 64])
+}
+
+/// The image of a point out of focus is an even disk of diameter A |z − f| / z on the plane of focus.
+#[test]
+fn the_image_of_a_point_out_of_focus_is_an_even_disk() {
+    // Side of a pixel at distance 1.
+    let pixel = 2.0 * 0.5f64.tan() / f64::from(SIZE[1]);
+    let radius = |z: f64| RADIUS * (z - FOCUS).abs() / z / (FOCUS * pixel);
+    let results: Vec<f64> =
+        [0.7, 1.5, 9.0].iter().zip(87..).map(|(&z, seed)| image_is_even(0, z, radius(z), seed)).collect();
+    assert!(results.iter().all(|&p| p > sidak(results.len())), "{results:?}");
+    // Planted: a disk that is 2 % wider or narrower.
+    for wrong in [1.02, 0.98] {
+        assert!(image_is_even(0, 9.0, wrong * radius(9.0), 90) < sidak(1), "{wrong}");
+    }
+    assert!(image_is_even(5, 9.0, radius(9.0), 91) < sidak(1), "a pentagon is no disk");
+}
+
+/// A polygon of n sides has the area of the disk: its mean square distance from the centre is
+/// (π / 3) (2 + cos 2π/n) / (n sin 2π/n) r².
+#[test]
+fn blades_are_a_polygon_of_the_same_area() {
+    for (blades, seed) in [(3u32, 92), (4, 93), (6, 94), (9, 95)] {
+        let (camera, mut random, n) = (thin_lens(blades), Random::new(seed), samples(SAMPLES));
+        assert!((camera.lens_pdf() * PI * RADIUS * RADIUS - 1.0).abs() < 1e-6, "its density is that of the disk");
+        let step = TAU / f64::from(blades);
+        let expected = PI / 3.0 * (2.0 + step.cos()) / (f64::from(blades) * step.sin());
+        let squares: Vec<f64> = (0..n)
+            .map(|_| {
+                let lens = camera.sample_lens(|| random.cube());
+                let at = camera.sample_ray([0.0; 2], lens, 0.0).ray.origin - pose().position;
+                assert!(at.dot(pose().backward).abs() < 32.0 * f32::EPSILON, "{at}");
+                f64::from(at.length_squared()) / (RADIUS * RADIUS)
+            })
+            .collect();
+        let mean = squares.iter().sum::<f64>() / f64::from(n);
+        let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / f64::from(n);
+        // 4.5 standard errors: a level of 7e-6, 3e-5 for all four.
+        let bound = 4.5 * (variance / f64::from(n)).sqrt();
+        assert!((mean - expected).abs() < bound, "{blades}: {mean} of {expected} ± {bound}");
     }
 }

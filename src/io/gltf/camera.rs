@@ -28,7 +28,7 @@ pub(super) fn load(
     if projection.is_none() {
         notes.add(format!("camera '{name}' has no valid projection and is left out"));
     }
-    Some(CameraDescription { name, projection: projection?, transform })
+    Some(CameraDescription { name, projection: projection?, transform, lens: None })
 }
 
 fn perspective(raw: &Value, name: &str, notes: &mut Notes) -> Option<Projection> {

@@ -26,7 +26,7 @@ impl View {
     /// # Errors
     /// The camera does not exist.
     pub(super) fn new(scene: &Scene, settings: RenderSettings) -> Result<View> {
-        let camera = scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let camera = settings.camera_in(scene)?;
         Ok(View { layout: settings.layout(), camera, settings })
     }
 

@@ -32,7 +32,7 @@ impl<'a> Candidate<'a> {
     pub fn new(stage: &'a LoadedScene, choices: &SettingsPatch, method: Method) -> Result<Self> {
         let settings = settings(choices, stage, method, stage.scene.backend())?;
         let layout = settings.layout();
-        let camera = stage.scene.camera(settings.camera.as_deref(), settings.width, settings.height)?;
+        let camera = settings.camera_in(&stage.scene)?;
         let plan = PassPlan { stop: StopCriteria::after(0), selection: PassSelection::All };
         Ok(Candidate {
             name: format!("{}/{}", method.name(), settings.backend.name()),

@@ -95,7 +95,7 @@ pub(super) fn settings(
         aovs: None,
         ..choices.clone()
     };
-    choices.settings(aspect)
+    stage.settings(&choices)
 }
 
 fn seed(seed: u64, method: Method, backend: Backend) -> u64 {

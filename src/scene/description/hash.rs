@@ -5,7 +5,7 @@
 //! `field.feed(bytes)`, or `field: _` if no image depends on it, such as names that nothing is selected by.
 
 use super::{
-    AlphaMode, CameraDescription, Description, EnvironmentDescription, Instance, Material, Mesh, MetalFresnel,
+    AlphaMode, CameraDescription, Description, EnvironmentDescription, Instance, Lens, Material, Mesh, MetalFresnel,
     Primitive, Projection, PunctualKind, PunctualLight, Volume,
 };
 use crate::spectrum::Spectrum;
@@ -212,10 +212,25 @@ impl Content for PunctualKind {
 impl Content for CameraDescription {
     fn feed(&self, bytes: &mut Bytes) {
         // Cameras are selected by name.
-        let CameraDescription { name, projection, transform } = self;
+        let CameraDescription { name, projection, transform, lens } = self;
         name.feed(bytes);
+        // No projection begins with a 2. A camera without a lens keeps the bytes that it had before there were lenses.
+        if let Some(lens) = lens {
+            2_u8.feed(bytes);
+            lens.feed(bytes);
+        }
         projection.feed(bytes);
         transform.feed(bytes);
+    }
+}
+
+impl Content for Lens {
+    fn feed(&self, bytes: &mut Bytes) {
+        let Lens { radius, focus, blades, rotation } = self;
+        radius.feed(bytes);
+        focus.feed(bytes);
+        blades.feed(bytes);
+        rotation.feed(bytes);
     }
 }
 

@@ -31,6 +31,7 @@ fn description() -> Description {
             name: "camera".into(),
             projection: Projection::Perspective { yfov: 1.0, aspect: None },
             transform: DAffine3::IDENTITY,
+            lens: None,
         }],
         ..Description::default()
     }
@@ -79,6 +80,7 @@ fn whatever_a_picture_depends_on_changes_the_hash() {
         ("intensity", |d| d.lights[0].intensity = Spectrum::ZERO),
         ("cone", |d| d.lights[0].kind = PunctualKind::Spot { inner: 0.1, outer: 0.3 }),
         ("projection", |d| d.cameras[0].projection = Projection::Orthographic { xmag: 1.0, ymag: 1.0 }),
+        ("a lens", |d| d.cameras[0].lens = Some(Lens { radius: 0.0, focus: 1.0, blades: 0, rotation: 0.0 })),
         ("a camera's name", |d| d.cameras[0].name = "other".into()),
         ("environment", |d| d.environment = Some(EnvironmentDescription::Uniform(Spectrum::ZERO))),
     ];

@@ -259,6 +259,25 @@ pub enum Projection {
     },
 }
 
+/// Lens of a perspective camera. One whose radius or focus is not positive makes it a pinhole.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Lens {
+    /// Radius of a round aperture, in file units. One with blades has the same area.
+    pub radius: f64,
+    /// Distance from the lens to the plane of focus along the axis, in file units.
+    pub focus: f64,
+    /// Number of blades, the sides of a regular polygon, at least 3; 0 for a round aperture.
+    pub blades: u32,
+    /// Angle by which a polygon is turned counter-clockwise, seen from behind the camera, from a corner on the right,
+    /// in degrees.
+    pub rotation: f64,
+}
+
+impl Lens {
+    /// Largest number of blades. More cannot be told from a disk.
+    pub const MOST_BLADES: u32 = 64;
+}
+
 /// A camera, looking along −z of its transform with +y up.
 #[derive(Debug, Clone)]
 pub struct CameraDescription {
@@ -266,6 +285,8 @@ pub struct CameraDescription {
     pub name: String,
     /// Its projection.
     pub projection: Projection,
+    /// Its lens, if it has one. Orthographic cameras ignore it.
+    pub lens: Option<Lens>,
     /// Local to world.
     pub transform: DAffine3,
 }

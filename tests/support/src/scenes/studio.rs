@@ -63,7 +63,7 @@ pub fn camera(eye: DVec3, target: DVec3) -> CameraDescription {
     let right = up.cross(backward).normalize();
     let transform = DAffine3::from_cols(right, backward.cross(right), backward, eye);
     let projection = Projection::Perspective { yfov: 60f64.to_radians(), aspect: None };
-    CameraDescription { name: "camera".into(), projection, transform }
+    CameraDescription { name: "camera".into(), projection, transform, lens: None }
 }
 
 /// A point light.

@@ -2,7 +2,9 @@
 
 use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, point_light};
 use etendue::accel::Backend;
-use etendue::scene::description::{Description, EnvironmentDescription, Material, PunctualKind, PunctualLight, Volume};
+use etendue::scene::description::{
+    CameraDescription, Description, EnvironmentDescription, Lens, Material, PunctualKind, PunctualLight, Volume,
+};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Bitmap, Encoding, RadianceMap, Texels, Texture, TextureFilter, Wrap};
@@ -167,7 +169,18 @@ fn nested() -> World {
     build("nested", 0.25, scene)
 }
 
+/// The same things as seen through a wide lens of five blades, most of them out of focus.
+fn lens() -> World {
+    let mut scene = room();
+    Ball::new(2, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), metal(0.9, 0.4));
+    Ball::new(3, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), glass(0.0));
+    Ball::new(3, 0.25).add(&mut scene, DVec3::new(0.1, -0.1, -0.5), metal(0.8, 0.0));
+    let lens = Some(Lens { radius: 0.08, focus: 1.2, blades: 5, rotation: 20.0 });
+    scene.cameras.push(CameraDescription { lens, ..camera(EYE, DVec3::new(-0.05, -0.2, -0.3)) });
+    build("lens", 0.16, scene)
+}
+
 /// Every world.
-pub fn all() -> [World; 6] {
-    [rough(), dirac(), bent(), open(), tinted(), nested()]
+pub fn all() -> [World; 7] {
+    [rough(), dirac(), bent(), open(), tinted(), nested(), lens()]
 }
