@@ -2,15 +2,14 @@
 //! layers see through the lens as colours do.
 
 use crate::bidirectional::{How, agree, runs};
-use crate::deep::deep;
 use crate::picture::{Block, Picture, Shot, limit, render, scene};
-use crate::studio::{add_room, add_square, camera, matte, metal, narrow, point_light};
-use etendue::film::{Film, Layout, PassFilm, Plane};
-use etendue::integrator::{self, IntegratorConfig, Method};
-use etendue::parallel::Cancel;
+use etendue::film::{Layout, Plane};
+use etendue::integrator::{FilmRenderer, IntegratorConfig, Method};
 use etendue::scene::Scene;
 use etendue::scene::description::{CameraDescription, Description, Lens, Material, PunctualKind, PunctualLight};
 use etendue::spectrum::Spectrum;
+use etendue_testing::studio::{add_room, add_square, camera, matte, metal, narrow, point_light};
+use etendue_testing::{deep, worlds};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -110,17 +109,11 @@ fn a_speck_out_of_focus_is_an_even_disk() {
 /// Sums of passes of one seed with the alpha layer.
 fn layers(scene: &Scene, spp: u64) -> [Vec<f32>; 2] {
     let layout = Layout::new(SIDE, SIDE, None, &[Plane::Alpha]);
-    let options = IntegratorConfig::new(&layout);
+    let options = IntegratorConfig::new(Method::Path, &layout);
     let camera = scene.camera(None, SIDE, SIDE).expect("a camera");
-    let pilot = integrator::pilot(scene, &camera, &options, &layout);
-    let integrator = integrator::build(Method::Path, scene, camera, &options, &pilot);
-    let mut film = Film::new(layout.clone(), options.replicates, 0, pilot.units);
-    let mut pass = PassFilm::new(&layout).with_unit(pilot.units.radiance);
-    for k in 0..spp {
-        pass.clear();
-        integrator.run_pass(k, &Cancel::new(), &mut pass).expect("not cancelled");
-        film.commit(k, &pass);
-    }
+    let mut renderer = FilmRenderer::begin(scene, camera, &options, &layout);
+    renderer.passes(spp);
+    let film = renderer.film();
     [Plane::Color, Plane::Alpha].map(|plane| film.mean(plane))
 }
 
@@ -159,7 +152,7 @@ fn a_lens_of_radius_0_is_a_pinhole() {
 /// in its mirror, has the speck.
 #[test]
 fn methods_agree_through_a_lens() {
-    let lens = crate::worlds::all().into_iter().find(|world| world.name == "lens").expect("a lens").scene;
+    let lens = worlds::all().into_iter().find(|world| world.name == "lens").expect("a lens").scene;
     let spp = |n: u64| if deep() { 16 * n } else { n };
     let path = runs(&lens, &How::new(Method::Path, 16, spp(32)));
     for (method, n) in [(Method::Bdpt, 8), (Method::Pssmlt, 8), (Method::Mmlt, 8), (Method::Mlt, 8)] {
