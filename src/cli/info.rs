@@ -54,7 +54,7 @@ pub(super) fn run(args: Args) -> Result<()> {
         path: stage.path.display().to_string(),
         hash: stage.scene.hash().to_owned(),
         cameras: stage.scene.cameras(),
-        blind_spots: integrator::blind_spots(settings.method.kind(), &stage.scene),
+        blind_spots: integrator::missing_light(settings.method.kind(), &stage.scene),
         memory: Memory::estimate(&settings, &stage.info),
         settings,
         load_seconds: stage.preparation.load_seconds,

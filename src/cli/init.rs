@@ -28,6 +28,7 @@ pub(super) fn run(args: Args) -> Result<()> {
         return Err(Error::usage(format!("{} is there already: --force replaces it", path.display())));
     }
     write_atomically(&path, |file| file.write_all(template().as_bytes()))?;
+    args.console.document(&serde_json::json!({ "settings": path }))?;
     args.console.line(&format!("settings: {}", path.display()))
 }
 

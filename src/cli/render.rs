@@ -8,7 +8,7 @@ use super::techniques::TechniqueArgs;
 use super::{Console, startup, task};
 use crate::batch::{Frames, Job, JobRequest};
 use crate::error::Result;
-use crate::session::{Ended, PassPlan, PassSelection, SettingsPatch, picture_name};
+use crate::session::{Ended, PassSelection, SettingsPatch, picture_name};
 use std::path::Path;
 
 /// Arguments of `render`.
@@ -78,7 +78,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let outputs = args.output.outputs(&picture_name(&args.scene.scene), selection)?;
     args.output.check(&outputs)?;
     let techniques = args.techniques.files(job.settings.method.kind(), &outputs)?;
-    say_rounding(console, &choices, job.plan, job.settings.replicates);
+    task::note_rounding(console, choices.spp, job.plan, job.settings.replicates);
     let signals = Signals::heed()?;
     let threads = startup::start_threads(args.threads)?;
     let stage = job.load(&args.scene.scene, threads)?;
@@ -110,17 +110,4 @@ fn run_frames(frames: Frames, args: Args) -> Result<()> {
     };
     let pictures = job.pictures(Path::new(""), &SettingsPatch::default())?;
     batch::render_all(&pictures, BatchOptions { again: false, strict, threads, progress, console })
-}
-
-/// Notes that the number of samples was rounded up.
-fn say_rounding(console: Console, choices: &SettingsPatch, plan: PassPlan, replicates: u32) {
-    if let (Some(asked), Some(spp), false) =
-        (choices.spp, plan.stop.spp, matches!(plan.selection, PassSelection::Range { .. }))
-    {
-        if u64::from(asked) != spp {
-            console.note(&format!(
-                "{asked} samples per pixel rounded up to {spp}: {replicates} replicates × a power of two"
-            ));
-        }
-    }
 }

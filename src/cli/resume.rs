@@ -3,7 +3,7 @@
 use super::args::{KeepArgs, OutputArgs, StrictArgs, ThreadArgs};
 use super::progress::ProgressArgs;
 use super::signals::Signals;
-use super::{Console, startup};
+use super::{Console, startup, task};
 use crate::error::{Error, Result};
 use crate::session::{
     Budget, EnvironmentChoice, LoadedScene, Outputs, PassPlan, PassSelection, Session, SettingsPatch, Surroundings,
@@ -50,6 +50,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let (mut provenance, film) = checkpoint::restore(&args.film_file)?;
     provenance.plan = plan(&args, provenance.plan, provenance.settings.replicates)?;
     args.strict.check(&provenance.plan)?;
+    task::note_rounding(console, args.spp, provenance.plan, provenance.settings.replicates);
     let outputs = outputs(&args)?;
     args.output.check(&outputs)?;
     let signals = Signals::heed()?;

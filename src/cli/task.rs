@@ -7,7 +7,8 @@ use super::{Console, finish, progress};
 use crate::error::Result;
 use crate::session::checkpoint::{self, INTERVAL};
 use crate::session::{
-    Checkpoint, Ended, ExistingOutput, LoadedScene, Outputs, Provenance, RenderReport, Rendered, Session,
+    Checkpoint, Ended, ExistingOutput, LoadedScene, Outputs, PassPlan, PassSelection, Provenance, RenderReport,
+    Rendered, Session,
 };
 use std::path::PathBuf;
 use std::time::Duration;
@@ -103,5 +104,14 @@ pub(super) fn warn(console: Console, provenance: &Provenance) {
     scene.blind_spots.iter().for_each(|text| console.warn(text));
     if let Some(limit) = provenance.settings.clamp {
         console.warn(&format!("--clamp {limit}: the image is biased, and says so"));
+    }
+}
+
+/// Notes that the number of samples per pixel was rounded up from the `asked` one.
+pub(super) fn note_rounding(console: Console, asked: Option<u32>, plan: PassPlan, replicates: u32) {
+    let (Some(asked), Some(spp)) = (asked, plan.stop.spp) else { return };
+    if u64::from(asked) != spp && !matches!(plan.selection, PassSelection::Range { .. }) {
+        console
+            .note(&format!("{asked} samples per pixel rounded up to {spp}: {replicates} replicates × a power of two"));
     }
 }

@@ -152,7 +152,7 @@ impl Film {
         let (values, relative) = (sum(|b| b.values), sum(|b| b.relative));
         let relmse = RelMse::of(&blocks, independent);
         let (evidence, tail) = Evidence::of(self, known, mean.value, epsilon.sqrt());
-        let trust = evidence.verdict(&relmse, known, self.replicates());
+        let trust = evidence.verdict(&relmse, mean.value, known, self.replicates());
         let largest = blocks.iter().map(|b| b.relative).fold(0.0, f64::max);
         Some(ImageError {
             relmse,

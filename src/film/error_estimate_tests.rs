@@ -164,6 +164,10 @@ fn fewer_than_two_replicates_have_no_error_estimate() {
 #[test]
 fn edge_images_have_sane_errors() {
     let black = film(&Layout::new(9, 9, None, &[]), 4, 4, 0, |_| 0.0).image_error(Independent::Pixels).unwrap();
+    assert_eq!(
+        black.trust().reasons.iter().map(|distrust| distrust.reason).collect::<Vec<_>>(),
+        [crate::film::Reason::NoLight]
+    );
     assert!(black.relmse.value.to_bits() == 0 && black.relmse.high.to_bits() == 0 && black.max_share.to_bits() == 0);
     let one = Layout::new(8, 8, Some(crate::film::Crop { x0: 3, y0: 3, x1: 4, y1: 4 }), &[]);
     let mut pass = PassFilm::new(&one);

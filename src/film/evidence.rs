@@ -55,8 +55,8 @@ impl Evidence {
         (self.rare_relmse / (RULE_OF_THREE * pixels as f64)).sqrt()
     }
 
-    /// Returns the verdict on the interval of `relmse`.
-    pub(super) fn verdict(&self, relmse: &RelMse, known: Known, replicates: u32) -> Trust {
+    /// Returns the verdict on the interval of `relmse` of an image with that `mean`.
+    pub(super) fn verdict(&self, relmse: &RelMse, mean: f64, known: Known, replicates: u32) -> Trust {
         let least = f64::from(known.independent.least_replicates());
         let skewness = if replicates < APART_FROM { relmse.skewness_bias } else { 0.0 };
         let share = |part: f64| if part > 0.0 { part / relmse.value } else { 0.0 };
@@ -65,6 +65,7 @@ impl Evidence {
         let too_few = f64::from(replicates) < least;
         let reasons = [
             above(Reason::BlindMethod, f64::from(u8::from(known.prior.blind)), 0.0),
+            (mean <= 0.0).then_some(Distrust { reason: Reason::NoLight, value: mean, limit: 0.0 }),
             above(Reason::RarePaths, share(self.rare_relmse), MOST_RARE),
             above(Reason::HeavyTail, self.shape_limit.unwrap_or(0.0), UNTRUSTED_SHAPE),
             above(Reason::FewSamples, share(self.peaks.unresolved), MOST_UNRESOLVED),

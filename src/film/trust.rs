@@ -28,6 +28,8 @@ pub struct Distrust {
 pub enum Reason {
     /// The method cannot sample some of the light of the scene.
     BlindMethod,
+    /// No sample has found light. Where there is light, all of it was missed.
+    NoLight,
     /// The method samples some paths of the scene only by chance. The value is their possible unseen contribution, as a
     /// share of the error.
     RarePaths,
@@ -59,6 +61,7 @@ impl Reason {
     pub fn sentence(self) -> &'static str {
         match self {
             Reason::BlindMethod => "the method does not see all light of the scene",
+            Reason::NoLight => "the image is black, since no sample has found light",
             Reason::RarePaths => {
                 "the scene has paths that the method meets by luck, and they may carry the error unseen"
             }

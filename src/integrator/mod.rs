@@ -120,7 +120,23 @@ pub fn pilot(scene: &Scene, camera: &Camera, options: &IntegratorConfig, layout:
     })
 }
 
-/// Describes the light in `scene` that `method` cannot sample, one sentence each.
+/// Describes the light in `scene` that `method` cannot sample, one sentence each: its [`blind_spots`], and light that no
+/// method samples.
+pub fn missing_light(method: Method, scene: &Scene) -> Vec<String> {
+    let mut missing = blind_spots(method, scene);
+    let features = scene.features();
+    if features.dirac && features.dirac_lights && !matches!(method, Method::PathNaive | Method::Light) {
+        missing.push(
+            "no method sees light of point, spot and directional lights that mirrors or clear glass throw on surfaces \
+             which are seen in mirrors or through clear glass: it is missing there; small lamps in place of these \
+             lights can be seen by mlt and bdpt"
+                .into(),
+        );
+    }
+    missing
+}
+
+/// Describes the light in `scene` that `method` cannot sample and others can, one sentence each.
 pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
     let features = scene.features();
     let mut spots = Vec::new();

@@ -81,7 +81,11 @@ fn header(input: &mut Input<'_>) -> Decoded<DMat3> {
         if let Some(numbers) = line.strip_prefix("PRIMARIES=") {
             let numbers: Option<Vec<f64>> = numbers.split_ascii_whitespace().map(|n| n.parse().ok()).collect();
             let eight = numbers.and_then(|numbers| numbers.try_into().ok());
-            primaries = Primaries(eight.ok_or_else(|| format!("'{line}' are no eight chromaticities"))?);
+            let eight: [f64; 8] = eight.ok_or_else(|| format!("'{line}' are no eight chromaticities"))?;
+            // Photoshop writes zeros for none.
+            if eight.iter().any(|&number| number != 0.0) {
+                primaries = Primaries(eight);
+            }
         }
     }
     let of_rgb = || primaries.to_rec_709().ok_or("its PRIMARIES make no colours");
@@ -289,7 +293,7 @@ mod tests {
             (b"#?RADIANCE\n".to_vec(), "within its header"),
             (b"#?RADIANCE\nFORMAT=64-bit\n\n-Y 1 +X 1\n".to_vec(), "64-bit"),
             (b"#?RADIANCE\nPRIMARIES=1 2 3\n\n-Y 1 +X 1\n".to_vec(), "no eight"),
-            (b"#?RADIANCE\nPRIMARIES=0 0 0 0 0 0 0 0\n\n-Y 1 +X 1\n".to_vec(), "no colours"),
+            (b"#?RADIANCE\nPRIMARIES=1 1 1 1 1 1 1 1\n\n-Y 1 +X 1\n".to_vec(), "no colours"),
             (picture("+Y 1 -Y 1", &[1; 4]), "'+Y 1 -Y 1' is not a size"),
             (picture("-Y 0 +X 1", &[1; 4]), "is not a size"),
             (picture("-Y 60000 +X 60000", &[1; 4]), "more than"),

@@ -116,7 +116,7 @@ impl Provenance {
             hash: stage.scene.hash().to_owned(),
             ignored: stage.info.ignored.clone(),
             warnings: stage.info.warnings.iter().cloned().chain(beyond).collect(),
-            blind_spots: integrator::blind_spots(settings.method.kind(), &stage.scene),
+            blind_spots: integrator::missing_light(settings.method.kind(), &stage.scene),
             prior: integrator::prior(settings.method.kind(), &stage.scene),
         };
         let work = Work { started: now(), finished: now(), ..Work::default() };

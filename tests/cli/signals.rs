@@ -58,6 +58,18 @@ fn a_stopped_render_resumes_to_the_same_pixels() {
     }
 }
 
+/// `timeout` signals a process and its group, so that it receives two.
+#[test]
+fn signals_at_once_are_one_request() {
+    let place = Place::new();
+    let begun = begun(&place, "-o x.exr");
+    for _ in 0..3 {
+        signal(&begun.child, "TERM");
+    }
+    ended(begun).fails(75, "etendue resume x.film");
+    assert!(place.path("x.film").exists());
+}
+
 #[test]
 fn a_killed_render_leaves_old_files_whole() {
     let place = Place::new();

@@ -4,7 +4,7 @@
 
 use super::super::ChainContext;
 use super::extend::{RayEnd, SubpathBuffer, SubpathSampler};
-use super::eye::{log_uniform, turned};
+use super::perturb_camera::{log_uniform, turned};
 use super::state::{PathState, Proposal};
 use crate::geometry::{Ray, leave};
 use crate::light::EmitterPoint;

@@ -9,8 +9,8 @@
 mod bidirectional;
 mod caustic;
 mod extend;
-mod eye;
 mod lens_subpath;
+mod perturb_camera;
 mod seed;
 mod state;
 
@@ -21,8 +21,8 @@ use crate::path::TraceStats;
 use crate::sampling::Address;
 use bidirectional::Bidirectional;
 use caustic::Caustic;
-use eye::Eye;
 use lens_subpath::LensSubpath;
+use perturb_camera::{LensPerturbation, MultiChainPerturbation};
 use state::PathState;
 
 /// The method.
@@ -60,9 +60,9 @@ impl<'a> MarkovMethod for PathSpace<'a> {
             (&self.common, self.mutations);
         let kernels: [Box<dyn Kernel<PathState<'a>> + Sync + '_>; 5] = [
             Box::new(Bidirectional::new(common, bidirectional)),
-            Box::new(Eye::lens(common, lens)),
+            Box::new(LensPerturbation { common, weight: lens }),
             Box::new(Caustic { common, weight: caustic }),
-            Box::new(Eye::multi_chain(common, multi_chain)),
+            Box::new(MultiChainPerturbation { common, weight: multi_chain }),
             Box::new(LensSubpath { common, weight: lens_subpath }),
         ];
         Mixture::new(kernels.into())
