@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arrays_of_all_sizes_are_what_they_were_made_of() {
+    fn huge_vec_equals_its_source_at_all_sizes() {
         for count in [0, 1, 1000, HUGE / 12, HUGE / 12 + 1, HUGE] {
             let items: Vec<[u32; 3]> = (0..count as u32).map(|i| [i, !i, 7]).collect();
             let pages = HugeVec::from(items.clone());

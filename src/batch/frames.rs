@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_list_is_one_sentence() {
+    fn invalid_frame_list_is_one_sentence() {
         for (text, what) in [
             ("", "'' is no frame"),
             ("1,,2", "'' is no frame"),
@@ -186,7 +186,7 @@ mod tests {
         }
 
         #[test]
-        fn any_text_is_frames_or_a_sentence(text in "[0-9x, -]{0,12}") {
+        fn arbitrary_text_is_a_frame_list_or_one_sentence(text in "[0-9x, -]{0,12}") {
             if let Ok(frames) = text.parse::<Frames>() {
                 prop_assert!((1..=Frames::MOST).contains(&frames.numbers().len()));
             }

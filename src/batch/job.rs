@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn a_request_is_every_scene_by_every_camera_and_method() {
+    fn job_is_the_product_of_scenes_cameras_and_methods() {
         let text = "output = '{scene}.{camera}.{method}.exr'\nsettings.spp = 4\n[[render]]\nscenes = ['a.glb', 'b.glb']\n\
                     cameras = ['0', 'x/y']\nmethods = ['path', 'mlt']\nsettings.spp = 8\n[[render]]\nscenes = ['c.glb']";
         let all = pictures(text).unwrap();
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_meant_is_refused() {
+    fn contradictory_jobs_are_refused() {
         for (text, why) in [
             ("", "nothing to render"),
             ("[[render]]", "no scenes"),

@@ -1,5 +1,5 @@
-//! Many pictures in one process: batch files, frame lists, and the cache that loads the next scene while the present one
-//! renders.
+//! Many pictures in one process: batch files, frame lists, and the cache that loads the next scene while the present
+//! one renders.
 
 mod frames;
 mod job;

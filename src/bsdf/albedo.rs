@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn quadrature_agrees_with_the_closed_form_at_normal_incidence_of_full_roughness() {
+    fn albedo_quadrature_matches_closed_form_at_normal_incidence() {
         let exact = 1.0 - 2f64.ln();
         // The remainder of a rule of this order is below the rounding of its sums.
         assert!((moments(Ggx::new(1.0), 1.0, [16, 32]).white - exact).abs() < 1e-10);

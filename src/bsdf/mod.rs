@@ -114,8 +114,8 @@ pub trait Bsdf: Copy {
         (self.eval(wi, wo, Lobes::SMOOTH), self.pdf(known, other, mode, Lobes::SMOOTH))
     }
     /// Returns random numbers u that [`Bsdf::sample`] maps to `other` (smooth lobes only), and the natural logarithm of
-    /// their density in the unit cube. The auxiliary random numbers select among several preimages. No method calls it yet:
-    /// it is for reversible-jump kernels of Metropolis light transport.
+    /// their density in the unit cube. The auxiliary random numbers select among several preimages. No method calls it
+    /// yet: it is for reversible-jump kernels of Metropolis light transport.
     fn invert(&self, known: Local, other: Local, mode: TransportMode, aux: [f32; 2]) -> Option<([f32; 3], f64)>;
     /// Components of the model.
     fn lobes(&self) -> Lobes;

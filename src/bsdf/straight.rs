@@ -67,7 +67,7 @@ mod tests {
     /// The passing and the remaining part form the whole: a walk that scatters at the rest with the complementary
     /// probability has all lobes.
     #[test]
-    fn a_surface_is_its_rest_and_what_goes_straight_on() {
+    fn surface_is_sum_of_straight_transmission_and_rest() {
         for whole in [glassy(Wall::Thin, 1.0, 1.5), glassy(Wall::Thin, 0.6, 1.5), glassy(Wall::Solid, 0.6, 1.0)] {
             for cos in [1.0f32, 0.6, 0.05] {
                 let (_, probability) = whole.straight(cos).expect("it is clear");
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_indices_pass_the_tint_alone() {
+    fn surface_of_equal_iors_transmits_its_tint_straight() {
         let (value, probability) = glassy(Wall::Solid, 1.0, 1.0).straight(0.3).expect("it is clear");
         assert_eq!((value, probability), (Spectrum([0.9, 0.5, 0.2]), 1.0));
         assert!(matches!(glassy(Wall::Solid, 1.0, 1.0).rest(), Surface::Black));

@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn commands_can_be_typed_again() {
+    fn quoted_command_lines_round_trip() {
         let line = ["bench", "my scene.gltf", "--size", "64x64", "it's", ""].map(String::from);
         assert_eq!(typed(line.into_iter()), r"etendue bench 'my scene.gltf' --size 64x64 'it'\''s' ''");
     }

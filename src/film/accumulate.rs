@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn order_and_shards_leave_no_trace() {
+    fn film_is_independent_of_pass_order_and_sharding() {
         let layout = Layout::new(13, 9, None, &[Plane::Depth, Plane::Normal, Plane::Invalid]);
         let whole = commit_all(&layout, 0..16);
         assert_eq!(commit_all(&layout, (0..16).rev()), whole);
@@ -273,7 +273,7 @@ mod tests {
 
     /// A crop has exactly the sums of the full film.
     #[test]
-    fn a_crop_rounds_as_the_whole() {
+    fn crop_rounds_like_the_full_image() {
         let full = Layout::new(6, 5, None, &[]);
         let crop = Layout::new(6, 5, Some(Crop { x0: 2, y0: 1, x1: 5, y1: 4 }), &[Plane::Alpha]);
         let (mut a, mut b) = (Film::new(full.clone(), 1, 5, units()), Film::new(crop.clone(), 1, 5, units()));
@@ -292,7 +292,7 @@ mod tests {
     /// The mean of 64 passes equals the exact mean of their values within rounding: 5 σ of 64 × unit²/4 (level 6e-7 per
     /// value, 6e-4 for all), plus half an ulp of f32.
     #[test]
-    fn means_are_those_of_the_values() {
+    fn film_mean_is_the_average_of_added_values() {
         let layout = Layout::new(16, 8, None, &[Plane::Albedo]);
         let passes: Vec<PassFilm> = (0..64).map(|k| noise(&layout, k)).collect();
         let mut film = Film::new(layout.clone(), 4, 1, units());
@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn merge_refuses_what_does_not_belong() {
+    fn merge_refuses_films_of_other_renders() {
         let layout = Layout::new(2, 2, None, &[]);
         let film = |layout: &Layout, r, seed, unit, pass| {
             let mut film = Film::new(layout.clone(), r, seed, Units { radiance: unit, length: 1.0 });

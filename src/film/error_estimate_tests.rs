@@ -154,7 +154,7 @@ fn rare_samples_do_not_hide_their_own_error() {
 }
 
 #[test]
-fn too_few_replicates_give_nothing() {
+fn fewer_than_two_replicates_have_no_error_estimate() {
     let layout = Layout::new(4, 4, None, &[]);
     assert!(film(&layout, 1, 4, 0, normal).image_error(Independent::Pixels).is_none());
     assert!(film(&layout, 4, 3, 0, normal).standard_error().is_none());
@@ -186,7 +186,7 @@ fn edge_images_have_sane_errors() {
 
 /// A single outlier pixel is detected.
 #[test]
-fn fireflies_show_in_the_share() {
+fn firefly_dominates_max_share() {
     let layout = Layout::new(64, 64, None, &[]);
     let mut pass = PassFilm::new(&layout);
     let mut film = Film::new(layout, 4, 0, Units::from_exponents(-24, 0).unwrap());

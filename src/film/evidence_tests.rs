@@ -58,7 +58,7 @@ fn heavy_tails_are_not_trusted() {
 
 /// The estimate of a shape of .6 is mostly below the limit, its upper confidence limit is not.
 #[test]
-fn a_shape_is_judged_by_its_upper_end() {
+fn tail_shape_is_judged_by_its_upper_confidence_limit() {
     let error =
         |seed: u64| film(64, 900 + seed, |r| (1.0 - r.uniform()).powf(-0.6)).image_error(nothing_known()).unwrap();
     let reasons = |seed| error(seed).trust.reasons.iter().any(|d| d.reason == Reason::HeavyTail);
@@ -70,7 +70,7 @@ fn a_shape_is_judged_by_its_upper_end() {
 /// One sample in 10,000 contributes half of the mean. Films with such samples are rejected because of them, films
 /// without by prior knowledge: the verdict does not depend on chance.
 #[test]
-fn a_lottery_is_trusted_by_nobody_who_knows_of_it() {
+fn known_rare_paths_make_the_interval_untrusted() {
     let draw = |r: &mut Random| if r.uniform() < 1e-4 { 5000.0 } else { 0.75 + 0.5 * r.uniform() };
     let prior = Prior { blind: false, rare_radiance: 5000.0 };
     let known = Known { independent: Independent::Pixels, prior };
@@ -86,7 +86,7 @@ fn a_lottery_is_trusted_by_nobody_who_knows_of_it() {
 /// The true mean exceeds that of the samples by at most the bound on unseen samples, with error probability 5 %: 20 or
 /// more exceptions in 200 films have a probability of .002.
 #[test]
-fn what_was_not_met_is_bounded() {
+fn unseen_rare_paths_are_bounded() {
     let lottery = |r: &mut Random| if r.uniform() < 1e-4 { 5000.0 } else { 0.75 + 0.5 * r.uniform() };
     let pareto = |r: &mut Random| (1.0 - r.uniform()).powf(-0.8);
     let prior = Prior { blind: false, rare_radiance: 5000.0 };
@@ -104,7 +104,7 @@ fn what_was_not_met_is_bounded() {
 /// Events that are rare per pixel are frequent in a large image: after enough samples without one, their possible
 /// contribution is small relative to the error.
 #[test]
-fn enough_samples_rule_out_what_they_did_not_meet() {
+fn enough_samples_without_rare_paths_are_trusted() {
     let draw = |r: &mut Random| r.exponential();
     let known =
         |rare_radiance| Known { independent: Independent::Pixels, prior: Prior { blind: false, rare_radiance } };
@@ -117,7 +117,7 @@ fn enough_samples_rule_out_what_they_did_not_meet() {
 }
 
 #[test]
-fn blind_methods_are_not_trusted_and_say_so_as_data() {
+fn blind_method_is_untrusted_with_its_reason_in_json() {
     let prior = Prior { blind: true, rare_radiance: f64::INFINITY };
     let error = film(16, 1, |r| r.uniform()).image_error(Known { independent: Independent::Blocks, prior }).unwrap();
     let json = serde_json::json!(error);

@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_and_of_equals_the_earliest_stays_in_any_order() {
+    fn largest_sample_is_kept_and_ties_go_to_the_earliest_pass() {
         let passes = [(3, [1.0, 2.0, 3.0, 9.0]), (7, [2.0, 2.0, 2.0, 0.0]), (1, [0.5, 0.5, 0.5, 99.0])];
         let all = peaks(&passes);
         assert_eq!(all.at(0), Some(Peak { value: 2.0, pass: 3 }));
@@ -88,13 +88,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_light_leaves_nothing() {
+    fn zero_negative_and_non_finite_samples_are_not_kept() {
         let dark = [(0, [0.0; 4]), (1, [-1.0; 4]), (2, [f32::NAN; 4]), (3, [f32::INFINITY; 4])];
         assert_eq!(peaks(&dark).at(0), None);
     }
 
     #[test]
-    fn late_passes_and_bad_files_are_told_apart() {
+    fn pass_numbers_saturate_and_invalid_values_are_refused() {
         let late = peaks(&[(1 << 40, [1.0; 4])]);
         assert_eq!(late.at(0).map(|p| p.pass), Some(u32::MAX));
         let mut read = Peaks::new(1);

@@ -93,7 +93,7 @@ fn holds(independent: Independent, replicates: u32, draw: Draw) {
 }
 
 #[test]
-fn an_interval_from_replicates_holds_whatever_pixels_share() {
+fn replicate_interval_covers_under_any_pixel_correlation() {
     for replicates in [8, 16] {
         for draw in [apart, splats, skewed_blobs, rare_blobs, as_one, uneven] {
             holds(Independent::Replicates, replicates, draw);
@@ -102,7 +102,7 @@ fn an_interval_from_replicates_holds_whatever_pixels_share() {
 }
 
 #[test]
-fn an_interval_from_blocks_holds_where_neighbours_share() {
+fn block_interval_covers_under_neighbour_correlation() {
     for replicates in [4, 8] {
         for draw in [apart, splats] {
             holds(Independent::Blocks, replicates, draw);
@@ -112,7 +112,7 @@ fn an_interval_from_blocks_holds_where_neighbours_share() {
 
 /// Four replicates do not determine their own variance, and are reported as too few.
 #[test]
-fn few_replicates_alone_are_not_trusted() {
+fn fewer_than_eight_correlated_replicates_are_untrusted() {
     let trusted = |replicates| error(Independent::Replicates, replicates, 1, as_one).distrust().is_none();
     assert!(!trusted(2) && !trusted(4) && trusted(8) && trusted(16));
     assert!(error(Independent::Replicates, 2, 1, apart).relmse.high.is_infinite());
@@ -121,7 +121,7 @@ fn few_replicates_alone_are_not_trusted() {
 
 /// The closed form of pseudo-values equals leaving out one replicate at a time, to rounding.
 #[test]
-fn noise_between_replicates_is_the_jackknifes() {
+fn replicate_noise_matches_leave_one_out_jackknife() {
     let mut random = Random::new(5);
     let values: Vec<f64> = (0..16).map(|_| random.exponential()).collect();
     let variance = |values: &[f64]| values.iter().copied().collect::<Moments>().variance().unwrap();

@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn is_shown_in_short() {
+    fn pass_set_is_printed_as_ranges() {
         let mut set: PassSet = (0..64).collect();
         assert!(set.insert(70) && !set.insert(70));
         assert_eq!(set.to_string(), "0-63,70");

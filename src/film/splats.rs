@@ -146,7 +146,7 @@ mod tests {
     /// Splats give the same bits in any order and with any number of threads, including those beyond the fixed-point
     /// range.
     #[test]
-    fn order_leaves_no_trace() {
+    fn splat_sum_is_independent_of_order() {
         let all = splats(4000);
         let fold = |film: &mut PassFilm| {
             film.fold_splats();
@@ -167,7 +167,7 @@ mod tests {
 
     /// A crop receives the same splats as these pixels of the full image, except for the rounding hash.
     #[test]
-    fn a_crop_sees_what_falls_on_it() {
+    fn crop_receives_splats_of_the_full_image() {
         let crop = Crop { x0: 3, y0: 2, x1: 9, y1: 7 };
         let (mut whole, mut part) = (film(None), film(Some(crop)));
         for (i, (at, value)) in splats(500).into_iter().enumerate() {
@@ -189,7 +189,7 @@ mod tests {
     /// All light arrives. The densities of the pixels around a point sum to about one, and exactly to one on average
     /// over all points, for every filter. Splats far dimmer than a unit count, too: 5 σ of their rounding.
     #[test]
-    fn splats_keep_their_light() {
+    fn splats_conserve_energy() {
         let mut random = Random::new(3);
         for filter in [Filter::Box, Filter::Tent, Filter::Gaussian, Filter::BlackmanHarris] {
             let mut pass = film(None);

@@ -181,7 +181,7 @@ mod tests {
 
     /// Integers of any size, added in any order and split in any way, give the same two parts.
     #[test]
-    fn order_and_grouping_do_not_matter() {
+    fn sums_are_independent_of_order_and_grouping() {
         let mut random = Random::new(2);
         let mut values: Vec<f64> = (0..400)
             .map(|_| ((random.normal() * 1e6).round()) * 2_f64.powi((random.uniform() * 100.0) as i32))
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_of_units_is_dropped_and_counted() {
+    fn values_outside_the_fixed_point_range_are_dropped_and_counted() {
         let (mut sum, mut spill) = (0, Spill::default());
         for value in [f64::NAN, f64::INFINITY, -LIMIT * TWO_32] {
             add_rounded(&mut sum, value, 0, 0, &mut spill);

@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_inverted_in_f32_places_nothing() {
+    fn placements_without_inverse_in_f32_are_refused() {
         let scaled = |scale: f32| is_placement(&Affine3A::from_scale(Vec3::splat(scale)));
         assert!(scaled(1e12) && scaled(-1e-12) && scaled(1.0));
         assert!(!scaled(1e15) && !scaled(1e-15) && !scaled(0.0) && !scaled(f32::NAN) && !scaled(f32::INFINITY));
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_false_hit_is_called_inconsistent_and_its_point_stays_on_the_triangle() {
+    fn false_hit_is_flagged_and_its_point_stays_on_the_triangle() {
         let triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
         let hit = triangle.meet(&Ray::new(Vec3::new(2.0, -1.0, 1.0), -Vec3::Z)).expect("not parallel");
         assert!(!hit.consistent);

@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn says_where_it_cannot_write() {
+    fn error_names_the_unwritable_path() {
         let missing = write_atomically(Path::new("no/such/folder/a.bin"), |_| Ok(())).unwrap_err();
         assert!(
             missing.kind == Kind::Output && missing.chain().contains("no/such/folder/a.bin"),
@@ -171,7 +171,7 @@ mod tests {
     /// During writing the folder contains nothing that a kill could leave behind; without unnamed files, one temporary
     /// name.
     #[test]
-    fn has_no_name_while_it_is_written() {
+    fn file_has_no_name_until_it_is_complete() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.bin");
         let count = || fs::read_dir(folder.path()).unwrap().count();
@@ -182,7 +182,7 @@ mod tests {
 
     /// A removed file cannot be linked again.
     #[test]
-    fn what_cannot_be_named_is_copied() {
+    fn unlinkable_temporary_file_is_copied() {
         let folder = tempfile::tempdir().unwrap();
         let mut removed = create(folder.path()).unwrap();
         removed.write_all(b"all of it").unwrap();
@@ -192,7 +192,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_stay_and_their_targets_are_written() {
+    fn symlinks_are_kept_and_their_targets_written() {
         use std::os::unix::fs::symlink;
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
@@ -217,7 +217,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn has_the_mode_of_an_ordinary_file() {
+    fn file_mode_follows_the_umask() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let (ours, ordinary) = (folder.path().join("a"), folder.path().join("b"));

@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn hash_sees_every_bit_and_not_the_order() {
+    fn pixel_hash_depends_on_every_bit_but_not_on_layer_order() {
         let base = layers(6);
         let hash = |layers: &[Layer]| hash_pixels(3, 2, None, layers);
         let mut reversed = base.clone();
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_to_write_nonsense() {
+    fn invalid_images_are_not_written() {
         let (path, crop) = (Path::new("a.exr"), Crop { x0: 0, y0: 0, x1: 4, y1: 2 });
         let twice = [layers(6), layers(6)].concat();
         for (crop, layers) in [(None, layers(5)), (None, twice), (Some(crop), layers(8)), (None, Vec::new())] {

@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn hdr_errors_name_the_defect() {
         for (bytes, what) in [
             (b"\x89PNG".to_vec(), "not a Radiance picture"),
             (b"#?RADIANCE\n".to_vec(), "within its header"),

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_those_of_whole_files() {
+    fn png_text_is_read_from_complete_files_only() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         let picture = PngPicture { width: 2, height: 1, rgb: &[0.5; 6], alpha: None };

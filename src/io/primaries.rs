@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_colours_is_none() {
+    fn degenerate_primaries_are_refused() {
         let with = |change: fn(&mut [f64; 8])| {
             let mut numbers = Primaries::REC_709.0;
             change(&mut numbers);

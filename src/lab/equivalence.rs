@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_and_no_ray_at_all() {
+    fn equal_hits_are_the_same_and_invalid_rays_hit_nothing() {
         let geometry = planes(0.5);
         assert_eq!(agreement(&geometry, &down(0.25, 0.25), hit(0), hit(0)), Agreement::Same);
         assert_eq!(agreement(&geometry, &Ray::new(Vec3::NAN, Vec3::X), None, None), Agreement::Same);

@@ -1,5 +1,6 @@
-//! Measurements of the renderer itself: comparison of images and methods, benchmarks of methods and of ray queries, hard
-//! cases for intersection, images by technique, error metrics of images, and the HTML pages that show the results. Rendering needs none of it.
+//! Measurements of the renderer itself: comparison of images and methods, benchmarks of methods and of ray queries,
+//! hard cases for intersection, images by technique, error metrics of images, and the HTML pages that show the results.
+//! Rendering needs none of it.
 
 pub mod bench_methods;
 pub mod bench_rays;

@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_sheet_lies_beside_the_image() {
+    fn technique_sheet_path_is_beside_the_image() {
         let files = TechniqueFiles::of(Path::new("a/b.c.EXR")).unwrap();
         assert_eq!(files.png, Path::new("a/b.c.png"));
         for wrong in ["a", "a.png", ".exr"] {

@@ -110,7 +110,7 @@ fn a_mixture_keeps_the_shares_of_its_parts() {
 }
 
 #[test]
-fn forbidden_places_are_not_visited() {
+fn states_of_zero_target_are_not_visited() {
     let target = |x: f64| if (0.0..1.0).contains(&x) { 0.0 } else { f64::NEG_INFINITY };
     assert_moments(
         target,
@@ -121,7 +121,7 @@ fn forbidden_places_are_not_visited() {
 /// Every address has a coordinate, equal to the one of independent sampling. Those of connection roulette lie beyond
 /// all bounces, and 16 slots per bounce must not wrap around at 2³².
 #[test]
-fn coordinates_at_the_highest_bounces_are_their_own() {
+fn coordinates_of_the_highest_bounces_are_distinct() {
     let (mut point, address) = (PrimaryPoint::default(), Address::new(3));
     point.clear();
     let bounces = [0, 1, 4_095, 4_096, 16_384, 1 << 28, 1 << 30, (1 << 30) + (3 << 16) + 2, u32::MAX];
@@ -182,7 +182,7 @@ impl Kernel<Branching> for Branches {
 
 /// ∫f: 1/8 for a < 1/2, 3/16 above; there E a = 7/9 and E b = 2/3.
 #[test]
-fn numbers_that_come_and_go_keep_the_target() {
+fn lazily_created_coordinates_preserve_the_target() {
     for small in [SmallStep::KELEMEN, SmallStep::Gaussian { sigma: 0.05 }] {
         let mixture = Mixture::new(vec![
             Box::new(Branches(Step::Large)) as Box<dyn Kernel<Branching> + Sync>,
@@ -219,7 +219,7 @@ fn numbers_that_come_and_go_keep_the_target() {
 }
 
 #[test]
-fn equally_spaced_choices_are_fair() {
+fn systematic_resampling_is_unbiased() {
     let weights = [0.0, 1.0, 0.5, 2.5, 0.0, 1.0];
     let (n, count) = (4000, 3);
     let mut chosen = [0.0; 6];
@@ -237,7 +237,7 @@ fn equally_spaced_choices_are_fair() {
 }
 
 #[test]
-fn small_steps_are_as_long_as_they_say() {
+fn small_steps_have_the_stated_distribution() {
     let lengths = |small: SmallStep| -> Vec<f64> {
         (0..100_000)
             .map(|i| f64::from(small.apply(7, Address::new(3).bits(i)).wrapping_sub(7) as i32) / 2f64.powi(32))

@@ -12,7 +12,7 @@ use glam::Vec3;
 use std::borrow::Cow;
 
 /// Vertex of a path.
-#[allow(clippy::large_enum_variant)] // nearly all vertices of a path are on surfaces
+#[allow(clippy::large_enum_variant)] // nearly all vertices lie on surfaces
 pub enum Vertex<'a> {
     /// At the camera.
     Camera(CameraPoint),

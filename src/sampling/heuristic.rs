@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_weights_of_both_techniques_sum_to_one_at_any_scale() {
+    fn power_heuristic_weights_sum_to_one_at_any_scale() {
         for (p, q) in [(1.0, 3.0), (1e-30, 2e-30), (1e30, 5e-30), (0.5, 0.0), (1e20, 1e21)] {
             let sum = power(p, q) + if q > 0.0 { power(q, p) } else { 0.0 };
             assert!((sum - 1.0).abs() <= 2.0 * f32::EPSILON, "{p} {q}: {sum}");

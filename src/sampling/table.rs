@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn a_distribution_of_nothing_is_none() {
+    fn all_zero_weights_give_no_distribution() {
         assert!(Distribution::new([]).is_none());
         assert!(Distribution::new([0.0, 0.0]).is_none());
     }

@@ -15,7 +15,7 @@ fn set(bodies: &AllBodies, entered: &[u32]) -> Bodies {
 }
 
 #[test]
-fn neither_order_nor_repetition_of_crossings_matters() {
+fn body_set_is_independent_of_order_and_repetition_of_crossings() {
     let bodies = boxes(&(1..=8).map(|i| (0.0, i as f32)).collect::<Vec<_>>());
     let a = set(&bodies, &[7, 2, 5, 2]);
     assert_eq!(a, set(&bodies, &[5, 7, 2]));
@@ -28,7 +28,7 @@ fn neither_order_nor_repetition_of_crossings_matters() {
 }
 
 #[test]
-fn whoever_shares_no_place_with_what_is_entered_has_been_left() {
+fn entering_a_body_leaves_all_disjoint_ones() {
     let bodies = boxes(&[(0.0, 1.0), (5.0, 1.0), (2.0, 8.0)]);
     assert_eq!(bodies.members(set(&bodies, &[0, 2, 1]))[..], [1, 2]);
     let apart = boxes(&[(0.0, 1.0), (5.0, 1.0)]);
@@ -38,7 +38,7 @@ fn whoever_shares_no_place_with_what_is_entered_has_been_left() {
 
 /// A flat water surface contains everything below it; bodies inside it have precedence.
 #[test]
-fn open_bodies_come_last_and_share_all_places() {
+fn open_bodies_rank_last_and_overlap_all_others() {
     let mut list = boxes(&[(0.0, 1.0), (50.0, 1.0), (0.0, 20.0)]).list;
     list[2].is_open = true;
     list[2].bounds.max.y = -20.0;
@@ -50,7 +50,7 @@ fn open_bodies_come_last_and_share_all_places() {
 }
 
 #[test]
-fn the_last_in_precedence_are_forgotten_where_there_are_too_many() {
+fn lowest_precedence_is_dropped_beyond_capacity() {
     let bodies = boxes(&[(0.0, 1.0); 40]);
     let all = set(&bodies, &(0..40).collect::<Vec<_>>());
     assert_eq!(bodies.members(all)[..], (0..=32).collect::<Vec<u32>>()[..]);

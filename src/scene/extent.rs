@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn the_origin_lies_beside_the_gem_and_not_between_it_and_the_sun() {
+    fn origin_is_near_the_smallest_detail() {
         let e = extent(&[(1e-3, 3.0), (1.0, 4.0), (1e6, 1e8)]);
         assert!(e.detail.x - 3.0 < 1e-3 && e.radius() > 4e7, "{e:?}");
         assert_eq!(e.spoilt, 0);
@@ -186,14 +186,14 @@ mod tests {
     }
 
     #[test]
-    fn two_gems_far_apart_are_spoilt_and_counted() {
+    fn small_objects_far_apart_are_counted_as_imprecise() {
         assert_eq!(extent(&[(1e-3, 0.0), (2e-3, 1e8), (1e6, 1e8)]).spoilt, 2);
         assert_eq!(extent(&[(1e-3, 0.0), (2.0, 1e8), (1e6, 1e8)]).spoilt, 1);
         assert_eq!(extent(&[(1e-3, 0.0), (2e-3, 10.0)]).spoilt, 0);
     }
 
     #[test]
-    fn a_scene_of_points_has_its_middle() {
+    fn origin_of_a_scene_of_points_is_their_middle() {
         assert!(extent(&[(0.0, 1.0), (0.0, 3.0)]).detail.x == 2.0);
     }
 }

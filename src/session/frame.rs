@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_that_show_nothing_new_are_doubtful() {
+    fn frames_past_the_end_or_without_animation_are_warned_of() {
         let frame = |number, fps| FrameNumber { number, fps };
         assert_eq!(frame(36, 24.0).seconds(), 1.5);
         assert_eq!(frame(36, 24.0).doubt(Some(1.5)), None);

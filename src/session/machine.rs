@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_processor_speaks_for_all() {
+    fn processor_model_is_that_of_the_first_entry() {
         let text = "processor\t: 0\nmodel name\t: A Chip\nflags\t\t: fpu avx2 bmi1\n\nprocessor\t: 1\nmodel name\t: B";
         let chip = Processor::parse(text);
         assert_eq!(chip.model.as_deref(), Some("A Chip"));
@@ -214,7 +214,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn the_system_tells_memory() {
+    fn system_memory_figures_are_available() {
         assert!(peak_memory().unwrap() > 1 << 20);
         assert!(available_memory().is_some());
     }

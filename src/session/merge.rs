@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn shards_make_a_whole_in_any_order() {
+    fn merged_shards_equal_one_run_in_any_order() {
         let films = Films::new();
         let mut shards: Vec<_> = (0..3).map(|i| films.write(&format!("{i}.film"), &format!("{i}/3"), |_| ())).collect();
         let (provenance, film) = merge(&shards, Gaps::Refuse).unwrap();
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_merged_film_merges_on() {
+    fn merged_films_can_be_merged_again() {
         let films = Films::new();
         let shards: Vec<_> = (0..3).map(|i| films.write(&format!("{i}.film"), &format!("{i}/3"), |_| ())).collect();
         let (provenance, film) = merge(&shards[..2], Gaps::Allow).unwrap();
@@ -148,7 +148,7 @@ mod tests {
 
     /// Timed shards stop independently. A merged film is continued up to the last pass of the furthest shard.
     #[test]
-    fn shards_that_time_ends_need_not_be_equally_long() {
+    fn time_limited_shards_of_unequal_length_merge() {
         let films = Films::new();
         let timed =
             |p: &mut Provenance| p.plan.stop = StopCriteria { spp: None, seconds: Some(1.0), target_error: None };

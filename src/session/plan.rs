@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_what_its_films_belong_to() {
+    fn film_names_its_whole_image_for_any_shard() {
         let held = |passes: &[u64]| {
             let mut set = PassSet::default();
             passes.iter().for_each(|&p| {

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn what_every_method_reads_enters_the_hash() {
+    fn common_options_change_the_settings_hash() {
         let base = settings();
         let other = if base.backend == Backend::Obvhs { Backend::Embree } else { Backend::Obvhs };
         let changed = [
@@ -181,7 +181,7 @@ mod tests {
     };
 
     #[test]
-    fn a_method_hashes_what_it_reads_and_nothing_else() {
+    fn settings_hash_covers_exactly_the_options_of_the_method() {
         for &method in Method::all() {
             let base = SettingsPatch { method: Some(method), ..SettingsPatch::default() };
             let hash = |patch: &SettingsPatch| patch.settings(None).unwrap().hash();
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_without_a_frame_are_as_they_always_were() {
+    fn settings_without_a_frame_keep_their_hash() {
         let (rest, frame) = (settings(), Some(FrameNumber { number: 3, fps: 0.1 }));
         assert!(serde_json::json!(rest).get("frame").is_none());
         let moved = RenderSettings { frame, ..rest };
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn layers_bring_their_planes() {
+    fn aovs_add_their_film_planes() {
         let layout = RenderSettings { aovs: vec![Aov::Depth, Aov::Instance], ..settings() }.layout();
         assert_eq!(layout.planes(), [Plane::Color, Plane::Alpha, Plane::Depth]);
     }

@@ -129,7 +129,7 @@ mod tests {
     /// The standard error of an efficient estimate is (1 + k)/√n for k > −½; two-sided at level 1e-6 (4.9 σ). The bias
     /// is of order 1/n, a hundredth of that.
     #[test]
-    fn shapes_are_found_again() {
+    fn pareto_shape_is_recovered() {
         for (seed, k) in [-0.3, -0.1, 0.0, 0.2, 0.5, 0.7, 1.0].into_iter().enumerate() {
             let n = 20_000;
             let tail = tail_of_largest(&mut largest(k, n, 50 + seed as u64)).unwrap();
@@ -152,7 +152,7 @@ mod tests {
     /// u^(−k) has exactly a generalised Pareto tail of shape k above every threshold: two-sided at level 1e-6 (4.9 σ),
     /// and k = 1.5 is beyond [`UNTRUSTED_SHAPE`] by 7 σ.
     #[test]
-    fn the_tail_of_all_values_is_found() {
+    fn tail_of_all_values_is_fitted() {
         let mut random = Random::new(61);
         let u: Vec<f64> = (0..40_000).map(|_| 1.0 - random.uniform()).collect();
         for (k, trusted) in [(0.3, true), (1.5, false)] {
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_fitted_is_not() {
+    fn unfittable_samples_give_no_tail() {
         assert_eq!(tail_shape(&mut []), None);
         assert_eq!(tail_shape(&mut [1.0; 1000]), None);
         let mut few: Vec<f64> = (0..20).map(f64::from).collect();

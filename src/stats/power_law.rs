@@ -91,7 +91,7 @@ mod tests {
     const ROUNDING: f64 = 1e4 * f64::EPSILON;
 
     #[test]
-    fn an_exact_law_is_found_whatever_the_weights() {
+    fn exact_power_law_is_recovered_with_any_weights() {
         let law = |x: f64| 3.5 * x.powf(-1.25);
         let points: Vec<_> =
             (0..6).map(|i| point(f64::from(1 << i), law(f64::from(1 << i)), f64::from(i + 1))).collect();

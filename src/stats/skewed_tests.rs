@@ -49,7 +49,7 @@ fn skewed_means_keep_the_level_with_the_correction_and_not_without() {
 }
 
 #[test]
-fn the_cubic_and_its_inverse_belong_together() {
+fn cubic_transform_and_its_inverse_round_trip() {
     for lambda in [0.0, 1e-9, 1e-3, 0.05, 0.15] {
         for statistic in [0.5, 2.0, 5.5] {
             let back = straightened(bent(statistic, lambda), lambda);

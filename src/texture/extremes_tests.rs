@@ -28,7 +28,7 @@ fn random_texture(random: &mut Random) -> Texture {
 
 /// Every lookup within a triangle lies between the extremes of the bounding box of its corners.
 #[test]
-fn every_lookup_lies_between_them() {
+fn texture_lookups_lie_within_the_extremes() {
     let mut random = Random::new(5);
     let mut unit = || (random.bits() >> 11) as f32 / (1u64 << 53) as f32;
     let mut numbers: Vec<f32> = (0..4096).map(|_| unit()).collect();
@@ -59,7 +59,7 @@ fn every_lookup_lies_between_them() {
 
 /// One exceptional texel affects exactly the extremes of coordinates that touch it.
 #[test]
-fn texels_that_are_not_touched_do_not_count() {
+fn untouched_texels_do_not_widen_the_extremes() {
     let (w, h) = (100u32, 80u32);
     for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
         let mut texels = vec![[200u8; 4]; (w * h) as usize];

@@ -116,7 +116,7 @@ pub(crate) fn nearest(candidates: &[Candidate]) -> Option<Hit> {
 }
 
 #[test]
-fn a_wrong_answer_is_told_from_a_right_one() {
+fn brute_force_comparison_detects_wrong_hits() {
     let geometry = super::scenes::scene_of(vec![super::scenes::triangle()], vec![(0, None, false)]);
     let brute = BruteForce::new(&geometry);
     let hit = Hit { object: 0, primitive: 0 };

@@ -1,4 +1,4 @@
-//! What must not crash, hang or pass unnoticed.
+//! Invalid and degenerate rays and geometry: no crash, no hang, no silent loss.
 
 use crate::scenes::{Random, built, each, icosphere, mesh, placed_cube, scene_of, setups, triangle};
 use etendue::accel::{Accel, Backend, Build, Intersector};
@@ -18,7 +18,7 @@ impl AnyHit for RejectAll {
 }
 
 #[test]
-fn rays_that_are_none_return() {
+fn invalid_rays_return() {
     let geometry = placed_cube();
     for setup in setups() {
         let scene = built(&geometry, setup);
@@ -68,7 +68,7 @@ fn an_empty_scene_is_hit_by_nothing() {
 }
 
 #[test]
-fn what_a_backend_would_leave_out_in_silence_is_an_error() {
+fn geometry_that_a_backend_would_drop_is_an_error() {
     let placed = |linear: Mat3| {
         let placement = Affine3A::from_mat3_translation(linear, Vec3::ZERO);
         scene_of(vec![triangle()], vec![(0, None, false), (0, Some(placement), false)])

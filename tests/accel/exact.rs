@@ -66,7 +66,7 @@ impl Integers {
 }
 
 #[test]
-fn floats_are_whole_numbers_of_the_least() {
+fn floats_are_integer_multiples_of_the_least_subnormal() {
     for (x, expected) in
         [(0.0, 0), (-0.0, 0), (f32::from_bits(1), 1), (-f32::from_bits(7), -7), (f32::MIN_POSITIVE, 1 << 23)]
     {

@@ -1,4 +1,4 @@
-//! Any-hit filters: who is asked, about what, and that the answer decides.
+//! Any-hit filters: which candidates they receive, and that their answers decide.
 
 use crate::brute_force::{BruteForce, fault};
 use crate::scenes::{Random, built, each, placed_cube, scene_of, setups, triangle};

@@ -76,7 +76,7 @@ fn fault(case: &HardCase, row: &Category) -> Option<String> {
 }
 
 #[test]
-fn nothing_leaks_and_ordinary_rays_do_not_differ() {
+fn no_ray_leaks_and_backends_agree_on_ordinary_rays() {
     println!(
         "{:<20} {:<14} {:>8} {:>7} {:>11} {:>6} {:>6}  suspects",
         "case", "backend", "rays", "leaks", "differences", "ties", "grazes"
@@ -129,7 +129,7 @@ fn judged(case: &HardCase, judge: &Judge<'_>, accels: &[Accel], index: u64) -> V
 }
 
 #[test]
-fn where_backends_differ_ours_is_right() {
+fn obvhs_is_exact_where_backends_differ() {
     let mut ours = Vec::new();
     for case in all() {
         let build = |&backend: &Backend| Accel::build(case.geometry(), backend, Build::Robust, 0).expect("builds");

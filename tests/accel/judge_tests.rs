@@ -22,7 +22,7 @@ fn down(x: f32, y: f32) -> Ray {
 }
 
 #[test]
-fn through_an_edge_both_are_met_and_the_next_float_beside_it_one() {
+fn edge_ray_meets_both_triangles_and_its_float_neighbour_one() {
     let geometry = square();
     let judge = Judge::new(&geometry);
     for at in [0.1f32, 0.3, 0.7, 1e-30, f32::from_bits(1)] {
@@ -33,7 +33,7 @@ fn through_an_edge_both_are_met_and_the_next_float_beside_it_one() {
 }
 
 #[test]
-fn a_vertex_is_part_of_its_triangles_and_the_next_float_outside_of_none() {
+fn vertex_ray_meets_its_triangles_and_its_outer_float_neighbour_none() {
     let geometry = square();
     let judge = Judge::new(&geometry);
     assert_eq!(judge.nearest(&down(1.0, 1.0)), [hit(0, 0), hit(0, 1)]);
@@ -55,7 +55,7 @@ fn a_ray_is_not_rounded() {
 }
 
 #[test]
-fn ends_count_exactly_and_what_has_no_area_or_lies_along_the_ray_is_not_met() {
+fn ray_ends_are_exact_and_degenerate_triangles_are_missed() {
     let flat = mesh(vec![Vec3::ZERO, Vec3::X, Vec3::X * 2.0], vec![[0, 1, 2], [0, 0, 1]]);
     let geometry = scene_of(vec![triangle(), flat], vec![(0, None, false), (1, None, false)]);
     let judge = Judge::new(&geometry);
@@ -99,7 +99,7 @@ fn a_closed_body_is_met_wherever_it_is_left() {
 
 /// The filter must not change what exact arithmetic says: for it, each triangle alone.
 #[test]
-fn the_filter_rules_nothing_out_that_is_met() {
+fn float_filter_of_the_judge_excludes_no_hit() {
     let geometry = placed_cube();
     let judge = Judge::new(&geometry);
     let mut random = Random(22);

@@ -1,4 +1,4 @@
-//! The acceleration backends against geometry: which triangle does a ray hit, and what must never happen.
+//! The acceleration backends against geometry: which triangle a ray hits, leaks, and invalid input.
 
 mod agreement;
 mod brute_force;

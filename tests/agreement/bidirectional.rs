@@ -149,7 +149,7 @@ pub(crate) fn spp(shallow: u64) -> u64 {
 
 /// Mirrors, glass, mixtures, bent normals, absorption, textures apart: everything that both find.
 #[test]
-fn bidirectional_path_tracing_shows_what_path_tracing_shows() {
+fn bdpt_and_light_match_path() {
     for World { name, scene, .. } in all().into_iter().filter(|w| w.name != "open") {
         let path = runs(&scene, &How::new(Method::Path, 16, spp(16)));
         let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, spp(8)));
@@ -166,7 +166,7 @@ fn bidirectional_path_tracing_shows_what_path_tracing_shows() {
 
 /// Techniques that are switched off leave every weight: what is left still adds up, as far as it finds everything.
 #[test]
-fn any_sufficient_set_of_techniques_shows_the_same() {
+fn complete_technique_subsets_agree() {
     use Technique::{Connect, Hit, NextEvent, Splat};
     for World { name, scene, .. } in all() {
         // Under lights without extent and behind mirrors each of these misses something.
@@ -185,7 +185,7 @@ fn any_sufficient_set_of_techniques_shows_the_same() {
 
 /// Random scenes in thermal equilibrium are of one brightness, whatever stands in them: see `equilibrium.rs`.
 #[test]
-fn equilibrium_is_kept() {
+fn bdpt_and_light_keep_thermal_equilibrium() {
     let rounds = if deep() { 20 } else { 2 };
     let cases: Vec<(Kind, u64)> = (0..rounds).flat_map(|round| KINDS.map(|kind| (kind, round))).collect();
     for &(kind, round) in &cases {
@@ -234,7 +234,7 @@ fn response(eye: DVec3, light: DVec3, method: Method, spp: u64) -> Estimate {
 /// CameraDescription and light swapped: see `reciprocity.rs`. The weights' change within a pixel of 1/8 is second
 /// order, 4e-3, and nearly the same both ways.
 #[test]
-fn the_renderer_is_reciprocal() {
+fn bdpt_and_light_are_reciprocal() {
     let (a, b) = (DVec3::new(-0.9, 1.3, 0.9), DVec3::new(0.9, 0.9, 0.6));
     let cases = [
         (Method::Bdpt, a, b, 1.0, 8, 1.1),
@@ -267,13 +267,13 @@ pub(crate) fn expect_crop(scene: &Scene, how: How, filter: Filter) {
 }
 
 #[test]
-fn a_crop_shows_what_the_whole_does() {
+fn bdpt_crop_matches_the_full_image() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     expect_crop(&scene, How::new(Method::Light, 16, spp(8)), Filter::Box);
 }
 
 #[test]
-fn a_crop_shows_what_the_whole_does_under_wide_filters() {
+fn bdpt_crop_matches_the_full_image_under_wide_filters() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     expect_crop(&scene, How::new(Method::Light, 16, spp(8)), Filter::BlackmanHarris);
     expect_crop(&scene, How::new(Method::Bdpt, 16, spp(8)), Filter::Gaussian);
@@ -281,7 +281,7 @@ fn a_crop_shows_what_the_whole_does_under_wide_filters() {
 }
 
 #[test]
-fn another_resolution_shows_the_same() {
+fn bdpt_mean_is_independent_of_resolution() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     for method in [Method::Light, Method::Bdpt] {
         let [coarse, fine] = [16, 32].map(|side| runs(&scene, &How::new(method, side, spp(8))));
@@ -291,7 +291,7 @@ fn another_resolution_shows_the_same() {
 
 /// Depth counts scattering events in every technique.
 #[test]
-fn a_limit_of_depth_means_the_same() {
+fn max_depth_agrees_between_path_and_bdpt() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     for depth in [0, 1, 2, 3] {
         let of = |method| {
@@ -308,7 +308,7 @@ fn a_limit_of_depth_means_the_same() {
 
 /// A pass is the same bits on any number of threads.
 #[test]
-fn threads_leave_no_trace() {
+fn bdpt_is_independent_of_thread_count() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     let layout = Layout::new(40, 40, None, &[]);
     let camera = scene.camera(None, 40, 40).expect("a camera");
@@ -328,7 +328,7 @@ fn threads_leave_no_trace() {
 
 /// Black walls scatter nothing, and only what the camera sees directly is left.
 #[test]
-fn without_scattering_there_is_only_direct_view() {
+fn black_walls_show_their_emission_only() {
     let mut black = etendue::scene::description::Description::default();
     etendue_testing::studio::add_room(&mut black, &matte(0.0, 0.5));
     black.cameras.push(camera(DVec3::new(0.1, 0.0, 0.2), DVec3::X));

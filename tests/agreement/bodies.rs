@@ -223,41 +223,41 @@ const FROM_LIGHTS: [(Method, u64, f64); 1] = [(Method::Light, 512, 0.1)];
 const CHAINS: [(Method, u64, f64); 2] = [(Method::Mlt, 64, 0.1), (Method::Pssmlt, 64, 0.1)];
 
 #[test]
-fn nested_blocks_absorb_by_what_has_each_place() {
+fn nested_bodies_absorb_by_precedence() {
     nested().iter().for_each(|case| case.check(&FAST));
 }
 
 #[test]
-fn walks_from_lights_know_what_lamps_are_in() {
+fn light_subpaths_start_in_the_medium_of_the_lamp() {
     let with_lamps = |case: &&Case| case.name.contains("lamp");
     nested().iter().filter(with_lamps).for_each(|case| case.check(&FROM_LIGHTS));
 }
 
 #[test]
-fn walks_from_lights_know_what_they_are_in() {
+fn light_subpaths_track_nested_media() {
     let without_lamps = |case: &&Case| !case.name.contains("lamp");
     nested().iter().filter(without_lamps).for_each(|case| case.check(&FROM_LIGHTS));
 }
 
 #[test]
-fn chains_know_what_they_are_in() {
+fn metropolis_tracks_nested_media() {
     nested().iter().for_each(|case| case.check(&CHAINS));
 }
 
 #[test]
-fn panes_let_lamps_and_suns_pass() {
+fn panes_transmit_area_and_directional_lights() {
     panes().iter().for_each(|case| case.check(&FAST));
 }
 
 #[test]
-fn walks_from_lights_and_chains_pass_panes() {
+fn light_subpaths_and_metropolis_pass_panes() {
     [&FROM_LIGHTS[..], &CHAINS[..]].iter().for_each(|how| panes().iter().for_each(|case| case.check(how)));
 }
 
 /// A box of panes over a floor under a white sky: each direction crosses one pane. Lights found by walks and by samples
 /// are the same light, and it counts once.
 #[test]
-fn a_sky_behind_panes_counts_once() {
+fn environment_behind_panes_is_counted_once() {
     let mut description = Description::default();
     add_square(&mut description, Vec3::NEG_Y, Vec3::X, Vec3::NEG_Z, matte(ALBEDO, 0.0));
     for (n, u) in
@@ -326,7 +326,7 @@ fn comes_out(scene: &Scene, ray: etendue::geometry::Ray) -> RandomWalk<'_> {
 
 /// Snell's law between the indices on both sides: a wedge of 1.5 in a block of 1.33, and one of 1.33 that is not there.
 #[test]
-fn boundaries_bend_by_the_indices_on_both_sides() {
+fn refraction_uses_the_iors_on_both_sides() {
     for (ior, outer) in [(1.5f64, 1.33f64), (1.33, 1.33), (1.0, 1.33), (1.5, 1.0)] {
         for &backend in Backend::AVAILABLE {
             let mut description = Description::default();
@@ -379,7 +379,7 @@ fn a_camera_in_water_sees_the_sky_through_glass() {
 
 /// A room with a block of glass, and the same with balls of equal index in it: the same picture by every method.
 #[test]
-fn bodies_of_equal_index_are_not_there() {
+fn bodies_of_equal_ior_are_invisible() {
     let room = |filled: bool| {
         let mut description = Description::default();
         add_room(&mut description, &matte(0.6, 0.0));

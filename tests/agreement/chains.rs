@@ -24,7 +24,7 @@ fn how(method: Method, samples: u64, limit: f64) -> How {
 
 /// Rough and Dirac surfaces, mixtures, bent normals, absorption, lights of all kinds under a map.
 #[test]
-fn chains_show_what_bidirectional_path_tracing_shows() {
+fn metropolis_methods_match_bdpt() {
     for World { name, scene, .. } in all() {
         let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, spp(16)));
         // Lamps behind bodies and panes are found by few.
@@ -39,7 +39,7 @@ fn chains_show_what_bidirectional_path_tracing_shows() {
 
 /// The part below the limit and the part above it are the whole.
 #[test]
-fn samples_and_chains_share_the_light() {
+fn bdpt_below_and_mlt_above_threshold_sum_to_bdpt() {
     for World { name, scene, .. } in all().into_iter().filter(|w| deep() || ["dirac", "open"].contains(&w.name)) {
         let bdpt = runs(&scene, &How::new(Method::Bdpt, 16, spp(16)));
         for (method, limit) in METHODS.into_iter().zip([0.5, 1.0, 1.0]) {
@@ -50,9 +50,9 @@ fn samples_and_chains_share_the_light() {
     }
 }
 
-/// The same where all light comes by splats.
+/// The same for light tracing, whose contributions are all splats.
 #[test]
-fn walks_from_lights_share_their_light_with_chains() {
+fn light_below_and_mmlt_above_threshold_sum_to_light() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     let light = some_runs(&scene, &How::new(Method::Light, 16, spp(128)), 8);
     let found = some_runs(
@@ -66,7 +66,7 @@ fn walks_from_lights_share_their_light_with_chains() {
 
 /// Deep: the scenes that renderers are compared on, with what is usual and with everything left to chains.
 #[test]
-fn chains_show_what_is_in_the_scenes() {
+fn metropolis_methods_match_bdpt_on_stock_scenes() {
     if !deep() {
         return;
     }
@@ -97,29 +97,29 @@ fn expect_small_picture(method: Method, count: u64, chains: ChainOptions) {
 }
 
 #[test]
-fn a_small_picture_of_paths_is_right() {
+fn mlt_matches_bdpt_on_a_small_image() {
     expect_small_picture(Method::Mlt, 16, ChainOptions::all());
 }
 
 #[test]
-fn a_small_picture_of_techniques_is_right() {
+fn mmlt_matches_bdpt_on_a_small_image() {
     expect_small_picture(Method::Mmlt, 10, ChainOptions { depths: Some(2), ..ChainOptions::all() });
 }
 
 #[test]
-fn a_small_picture_of_two_stages_is_right() {
+fn two_stage_mlt_matches_bdpt_on_a_small_image() {
     let chains = ChainOptions { two_stage: true, ..ChainOptions::all() };
     expect_small_picture(Method::Mlt, 6, chains);
 }
 
 #[test]
-fn a_small_picture_above_a_limit_is_right() {
+fn mlt_above_threshold_matches_bdpt_on_a_small_image() {
     expect_small_picture(Method::Mlt, 6, ChainOptions { threshold: Some(0.5), ..ChainOptions::default() });
 }
 
 /// Depth counts scattering events, in chains too.
 #[test]
-fn a_limit_of_depth_means_the_same_to_chains() {
+fn max_depth_agrees_between_bdpt_and_metropolis() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     for depth in [0, 1, 2, 3] {
         let of = |how: How| {
@@ -134,9 +134,9 @@ fn a_limit_of_depth_means_the_same_to_chains() {
     }
 }
 
-/// Primary sample space has the path tracer's numbers, too, where techniques that need walks from lights are left out.
+/// Without techniques that need light subpaths, PSSMLT integrates what path tracing does.
 #[test]
-fn the_path_tracers_numbers_can_be_walked() {
+fn pssmlt_without_light_subpaths_matches_path() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     let path = runs(&scene, &How::new(Method::Path, 16, spp(16)));
     for method in [Method::Pssmlt, Method::Mmlt] {
@@ -147,7 +147,7 @@ fn the_path_tracers_numbers_can_be_walked() {
 
 /// See `equilibrium.rs`.
 #[test]
-fn chains_keep_equilibrium() {
+fn metropolis_keeps_thermal_equilibrium() {
     let rounds = if deep() { 10 } else { 1 };
     let cases: Vec<(Kind, u64)> = (0..rounds).flat_map(|round| KINDS.map(|kind| (kind, round))).collect();
     for &(kind, round) in &cases {
@@ -172,7 +172,7 @@ fn chains_keep_equilibrium() {
 }
 
 #[test]
-fn a_crop_has_the_light_of_the_whole() {
+fn metropolis_crop_matches_the_full_image() {
     let World { scene, .. } = all().into_iter().next().expect("rough");
     for (method, filter) in [(Method::Mlt, Filter::BlackmanHarris), (Method::Mmlt, Filter::Box)] {
         expect_crop(&scene, how(method, 16, 0.0), filter);

@@ -1,4 +1,4 @@
-//! Scenes whose radiance is known on paper.
+//! Scenes whose radiance has a closed form.
 
 use crate::picture::{LEVEL, Picture, Shot, agree, limit, render, scene};
 use etendue::integrator::Method;
@@ -46,7 +46,7 @@ fn a_closed_room_of_one_material_is_uniformly_bright() {
 /// A quarter of the paths of a room that reflects 99 % is longer than the events after which roulette goes by depth,
 /// and they carry a twelfth of its light.
 #[test]
-fn roulette_by_depth_is_paid() {
+fn russian_roulette_is_unbiased() {
     let picture = render(&furnace(0.99, 0.01), Shot::new(Method::Path, 16, 64));
     let mean = picture.overall();
     let error = mean.variance.sqrt();
@@ -111,7 +111,7 @@ fn a_point_light_falls_off_with_the_square_of_the_distance() {
 /// A lossless glass body in a furnace of radiance B shows B: reflected and refracted shares add up, η² cancels on the
 /// way out.
 #[test]
-fn glass_in_a_furnace_cannot_be_seen() {
+fn glass_is_invisible_in_a_white_furnace() {
     let mut room = Description::default();
     add_room(&mut room, &matte(0.5, 0.5));
     let mut glass = Description::default();
@@ -142,7 +142,7 @@ fn glass_in_a_furnace_cannot_be_seen() {
 /// Light through holes: a lamp whose alpha leaves half of it and a half-transparent screen before it. Three methods
 /// that find the lamp in different ways see one picture.
 #[test]
-fn alpha_means_the_same_to_every_method() {
+fn alpha_blending_agrees_between_methods() {
     for mode in [AlphaMode::Blend, AlphaMode::Mask { cutoff: 0.5 }] {
         let mut room = Description::default();
         add_square(&mut room, Vec3::ZERO, Vec3::X * 2.0, Vec3::NEG_Z * 2.0, matte(0.7, 0.0));

@@ -1,4 +1,4 @@
-//! Do the error bars hold what they say? Many renders of one scene that differ in the seed alone; the truth is what
+//! Coverage of error bars. Many renders of one scene that differ in the seed alone; the truth is what
 //! they agree on. A stated 95 % interval fails where the number of renders that it covers in rejects every rate from 93
 //! to 97 %.
 
@@ -25,8 +25,8 @@ const LEVEL: f64 = 1e-3;
 /// its level: such pixels are named and left out. Bins of [`judge_pixels`] below it count.
 const SKEWED: f64 = 1.0;
 /// So are pixels whose replicate means take few values, which one replicate often agrees on with another: those of a
-/// quasi-random replicate on the edge of a lamp. They are told by their distribution's distance from a normal one
-/// (Kolmogorov's), which a skewness of 1 brings to 0.07 and the noise of 2,000 runs to 0.02.
+/// quasi-random replicate on the edge of a lamp. They are recognised by the Kolmogorov distance of their distribution
+/// from a normal one. A skewness of 1 makes it 0.07, and the noise of 2,000 runs 0.02.
 const LUMPY: f64 = 0.1;
 
 /// Whether `hits` of `runs` convict an interval that says 95 %, at `level` on either side, and of what.
@@ -254,8 +254,8 @@ fn judge_pixels(method: Method, runs: &[Run], truth: &Truth, out: &mut Outcome) 
 }
 
 /// Runs that stop at the first look whose limit is below the target must have an expected error below it: at least 93
-/// %. More than 97 % convicts nobody: doubling the passes overshoots most targets, and looks that share a level are
-/// cautious.
+/// %. More than 97 % is no error: doubling the passes overshoots most targets, and looks that share a level are
+/// conservative.
 fn judge_target(runs: &[Run], truth: &Truth, out: &mut Outcome) {
     let expected =
         |look: usize| runs.iter().map(|run| truth.error_of(&run.looks[look].1)).sum::<f64>() / runs.len() as f64;
@@ -351,7 +351,7 @@ fn error_bars_of_chains_cover_as_stated() {
 
 /// The rule itself: right rates pass, wrong ones do not.
 #[test]
-fn counts_convict_wrong_rates_only() {
+fn binomial_test_rejects_wrong_coverage_only() {
     for right in [1860, 1900, 1940] {
         assert_eq!(conviction(right, 2000, LEVEL), None, "{right}");
     }

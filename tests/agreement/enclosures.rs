@@ -79,7 +79,7 @@ fn parallel_planes_exchange_light() {
 /// Walls of any reflectance ρ that emit 1 − ρ, and a mirror and a glass ball that emit nothing: radiance is 1
 /// everywhere (Kirchhoff).
 #[test]
-fn a_room_in_thermal_equilibrium_shows_nothing() {
+fn room_in_thermal_equilibrium_is_uniform() {
     for &backend in Backend::AVAILABLE {
         let mut room = Description::default();
         add_room(&mut room, &matte(0.5, 0.5));
@@ -119,7 +119,7 @@ fn a_camera_inside_glass_sees_radiance_times_the_square_of_the_index() {
 
 /// Light through the middle of a corridor between two mirrors that meets them `COUNT` times before the lamp at its end.
 #[test]
-fn mirrors_in_a_row_multiply() {
+fn reflectances_of_mirrors_in_series_multiply() {
     const COUNT: i32 = 8;
     for &backend in Backend::AVAILABLE {
         for roughness in [0.0, 0.01f32] {

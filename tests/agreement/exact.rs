@@ -64,7 +64,7 @@ fn the_edge_of_a_spot_is_the_square_of_a_ramp() {
 /// Alpha above the cutoff everywhere is a screen that stops the light, below it there is no screen, whatever the
 /// method.
 #[test]
-fn a_masked_screen_shades_where_it_is_there() {
+fn alpha_masked_screen_shadows_where_opaque() {
     for method in LIGHT_SAMPLING {
         let lit = |screen: Option<f32>| {
             let mut floor = lit_floor(PunctualKind::Point);
@@ -102,7 +102,7 @@ fn a_single_sided_lamp_is_dark_behind() {
 /// A pane before a wall of radiance 1, seen along its normal: of what comes through after 2 k reflections inside the
 /// faces' (1 − R)² R²ᵏ is left, and a²ᵏ⁺¹ of the glass, which leaves a on one way (Beer).
 #[test]
-fn glass_absorbs_by_the_way_through_it() {
+fn glass_absorption_follows_beer_lambert() {
     const THICKNESS: f64 = 0.5;
     // Rays begin up to 16 roundings of the scene's size behind a face, and the pane is 1/16 of that size thick.
     const WAY: f64 = 16.0 * 16.0 * 0.5 * f32::EPSILON as f64;

@@ -1,4 +1,4 @@
-//! What a scene has, where textures decide about it: by the texels that are used, and by nothing else.
+//! Features of a scene that depend on textures: only the texels in use count.
 
 use crate::picture::{Shot, agree, render, scene};
 use etendue::integrator::{Method, blind_spots};
@@ -36,7 +36,7 @@ fn features(material: Material) -> Features {
 
 /// A factor, and a texture of one texel under a factor of 1, are one scene.
 #[test]
-fn a_flat_texture_is_a_factor() {
+fn constant_texture_equals_a_factor() {
     let mirror = || metal(0.8, 0.0);
     let half = Material { alpha: 0.5, alpha_mode: AlphaMode::Blend, ..matte(0.5, 0.0) };
     let cutoff = AlphaMode::Mask { cutoff: 0.5 };
@@ -77,9 +77,9 @@ fn a_flat_texture_is_a_factor() {
     }
 }
 
-/// Where one of eight texels says something special, those know of it whose coordinates touch it.
+/// One of eight texels is exceptional. It affects exactly the surfaces whose coordinates touch it.
 #[test]
-fn texels_count_where_they_are_used() {
+fn texels_outside_the_used_uvs_have_no_effect() {
     let special = |usual: [u8; 4], other: [u8; 4]| {
         let mut texels = vec![usual; 8];
         texels[5] = other;
@@ -124,10 +124,9 @@ fn vertex_alpha_makes_holes_where_it_is_below_one() {
     }
 }
 
-/// Mirrors that only a texture makes are told of by the methods that do not see them, with the caustics of point
-/// lights.
+/// Methods that do not sample the caustics of point lights report mirrors that only a texture makes as blind spots.
 #[test]
-fn mirrors_of_a_texture_are_blind_spots() {
+fn textured_mirrors_are_blind_spots() {
     let rough = Material { metallic_roughness_texture: strip(vec![[255; 4], [0, 0, 255, 255]]), ..metal(0.8, 1.0) };
     let mut room = wearing(rough, [0.0, 1.0]);
     room.lights.push(point_light(DVec3::new(0.0, 1.0, 2.0), 1.0));

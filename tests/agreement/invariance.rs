@@ -1,4 +1,4 @@
-//! What must not change a picture: where and how large the scene is, whether meshes are shared, how triangles are cut.
+//! Changes of a scene that leave the picture as it is: translation, scale, shared meshes, cut triangles.
 
 use crate::picture::{Shot, agree, render, scene};
 use etendue::integrator::Method;
@@ -23,7 +23,7 @@ fn shot() -> Shot {
     Shot::new(Method::Path, 32, 16)
 }
 
-/// Same numbers, same paths: only rounding differs, and few pixels see a hit change by it.
+/// The same random numbers give the same paths: only rounding differs, and few pixels see a hit change by it.
 #[test]
 fn a_scene_far_away_or_of_another_size_renders_alike() {
     let here = render(&scene(still_life(DAffine3::IDENTITY)), shot());

@@ -141,7 +141,7 @@ fn a_square_scaled_flat_stays_and_so_do_its_copies() {
 }
 
 #[test]
-fn files_with_lights_get_no_other() {
+fn default_light_is_absent_where_the_file_has_lights() {
     let dark = |lit: bool| {
         let mut scene = Description { cameras: vec![from_above(0.0)], ..Description::default() };
         add_floor(&mut scene, 0.0, 1.0, true, matte(0.5, 0.0));

@@ -129,18 +129,18 @@ fn stays(name: &str, document: &Value, home: &Path) {
 }
 
 #[test]
-fn the_cornell_box_looks_alike_wherever_and_however_large_it_is() {
+fn cornell_box_is_invariant_under_translation_and_scale() {
     stays("cornell-box", &document("cornell-box").expect("committed"), &folder("cornell-box"));
 }
 
 #[test]
-fn a_room_with_point_lights_looks_alike_wherever_and_however_large_it_is() {
+fn point_lit_room_is_invariant_under_translation_and_scale() {
     let room = with_point_lights(document("cornell-box").expect("committed"));
     stays("point lights", &room, &folder("cornell-box"));
 }
 
 #[test]
-fn balls_of_mirror_and_glass_look_alike_wherever_and_however_large_they_are() {
+fn mirror_and_glass_balls_are_invariant_under_translation_and_scale() {
     for name in ["modified-cornell", "glass-caustic"] {
         if let Some(document) = document(name) {
             stays(name, &document, &folder(name));

@@ -1,4 +1,4 @@
-//! Rendered pictures with their errors, and the tests they are put to.
+//! Rendered pictures with their errors, and tests of them.
 
 use etendue::accel::Backend;
 use etendue::film::{Filter, Layout, Plane};

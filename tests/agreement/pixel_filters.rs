@@ -1,4 +1,4 @@
-//! Pixels are what the filter makes of the picture: the edge of a bright half-plane is blurred by the filter's
+//! Pixel filters: the edge of a bright half-plane is blurred by the filter's
 //! integral, around the pixel's centre, across and down.
 
 use crate::picture::{Picture, Shot, limit, render, scene};

@@ -1,5 +1,5 @@
 //! Rough surfaces in a white furnace: a convex body between black walls of radiance 1 scatters every path once, so that
-//! it shows its directional albedo, which quadrature knows.
+//! it shows its directional albedo, which quadrature computes.
 
 use crate::picture::{Shot, about, expect, render, scene};
 use etendue::bsdf::Ggx;

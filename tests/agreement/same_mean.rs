@@ -101,7 +101,7 @@ const ALL: [Method; 6] = [Method::Path, Method::Light, Method::Bdpt, Method::Pss
 
 /// The daily form: few pairs of small pictures.
 #[test]
-fn healthy_pictures_of_every_method_are_left_in_peace() {
+fn equal_means_of_every_method_are_not_rejected() {
     let (Some(scene), pairs) = (load("ajar-door"), 24) else { return };
     for method in ALL {
         expect("ajar-door", &scene, Subject::new(method, 16, 16), pairs);
@@ -110,7 +110,7 @@ fn healthy_pictures_of_every_method_are_left_in_peace() {
 
 /// Where chains have all the light every pixel of a replicate owes something to the same few chains.
 #[test]
-fn healthy_pictures_of_chains_alone_are_left_in_peace() {
+fn equal_means_of_chains_alone_are_not_rejected() {
     let (Some(scene), pairs) = (load("cornell-box"), 24) else { return };
     for method in [Method::Pssmlt, Method::Mmlt, Method::Mlt] {
         expect("cornell-box", &scene, Subject { all_to_chains: true, ..Subject::new(method, 16, 16) }, pairs);
@@ -118,7 +118,7 @@ fn healthy_pictures_of_chains_alone_are_left_in_peace() {
 }
 
 #[test]
-fn twenty_percent_more_light_is_convicted() {
+fn twenty_percent_more_light_is_rejected() {
     let Some(scene) = load("cornell-box") else { return };
     for method in ALL {
         expect_power("cornell-box", &scene, Subject::new(method, 16, 128));

@@ -118,7 +118,7 @@ fn mirrored_placements_keep_their_fronts() {
 }
 
 #[test]
-fn features_are_those_of_what_is_seen() {
+fn aovs_and_ids_are_those_of_the_visible_surface() {
     let side = 8;
     let layout = Layout::new(side, side, None, &[Plane::Depth, Plane::Alpha]);
     let scene = before_a_wall(curtain());

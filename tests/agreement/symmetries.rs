@@ -20,7 +20,7 @@ fn here() -> Picture {
     render(&scene(still_life(DAffine3::IDENTITY)), shot())
 }
 
-/// The picture of `description` by other numbers.
+/// The picture of `description` with other random numbers.
 fn again(description: Description) -> Picture {
     render(&scene(description), Shot { seed: 2, ..shot() })
 }
@@ -41,10 +41,10 @@ fn a_scene_that_is_turned_and_moved_looks_alike() {
     }
 }
 
-/// The same numbers take the same decisions at any size, so that errors are the same share of the picture but for the
-/// rare path that rounding tips over.
+/// The same random numbers take the same decisions at any size, so that errors are the same share of the picture but
+/// for the rare path that rounding tips over.
 #[test]
-fn noise_does_not_know_the_size_of_the_scene() {
+fn relative_noise_is_independent_of_scene_scale() {
     let noise = |picture: &Picture| picture.variance.iter().sum::<f64>() / picture.overall().mean.powi(2);
     let unit = noise(&here());
     for scale in [1e-4, 1e4] {
@@ -73,7 +73,7 @@ fn pass(scene: &Scene, crop: Option<Crop>, sampler: SamplerKind) -> PassFilm {
     film
 }
 
-/// Bit for bit: a pixel knows nothing of its neighbours.
+/// Bit for bit: a pixel does not depend on its neighbours.
 #[test]
 fn a_crop_is_a_piece_of_the_picture() {
     let scene = scene(still_life(DAffine3::IDENTITY));

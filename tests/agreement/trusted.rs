@@ -72,7 +72,7 @@ impl Study {
 
 /// Deep: the table of docs/measurements.md.
 #[test]
-fn of_the_intervals_that_claim_trust_95_percent_hold() {
+fn trusted_intervals_cover_at_95_percent() {
     if !deep() {
         return;
     }
@@ -103,7 +103,7 @@ fn of_the_intervals_that_claim_trust_95_percent_hold() {
 /// The two scenes of the issue, by kind: bdpt where mirrors show caustics of a small lamp. A few renders are enough to
 /// see that none claims trust, as luck would have it that most meet nothing rare.
 #[test]
-fn renders_that_met_no_caustic_do_not_claim_trust() {
+fn renders_without_caustic_samples_are_untrusted() {
     for (name, method) in
         [("mirrors-shaded", Method::Bdpt), ("glass-mirror", Method::Bdpt), ("mirror-ball-small", Method::Path)]
     {
@@ -116,7 +116,7 @@ fn renders_that_met_no_caustic_do_not_claim_trust() {
 
 /// Where nothing is hidden trust is claimed: at least 5 of 6 renders (each alone does at 97 % and more).
 #[test]
-fn plain_worlds_are_trusted() {
+fn easy_scenes_are_trusted() {
     for name in PLAIN {
         for method in [Method::Path, Method::Bdpt] {
             let found = (0..6).flat_map(|seed| looks(&world(name), method, &[16], 0x7e57_0000 + seed));
@@ -142,7 +142,7 @@ fn relmse_of_a_room_with_two_lamps_is_right() {
 /// What the pilot decides is the same for all seeds, also where its mean is next to a power of two: there one seed in
 /// two would fall on the other side (twenty alike by chance: P = 2e-6).
 #[test]
-fn the_pilot_decides_alike_for_all_seeds() {
+fn pilot_estimate_is_independent_of_the_seed() {
     let layout = Layout::new(SIDE, SIDE, None, &[]);
     let typical = |power: f32, seed: u64| {
         let scene = lit_by(power);

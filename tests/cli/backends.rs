@@ -1,4 +1,4 @@
-//! The choice of who finds what rays hit.
+//! The choice of the acceleration backend.
 
 use crate::run::{Place, cornell};
 

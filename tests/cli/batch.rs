@@ -1,4 +1,4 @@
-//! Batches: many pictures, whatever becomes of each.
+//! Batches of many pictures.
 
 use crate::run::{Place, Ran, cornell, cornell_file};
 use crate::signals::signal;
@@ -44,7 +44,7 @@ fn a_batch_renders_what_single_runs_do_and_nothing_twice() {
 }
 
 #[test]
-fn what_fails_does_not_stop_the_others() {
+fn batch_continues_after_a_failed_image() {
     let place = Place::new();
     std::fs::write(place.path("bad.gltf"), "{").unwrap();
     job(
@@ -63,7 +63,7 @@ fn what_fails_does_not_stop_the_others() {
 }
 
 #[test]
-fn mistakes_are_told_before_the_first_picture() {
+fn invalid_batch_is_refused_before_the_first_image() {
     let place = Place::new();
     for (settings, more, what) in [
         ("spp = 4\nshiny = true", "", "shiny"),
@@ -113,7 +113,7 @@ fn a_stopped_batch_goes_on_where_it_was() {
 }
 
 #[test]
-fn a_render_takes_what_an_earlier_one_left() {
+fn skip_complete_continues_an_earlier_film() {
     let place = Place::new();
     let line = format!("render {} --spp 8 -o x.exr --skip-complete", cornell());
     let whole = place.pixels(&line);
@@ -151,7 +151,7 @@ fn a_png_alone_is_complete_too_and_a_picture_with_gaps_is_not() {
 }
 
 #[test]
-fn programs_are_told_how_far_it_is() {
+fn progress_and_status_are_reported_as_json() {
     let place = Place::new();
     let openjd = place.run(&format!("render {} --spp 8 -o x.exr --progress openjd", cornell())).stdout();
     let told: Vec<u64> = openjd.lines().filter_map(|l| l.strip_prefix("openjd_progress: ")?.parse().ok()).collect();
@@ -180,7 +180,7 @@ fn frames_are_pictures_of_their_own() {
 }
 
 #[test]
-fn settings_are_explained_where_they_are_wanted() {
+fn init_writes_a_commented_render_toml() {
     let place = Place::new();
     assert_eq!(place.run("init").code(), 0);
     let text = std::fs::read_to_string(place.path("render.toml")).unwrap();
@@ -191,7 +191,7 @@ fn settings_are_explained_where_they_are_wanted() {
 
 /// A program that stops reading does not cost the picture.
 #[test]
-fn readers_may_go() {
+fn closed_stdout_is_no_error() {
     let place = Place::new();
     let mut child = place.start(&format!("render {} --spp 64 --status json -o x.exr", cornell()));
     drop(child.stdout.take());
@@ -223,7 +223,7 @@ fn films_and_machines_are_described() {
 
 /// A budget is kept before the kernel has to.
 #[test]
-fn what_takes_too_much_memory_is_refused_in_time() {
+fn render_beyond_the_memory_budget_is_refused() {
     let place = Place::new();
     place.run(&format!("render {} --memory 1M -o x.exr", cornell())).fails(33, "GB are available");
     place
@@ -232,9 +232,9 @@ fn what_takes_too_much_memory_is_refused_in_time() {
     assert_eq!(place.run(&format!("render {} --spp 4 --memory 2G -o x.exr", cornell())).code(), 0);
 }
 
-/// A viewer is told of the picture and shown it; where nobody listens the render is the same.
+/// The viewer receives the image. Without a listener the render is the same.
 #[test]
-fn viewers_are_shown_the_picture() {
+fn tev_viewer_receives_the_image() {
     let place = Place::new();
     let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();

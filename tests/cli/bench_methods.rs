@@ -1,4 +1,4 @@
-//! `bench methods`: what it writes, and what it says to mistakes.
+//! `bench methods`: its output, and errors of its arguments.
 
 use crate::run::{Place, cornell};
 
@@ -102,7 +102,7 @@ fn a_made_reference_is_taken_again() {
 }
 
 #[test]
-fn mistakes_are_told_before_the_work() {
+fn invalid_arguments_are_refused_before_rendering() {
     let place = Place::new();
     place.report(&format!("render {} --spp 4 -o small.exr", cornell()));
     std::fs::write(place.path("file"), "").unwrap();

@@ -1,4 +1,4 @@
-//! `bench rays`: what it counts and compares, its files, and what it says to mistakes.
+//! `bench rays`: counts, comparisons, files, and errors of its arguments.
 
 use crate::run::Place;
 use serde_json::Value;
@@ -171,7 +171,7 @@ fn rays_of_scenes_can_be_asked_again() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn invalid_arguments_are_refused() {
     let place = Place::new();
     for (line, what) in [
         (format!("{} --spp 4", cornell()), "--rounds"),

@@ -118,7 +118,7 @@ fn images_of_other_programs_give_figures() {
 }
 
 #[test]
-fn only_like_can_be_compared() {
+fn images_of_other_scenes_or_sizes_are_not_compared() {
     let place = Place::new();
     render(&place, "a.exr", "");
     let half = ["R", "G", "B"].map(|name| Layer { name: name.into(), values: vec![1.0; 16 * 16] });
@@ -182,7 +182,7 @@ fn crops_and_shards_have_their_records() {
 }
 
 #[test]
-fn too_few_replicates_are_told() {
+fn too_few_replicates_are_reported() {
     let place = Place::new();
     render(&place, "a.exr", "--seed 1 --replicates 1");
     render(&place, "b.exr", "--seed 2 --replicates 2");

@@ -1,4 +1,4 @@
-//! Whole renders of the Cornell box: what may and what must not change the pixels, and what is left behind.
+//! Whole renders of the Cornell box: what may and what must not change the pixels, and which files remain.
 
 use crate::run::{Place, cornell};
 

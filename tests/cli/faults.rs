@@ -1,4 +1,4 @@
-//! What goes wrong on farms: kills at any moment, full disks, damaged films.
+//! Faults of farms: kills at any moment, full disks, damaged films.
 
 use crate::run::{Place, cornell_file};
 use crate::signals::signal;
@@ -56,7 +56,7 @@ fn kills_at_any_moment_lose_nothing() {
     println!("{left:?} are left");
 }
 
-/// A limit of file sizes is a full disk as far as a program can tell.
+/// A limit of file sizes stands for a full disk.
 #[test]
 fn a_full_disk_is_told_and_old_files_stay() {
     let place = Place::new();

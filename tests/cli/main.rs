@@ -1,4 +1,4 @@
-//! The real binary, driven as people and farms drive it.
+//! The binary as a process: arguments, files, exit codes, signals.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,4 @@
-//! Stopped, killed and resumed.
+//! Renders that are stopped or killed by signals, and resumed.
 
 use crate::run::{Place, Ran, cornell};
 use std::io::{BufRead, BufReader, Read};

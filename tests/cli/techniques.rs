@@ -47,7 +47,7 @@ fn techniques_left_out_have_no_layers() {
 }
 
 #[test]
-fn what_has_no_techniques_is_told_before_the_scene_is_read() {
+fn techniques_option_is_checked_before_the_scene_is_read() {
     let place = Place::new();
     for (line, what) in [
         ("--techniques t.exr", "bdpt"),

@@ -1,4 +1,4 @@
-//! What a wrong command line, configuration or place gets for an answer.
+//! Errors of command lines, configuration files and output paths.
 
 use crate::run::Place;
 

@@ -92,7 +92,7 @@ fn a_budget_is_kept() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn invalid_arguments_are_refused() {
     let place = Place::new();
     for (options, what) in [
         ("--methods guess", "guess"),

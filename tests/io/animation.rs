@@ -199,7 +199,7 @@ fn meshes_cameras_and_lights_move_with_their_nodes() {
 }
 
 #[test]
-fn what_is_not_played_is_said() {
+fn unsupported_animation_channels_are_reported() {
     let mut file = File::triangle(json!({}));
     let (times, values) = (floats(&mut file, "SCALAR", &[[0.0]]), floats(&mut file, "SCALAR", &[[1.0]]));
     animate(&mut file, 0, "weights", [times, values], "LINEAR");

@@ -1,4 +1,4 @@
-//! What fuzzing found worth keeping, and every file of the shared scenes: each loads or is one clear sentence.
+//! The fuzzing corpus and every file of the shared scenes: each loads or is one clear sentence.
 
 use crate::support::shared;
 use etendue::accel::{Backend, Build};
@@ -121,7 +121,7 @@ fn every_shared_file_loads_or_is_one_sentence_that_names_it() {
 
 /// 1000 teapots and as many places as the file says.
 #[test]
-fn teapots_galore() {
+fn teapots_galore_shares_its_meshes_between_instances() {
     let Some(folder) = shared("gltf-samples/TeapotsGalore") else { return };
     let scene = gltf::load(&folder.join("TeapotsGalore.gltf")).expect("a valid file");
     let teapots = scene.instances.iter().filter(|i| i.name.starts_with("teapot")).count();

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[test]
-fn what_does_not_fit_names_the_accessor() {
+fn oversized_accessor_is_named_in_the_error() {
     let with = |key: &str, value: Value| {
         let mut file = File::triangle(json!({}));
         file.json["accessors"][0][key] = value;
@@ -108,7 +108,7 @@ fn a_required_extension_that_is_not_read_is_named() {
 }
 
 #[test]
-fn containers_that_lie_are_errors() {
+fn inconsistent_glb_containers_are_errors() {
     let good = File::triangle(json!({})).glb();
     for cut in 0..good.len() {
         sentence("cut.glb", load_bytes("cut.glb", &good[..cut]));

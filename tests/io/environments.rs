@@ -74,7 +74,7 @@ fn negative_texels_count_as_black_and_are_counted() {
 }
 
 #[test]
-fn what_cannot_be_a_map_is_refused_in_one_sentence() {
+fn invalid_environment_maps_are_refused_in_one_sentence() {
     let folder = Folder::new();
     let ones = [1.0; 6];
     let nan = [1.0, f32::NAN, f32::INFINITY, 2e30, 0.0, 0.0];

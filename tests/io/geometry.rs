@@ -110,7 +110,7 @@ fn sets_beyond_those_that_are_read_are_said() {
 }
 
 #[test]
-fn normals_are_made_unit_and_a_zero_one_becomes_the_faces() {
+fn normals_are_normalised_and_zero_becomes_the_geometric_normal() {
     let normals = [[0.0f32, 3.0, 4.0], [0.0, 0.0, 0.0], [0.0, 0.0, 2.0]];
     let file = File::mesh(&TRIANGLE, |f| {
         let normal = f.accessor(5126, "VEC3", 3, bytemuck::cast_slice(&normals));

@@ -239,7 +239,7 @@ pub(crate) fn crc32(bytes: &[u8]) -> u32 {
 }
 
 #[test]
-fn what_cannot_be_shown_is_said() {
+fn unsupported_material_features_are_reported() {
     let description = |json| file(json).load().expect("a valid file");
     let third = description(json!({ "name": "a", "emissiveTexture": { "index": 0, "texCoord": 2 } }));
     assert!(third.materials[0].emission_texture.is_none() && third.images.is_empty());
@@ -261,7 +261,7 @@ fn what_cannot_be_shown_is_said() {
 }
 
 #[test]
-fn numbers_that_mean_nothing_are_errors() {
+fn factors_out_of_range_are_errors() {
     let error = |json: Value| file(json).error();
     let extension = |name: &str, value: Value| json!({ "name": "a", "extensions": { name: value } });
     assert_eq!(

@@ -1,4 +1,4 @@
-//! The Khronos sample models, where they are at hand.
+//! The Khronos sample models, where the shared folder has them.
 
 use crate::support::shared;
 use etendue::io::gltf;
@@ -121,7 +121,7 @@ fn a_triangle_needs_no_indices() {
 }
 
 #[test]
-fn what_moves_is_said() {
+fn unread_skins_morphs_and_animations_are_reported() {
     let Some(scene) = sample("CesiumMan") else { return };
     assert!(scene.ignored.iter().any(|s| s.starts_with("animations")), "{:?}", scene.ignored);
     assert!(scene.ignored.iter().any(|s| s.starts_with("skins")), "{:?}", scene.ignored);

@@ -1,4 +1,4 @@
-//! glTF files made in the test, and where real ones lie.
+//! glTF files made in the test, and the folder of shared ones.
 
 use etendue::error::{Kind, Result};
 use etendue::io::gltf;

@@ -152,7 +152,7 @@ const CASES: &[Case] = &[
     },
 ];
 
-/// Every case on every backend by every method; all that are wrong are told.
+/// Every case on every backend by every method; all failures are reported.
 #[test]
 fn each_scene_has_its_right_value() {
     let mut wrong = Vec::new();

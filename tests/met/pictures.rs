@@ -7,7 +7,7 @@ const WHOLE: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
 /// A glass cube stands on a table of albedo (.5, 0, 0) under a white sky: what is not red is reflected by the glass,
 /// twice at most.
 #[test]
-fn a_table_under_glass_is_there() {
+fn table_under_glass_is_visible() {
     for file in
         ["touching/glass-on-table-01.gltf", "touching/glass-on-table-02.gltf", "touching/glass-on-table-07.gltf"]
     {
@@ -26,7 +26,7 @@ fn a_table_under_glass_is_there() {
 /// to 4 by Snell's law. Green and blue are constant there. Light reflected within the slab is up to 1 % of the rest and
 /// lands within the ramp.
 #[test]
-fn a_wedge_in_a_slab_bends_by_the_ratio_of_the_two() {
+fn wedge_in_a_slab_refracts_by_the_ratio_of_iors() {
     for backend in backends() {
         for method in ["path", "bdpt"] {
             let options = format!("--env 0 --size 8x8 --spp 64 --method {method}");
@@ -88,7 +88,7 @@ fn many_bulbs_render() {
 
 /// Zero padding after the JSON of a GLB, a byte order mark before that of a .gltf, a spot without a soft edge: read.
 #[test]
-fn what_other_programs_write_is_read() {
+fn files_of_other_exporters_are_read() {
     for file in ["container/nul.glb", "container/bom.gltf", "spot/blender-blend0.0-size60.gltf"] {
         render(file, "--size 8x8 --spp 1", backends().next().expect("a backend"));
     }

@@ -1,10 +1,10 @@
-//! A picture of the binary, and what is measured in it.
+//! Renders by the binary, and means over parts of them.
 
 use etendue::io::exr::{self, ExrImage};
 use std::path::Path;
 use std::process::Command;
 
-/// A picture, and what the program said.
+/// A picture, and the console output.
 pub(crate) struct Picture {
     pub(crate) image: ExrImage,
     pub(crate) console: String,
@@ -30,7 +30,7 @@ pub(crate) fn render(file: &str, options: &str, backend: &str) -> Picture {
     try_render(file, options, backend).unwrap_or_else(|console| panic!("{file} {options}: {console}"))
 }
 
-/// The same, or what the console says of the failure.
+/// The same, or the console output of a failure.
 pub(crate) fn try_render(file: &str, options: &str, backend: &str) -> Result<Picture, String> {
     let place = tempfile::tempdir().expect("a folder");
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/met").join(file);

@@ -15,7 +15,7 @@ pub(crate) struct Browser {
     from: BufReader<File>,
     session: Option<String>,
     next: u64,
-    /// All that was told without being asked for.
+    /// Events, which arrive without a command.
     pub(crate) events: Vec<Value>,
     _profile: tempfile::TempDir,
 }
@@ -139,7 +139,7 @@ impl Browser {
         asked.filter_map(|e| e["params"]["request"]["url"].as_str()).map(str::to_owned).collect()
     }
 
-    /// What went wrong in the page: exceptions, and everything that its console was told.
+    /// Errors of the page: exceptions, and everything on its console.
     pub(crate) fn complaints(&self) -> Vec<&Value> {
         let is_complaint = |e: &&Value| {
             ["Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"].iter().any(|m| e["method"] == *m)

@@ -73,7 +73,7 @@ fn a_report_of_rays_works_on_desktop_and_phone_by_day_and_night() {
     let folder = tempfile::tempdir().unwrap();
     let page = page_of_rays(folder.path());
     works_everywhere(&mut browser, &page, "rays");
-    // All numbers are there: for each scene rates, classes and hits, then the hard cases.
+    // All values are there: for each scene rates, classes and hits, then the hard cases.
     assert_eq!(browser.value("document.querySelectorAll('table').length"), 2 * 3 + 1);
     let cells = "[...document.querySelectorAll('tr')].every(r => r.cells.length === r.closest('table').tHead.rows[0].cells.length)";
     assert_eq!(browser.value(cells), true, "rows are as long as their heads");

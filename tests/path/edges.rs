@@ -1,11 +1,11 @@
-//! Numbers at the edges of the unit cube, one in millions: a walk that they begin is one that weights can count, or is
+//! Random numbers at the edges of the unit cube, one in millions: a walk that they begin is one that weights can count, or is
 //! none.
 
 use etendue::path::{Arrival, MisStrategy, Subpath, Techniques, TraceStats};
 use etendue::sampling::{Heuristic, Sampler, Slot};
 use etendue_testing::worlds::all;
 
-/// The same numbers for every bounce.
+/// The same random numbers for every bounce.
 struct Edge {
     light: f32,
     direction: [f32; 2],
@@ -22,7 +22,7 @@ impl Sampler for Edge {
 }
 
 #[test]
-fn walks_along_the_surface_of_a_light_are_none() {
+fn light_subpaths_along_the_surface_of_the_light_are_rejected() {
     const LAST: f32 = 1.0 - f32::EPSILON / 2.0;
     let weights = MisStrategy { techniques: Techniques::ALL, heuristic: Heuristic::Balance, light_walks: 1.0 };
     for world in all() {

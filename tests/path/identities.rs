@@ -79,7 +79,7 @@ fn each_path(walks: u64, check: impl Fn(&World, &Camera, &MisStrategy, &Made)) {
 }
 
 #[test]
-fn weights_are_a_partition_of_unity_and_the_fast_ones_are_the_defined_ones() {
+fn mis_weights_sum_to_one_and_recursion_matches_definition() {
     let (worst, count, beyond) = (Cell::new(0.0f64), Cell::new(0u64), Cell::new(0u64));
     each_path(200, |world, _, weights, made| {
         let densities = made.path.evaluate(weights).densities;
@@ -114,7 +114,7 @@ fn weights_are_a_partition_of_unity_and_the_fast_ones_are_the_defined_ones() {
 /// evaluator's. What rough glass lets through at its critical angle comes out of nothing with a relative error without
 /// bound: such paths are counted.
 #[test]
-fn what_a_technique_finds_is_the_integrand_over_its_density() {
+fn technique_contribution_is_integrand_over_density() {
     let (worst, count, critical) = (Cell::new(0.0f64), Cell::new(0u64), Cell::new(0u64));
     each_path(200, |world, _, weights, made| {
         let off = value_off(weights, made);
@@ -150,7 +150,7 @@ fn value_off(weights: &MisStrategy, made: &Made) -> f64 {
 /// density changes by up to 4 / α times it over a cosine, and a weight by a quarter of that of each ratio for each
 /// power of it.
 #[test]
-fn weights_from_positions_alone_are_the_same() {
+fn mis_weights_recomputed_from_positions_match() {
     let worst = Cell::new(0.0f64);
     each_path(50, |world, camera, weights, made| {
         if made.nodes.iter().any(|node| node.lobe.intersects(Lobes::DIRAC)) {
@@ -179,7 +179,7 @@ fn cosines<'a>(made: &'a Made, directions: &'a [DVec3]) -> impl Iterator<Item = 
 }
 
 #[test]
-fn paths_are_where_they_say() {
+fn path_vertices_lie_on_their_surfaces() {
     each_path(50, |world, _, _, made| {
         made.path.verify().unwrap_or_else(|e| panic!("{} ({}, {}): {e}", world.name, made.s, made.t));
     });

@@ -16,9 +16,8 @@ use glam::{DVec3, Vec3};
 /// Edges that a walk has at most.
 const LONGEST: usize = 7;
 
-/// A vertex of a walk, the component that it left through, and what the evaluator knows nothing of: the probability
-/// that roulette let it come there and meet or pass what lets light through, over the share of light that edges
-/// carried.
+/// A vertex of a walk, the component that it left through, and factors that the evaluator leaves out: the probability
+/// of roulette and of passing surfaces straight, over the transmittance of the edges.
 struct Step<'a> {
     vertex: SubpathVertex<'a>,
     lobe: Lobes,
@@ -175,7 +174,7 @@ impl<'a> Studio<'a> {
         }
     }
 
-    /// The light that next-event estimation samples from `z` with the numbers of `bounce`, and its direction.
+    /// The light that next-event estimation samples from `z` with the random numbers of `bounce`, and its direction.
     fn sampled(&self, z: &SurfaceVertex, sampler: &mut IndependentSampler, bounce: u32) -> (Emitter, Vec3) {
         let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(&z.point));
         let (index, _) = lights.choose(&receiver, sampler.u1(bounce, Slot::LightPick)).expect("a light");

@@ -118,7 +118,7 @@ fn emitted_rays_carry_the_power_of_the_light_and_fall_where_it_is_seen() {
 
 /// A ray leaves what it says that it leaves.
 #[test]
-fn emitted_rays_begin_where_they_say() {
+fn emitted_rays_start_on_the_light() {
     let mut random = Random::new(9);
     for (name, light) in lights() {
         for _ in 0..samples(200) {

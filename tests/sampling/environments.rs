@@ -279,7 +279,7 @@ fn sampled_radiance_has_the_integral_of_the_map_for_its_mean() {
 
 /// A sampled direction carries the radiance and the density that a ray in it finds.
 #[test]
-fn samples_are_what_rays_find() {
+fn environment_samples_match_lookup_and_density() {
     for case in cases() {
         let mut random = Random::new(31);
         let brightest = case.texels.iter().flatten().fold(0f32, |a, &b| a.max(b));

@@ -39,7 +39,7 @@ fn sampling_undoes_inversion() {
             };
             assert!(log.is_finite() && u.iter().all(|x| (0.0..1.0).contains(x)), "{}: {u:?} {log}", model.name);
             let again = |v: [f32; 3]| smooth(model.surface.sample(known, TransportMode::Radiance, v));
-            // the numbers themselves are rounded, to 2⁻²⁴ of turns and heights
+            // the random numbers themselves are rounded, to 2⁻²⁴ of turns and heights
             let moved = [1, 2].map(|axis| {
                 [-1.0, 1.0].map(|sign| {
                     let mut v = u;
@@ -58,7 +58,7 @@ fn sampling_undoes_inversion() {
     }
 }
 
-/// The p-value of inverted samples being uniform over the numbers that give a smooth direction.
+/// The p-value of inverted samples being uniform over the random numbers that give a smooth direction.
 fn inversion_is_uniform(surface: &impl Bsdf, known: Local, seed: u64) -> f64 {
     let mut random = Random::new(seed);
     let cell = |u: [f32; 3]| u.iter().fold(0, |i, x| i * CELLS + (x * CELLS as f32) as usize);
@@ -66,7 +66,7 @@ fn inversion_is_uniform(surface: &impl Bsdf, known: Local, seed: u64) -> f64 {
     for _ in 0..samples(40_000) {
         let u: [f32; 3] = random.cube();
         let Some(other) = smooth(surface.sample(known, TransportMode::Importance, u)) else { continue };
-        // of two independent streams one counts the numbers themselves, the other their images
+        // of two independent streams one counts the random numbers themselves, the other their images
         if random.f32() < 0.5 {
             before[cell(u)] += 1.0;
         } else if let Some((v, _)) = surface.invert(known, other, TransportMode::Importance, random.cube()) {
@@ -92,7 +92,7 @@ fn two_samples(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-fn inverted_samples_are_distributed_as_the_numbers_were() {
+fn inverted_samples_are_uniform_in_the_unit_cube() {
     let mut results = Vec::new();
     for (a, alpha) in ALPHAS.into_iter().enumerate() {
         for (m, model) in models(alpha).iter().enumerate() {

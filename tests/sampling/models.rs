@@ -1,4 +1,4 @@
-//! The models and directions that the tests go through.
+//! Scattering models and directions for the tests.
 
 use etendue::bsdf::{Conductor, Dielectric, Fresnel, Ggx, Lambert, MetallicRoughness, Surface, Thin, Wall};
 use etendue::geometry::Local;
@@ -62,7 +62,7 @@ pub(crate) fn direction(cos: f32, phi: f32) -> Local {
     Local::new((sin * f64::from(phi).cos()) as f32, (sin * f64::from(phi).sin()) as f32, cos)
 }
 
-/// Some direction over the whole sphere for two numbers.
+/// Maps two random numbers to a direction on the sphere.
 pub(crate) fn any_direction(u: [f32; 2]) -> Local {
     direction(2.0 * u[0] - 1.0, std::f32::consts::TAU * u[1])
 }

@@ -18,7 +18,7 @@ fn at(p: Vec3) -> LightSampleContext {
     LightSampleContext { p, ng: Vec3::Y }
 }
 
-/// Intensity over the square of the distance, from where the light is, whatever the numbers are.
+/// Intensity over the square of the distance, from where the light is, whatever the random numbers are.
 #[test]
 fn a_point_light_has_no_variance() {
     let (mut random, light) =

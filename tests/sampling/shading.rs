@@ -1,4 +1,4 @@
-//! The one place with two normals.
+//! BSDFs under a shading normal that differs from the geometric normal.
 
 use crate::models::{any_direction, models};
 use etendue::bsdf::{Bsdf, Conductor, Dielectric, Fresnel, Ggx, Lambert, Lobes, Shading, Surface};
@@ -40,7 +40,7 @@ fn close(a: Spectrum, b: Spectrum) -> bool {
 }
 
 #[test]
-fn both_walks_see_one_scattering_function() {
+fn radiance_and_importance_walks_share_one_bsdf() {
     let (point, mut random) = (tilted(), Random::new(21));
     for model in [0.05, 0.3].into_iter().flat_map(models) {
         for _ in 0..samples(200) {
@@ -146,7 +146,7 @@ fn weight_over_index(sample: &etendue::bsdf::ShadingSample) -> f64 {
 }
 
 #[test]
-fn clear_and_white_lose_nothing_between_the_normals() {
+fn lossless_surfaces_conserve_energy_between_the_normals() {
     let ggx = Ggx::new(0.0);
     let glass = Dielectric { ggx, eta: 1.5, reflect: Spectrum::ONE, transmit: Spectrum::ONE };
     let lossless = [
@@ -193,7 +193,7 @@ fn rough_metal_reflects_as_much_where_normals_differ() {
 }
 
 #[test]
-fn one_scattering_function_over_all_bends() {
+fn adjoint_consistency_over_shading_normal_tilts() {
     let mut random = Random::new(26);
     let mut folded = 0;
     for model in [0.3, 0.6].into_iter().flat_map(models) {
@@ -226,7 +226,7 @@ fn one_scattering_function_over_all_bends() {
 
 /// A Dirac sample of either walk is one that the other walk may take back, with the densities in each other's place.
 #[test]
-fn dirac_pairs_map_onto_each_other_over_all_bends() {
+fn dirac_directions_are_reversible_over_shading_normal_tilts() {
     let (mut random, mut pairs) = (Random::new(27), 0);
     for model in models(0.0) {
         for i in 0..samples(1000) {

@@ -1,4 +1,4 @@
-//! Warps: uniform where they say so, and undone by their inverses.
+//! Warps against their densities and inverses.
 
 use etendue::sampling::warp::*;
 use etendue_testing::chi_square::{SphereCells, p_value, sidak};

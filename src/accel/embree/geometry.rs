@@ -1,4 +1,5 @@
-//! Geometries and committed scenes. A geometry is a triangle mesh or an instance of a scene, and a scene has geometries.
+//! Geometries and committed scenes. A geometry is a triangle mesh or an instance of a scene, and a scene has
+//! geometries.
 
 use super::device::Device;
 use super::filter::Filter;
@@ -106,8 +107,8 @@ impl Drop for Shape {
 /// A reference to an Embree scene.
 pub(super) struct SceneHandle(pub(super) RTCScene);
 
-// SAFETY: Embree's manual allows queries of a committed scene from any thread; only the builder of a scene, which has the
-// sole handle, changes one, and references are counted atomically.
+// SAFETY: Embree's manual allows queries of a committed scene from any thread; only the builder of a scene, which has
+// the sole handle, changes one, and references are counted atomically.
 unsafe impl Send for SceneHandle {}
 // SAFETY: as above; nothing changes a scene through a shared handle.
 unsafe impl Sync for SceneHandle {}

@@ -108,7 +108,7 @@ mod tests {
 
     /// All inputs of the tests survive, up to the f32 rounding of a few operations.
     #[test]
-    fn records_keep_what_tests_look_at() {
+    fn record_round_trip_preserves_tested_statistics() {
         for independent in [Independent::Pixels, Independent::Blocks, Independent::Replicates] {
             let before = pyramid(independent, &[3, 3, 2, 2, 2]);
             let after = decode(&encode(&before), CROP).unwrap();

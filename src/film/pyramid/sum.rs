@@ -224,7 +224,7 @@ mod tests {
     /// Two pixels that always have the same value. If they share chains, the standard error of their sum is twice that
     /// of one; if they were independent, √2 times.
     #[test]
-    fn what_pixels_share_decides_the_error() {
+    fn pixel_correlation_decides_the_tile_error() {
         let (means, replicates) = ([1.0, 3.0, 2.0, 2.0], Replicates::of(&[1; 4]).unwrap());
         let of = |independent| {
             let mut sum = Sum::new(independent, &replicates);

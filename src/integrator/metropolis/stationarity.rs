@@ -156,13 +156,13 @@ fn assert_stationary(cases: impl IntoIterator<Item = (String, f64)>) {
 
 /// Mirrors, glass and mixtures: every mutation is applicable.
 #[test]
-fn mutations_keep_the_density_of_paths_among_mirrors() {
+fn mlt_mutations_are_stationary_with_dirac_surfaces() {
     expect_mutations(|name| name == "dirac");
 }
 
 /// Long and short edges with mirrors reveal an error in the Jacobian of a perturbation.
 #[test]
-fn the_lens_perturbation_keeps_the_density_of_paths_in_the_open() {
+fn lens_perturbation_is_stationary_in_an_open_scene() {
     let world = worlds::all().into_iter().find(|world| world.name == "open").expect("open");
     let mutations = "bidirectional=1,lens=3".parse().expect("a mix");
     let chains = PathSpace { common: common(&world, all()), mutations };
@@ -170,7 +170,7 @@ fn the_lens_perturbation_keeps_the_density_of_paths_in_the_open() {
 }
 
 #[test]
-fn mutations_keep_the_density_of_paths() {
+fn mlt_mutations_are_stationary() {
     expect_mutations(|name| name != "dirac");
 }
 
@@ -188,7 +188,7 @@ fn expect_mutations(is_wanted: fn(&str) -> bool) {
 }
 
 #[test]
-fn steps_in_primary_sample_space_keep_their_target() {
+fn pssmlt_steps_are_stationary() {
     assert_stationary(worlds::all().into_iter().flat_map(|world| {
         [all(), ChainsConfig { two_stage: true, ..above() }].map(|config| {
             let large_step = PssmltConfig::default().large_step;
@@ -208,13 +208,13 @@ fn largest_z_of_class(world: &World, lengths: u32, class: usize) -> (String, f64
 
 /// The last class contains paths of several lengths.
 #[test]
-fn steps_among_lengths_keep_their_target() {
+fn mmlt_steps_are_stationary_in_a_class_of_several_path_lengths() {
     let world = worlds::all().into_iter().next().expect("a world");
     assert_stationary([largest_z_of_class(&world, 2, 1)]);
 }
 
 #[test]
-fn steps_among_techniques_keep_their_target() {
+fn mmlt_steps_are_stationary() {
     assert_stationary(
         worlds::all().iter().flat_map(|world| (0..4).map(move |class| largest_z_of_class(world, 4, class))),
     );

@@ -55,7 +55,7 @@ const ROUNDING: f32 = 1.0 / 16_777_216.0;
 
 /// Chains with the same seed diverge, since each has its own random numbers.
 #[test]
-fn chains_of_one_seed_part_ways() {
+fn chains_of_one_seed_are_independent() {
     let world = worlds::all().into_iter().next().expect("a world");
     let made = Made::of(&world, common(&world, all()));
     assert_eq!(made.picture(1), made.picture(1));
@@ -65,7 +65,7 @@ fn chains_of_one_seed_part_ways() {
 
 /// For any importance, each step deposits its share of the target.
 #[test]
-fn a_step_deposits_its_share() {
+fn mlt_step_deposits_sum_to_its_target_share() {
     let world = worlds::all().into_iter().next().expect("a world");
     let layout = Layout::new(SIDE, SIDE, None, &[]);
     let chains = ChainsConfig { two_stage: true, ..all() };
@@ -88,7 +88,7 @@ fn a_step_deposits_its_share() {
 
 /// Passes must be independent, since replicates are.
 #[test]
-fn passes_part_ways() {
+fn mlt_passes_have_independent_chains() {
     let world = worlds::all().into_iter().next().expect("a world");
     let Made { metropolis, .. } = Made::of(&world, common(&world, all()));
     let layout = Layout::new(SIDE, SIDE, Some(metropolis.options.crop), &[]);

@@ -196,7 +196,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn takes_foreign_windows_and_half_channels() {
+    fn reads_offset_data_windows_and_half_floats() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let half: Vec<openexr::f16> = (0..12).map(|i| openexr::f16::from_f32(i as f32 * 0.5)).collect();

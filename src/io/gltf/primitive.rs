@@ -206,7 +206,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn marks_and_sorting_find_the_same_vertices() {
+    fn bitmap_and_sort_find_the_same_used_vertices() {
         let triangles = [[7, 3, 3], [0, 9, 7]];
         assert_eq!(marked(&triangles, 12), [0, 3, 7, 9]);
         assert_eq!(sorted(&triangles), [0, 3, 7, 9]);

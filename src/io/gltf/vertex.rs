@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_zero_normal_becomes_the_faces() {
+    fn zero_normal_becomes_the_geometric_normal() {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let normals = unit_normals(&[[0.0; 3], [0.0, 0.0, 9.0], [f32::NAN, 0.0, 0.0]], &positions, &[[0, 1, 2]]);
         assert_eq!(normals, [Vec3::Z; 3]);

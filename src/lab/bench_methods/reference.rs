@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_is_what_the_standard_error_says() {
+    fn reference_noise_follows_from_its_standard_error() {
         // (0.1² / (1 + ε) + 0 + 0.2² / (4 + ε)) / 3 with ε = (0.1 × 1)².
         let (rgb, stderr) = ([1.0, 0.0, 2.0], [0.1, 0.0, 0.2]);
         let epsilon = relmse_epsilon(&rgb);

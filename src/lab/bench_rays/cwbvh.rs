@@ -142,7 +142,7 @@ mod tests {
     /// It has the same hits as our tree, up to ties and grazes, on a soup and on placed spheres; invalid rays hit
     /// nothing.
     #[test]
-    fn it_hits_what_our_own_tree_hits() {
+    fn cwbvh_hits_match_the_own_bvh() {
         for name in ["random", "sphere-random", "instances-outside", "not-finite"] {
             let case = by_name(name).expect("a case");
             let ours = bvh::BvhScene::build(case.geometry(), Build::Robust).expect("builds");
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn one_triangle_and_none() {
+    fn cwbvh_of_one_triangle_and_of_none() {
         let triangle = placed((vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]), 1);
         let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z);
         for (geometry, hit) in [(triangle, Some(Hit { object: 0, primitive: 0 })), (Geometry::default(), None)] {

@@ -1,8 +1,8 @@
 //! Measures the ray throughput of backends and checks that their answers agree.
 //!
 //! The rays of one pass are recorded on one thread. They are then replayed without shading on every backend with every
-//! build, and on obvhs's CWBVH ([`crate::lab::bench_rays::cwbvh`]). They are replayed class by class, and all together in
-//! render order. Rows take turns within each measurement of each round, so that background load affects all of them
+//! build, and on obvhs's CWBVH ([`crate::lab::bench_rays::cwbvh`]). They are replayed class by class, and all together
+//! in render order. Rows take turns within each measurement of each round, so that background load affects all of them
 //! alike. A full pass is timed in the same round. Its share of the raw rate shows the cost of everything but ray
 //! tracing.
 //!

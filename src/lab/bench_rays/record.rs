@@ -124,7 +124,7 @@ mod tests {
 
     /// The ray counts of a pass match the queries that its backend receives, class by class, with AOVs too.
     #[test]
-    fn passes_count_the_rays_that_backends_are_asked() {
+    fn pass_report_counts_match_recorded_queries() {
         let small = SettingsPatch { size: Some("24x24".parse().unwrap()), ..SettingsPatch::default() };
         let layers = SettingsPatch { aovs: Some(vec![crate::session::Aov::Albedo]), ..small.clone() };
         for (scene, choices) in [("cornell-box", &small), ("cornell-box", &layers), ("sphere-cap", &small)] {

@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_under_a_valid_checksum() {
+    fn invalid_stream_with_valid_checksum_is_refused() {
         let bytes = bytes();
         let first = PREFIX + stream().name.len();
         let with = |at: usize, value: u32| {
@@ -288,7 +288,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn every_cut_and_every_flip_is_one_error(cut in 0usize..10_000, at in 0usize..10_000, bit in 0u8..8) {
+        fn truncated_or_flipped_stream_is_one_error(cut in 0usize..10_000, at in 0usize..10_000, bit in 0u8..8) {
             let bytes = bytes();
             refused(&bytes[..cut % bytes.len()]);
             let mut flipped = bytes.clone();
@@ -297,7 +297,7 @@ mod tests {
         }
 
         #[test]
-        fn noise_is_an_error(noise in proptest::collection::vec(any::<u8>(), 0..400)) {
+        fn random_bytes_are_an_error(noise in proptest::collection::vec(any::<u8>(), 0..400)) {
             refused(&noise);
             let mut headed = bytes()[..16].to_vec();
             headed.extend(&noise);

@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colours_say_sign_and_size() {
+    fn map_colours_encode_sign_and_magnitude() {
         let scale = Scale::Signed { limit: 2.0 };
         let [low, zero, high] = [-9.0, 0.0, 2.0].map(|v| scale.color(v));
         assert!(
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn the_scale_holds_all_but_a_hundredth() {
+    fn map_scale_covers_99_percent_of_values() {
         let mut values: Vec<f32> = (1..=1000).map(|i| i as f32).collect();
         assert_eq!(percentile(&values), 991.0);
         values.iter_mut().take(900).for_each(|v| *v = 0.0);

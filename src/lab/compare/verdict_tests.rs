@@ -51,7 +51,7 @@ fn plain(i: usize, c: usize) -> f64 {
 /// The false-rejection rate at level 5 % is at most 5 %, since Holm's method is exact or conservative. One-sided
 /// binomial test of 400 trials at level 1e-6 (4.75 σ).
 #[test]
-fn equal_means_are_left_in_peace() {
+fn equal_means_are_not_rejected() {
     let trials: u64 = 400;
     let differ =
         |k: &u64| verdict(render(2 * k, plain), render(2 * k + 1, plain), 0.05).outcome == CompareOutcome::Differ;
@@ -65,7 +65,7 @@ fn equal_means_are_left_in_peace() {
 /// that is 5 % too bright deviates by 2 standard errors of a tile and 8 of the image. A tile that is 20 % too bright
 /// deviates by 8 of its own. 39 tests at 1e-3 reject beyond 4.2.
 #[test]
-fn wrong_means_are_convicted_and_placed() {
+fn different_means_are_rejected_and_located() {
     let global = verdict(render(1, |i, c| plain(i, c) * if c == 1 { 1.05 } else { 1.0 }), render(2, plain), 1e-3);
     assert_eq!(global.outcome, CompareOutcome::Differ);
     let worst = &global.rejections[0];
@@ -81,7 +81,7 @@ fn wrong_means_are_convicted_and_placed() {
 
 /// A single firefly that dominates a tile's error does not make the tile differ. A differing tile without noise does.
 #[test]
-fn fireflies_convict_nobody_and_exact_tiles_do() {
+fn fireflies_are_not_rejected_and_exact_tiles_are() {
     let mut image = render(5, plain);
     image.colors[300] += 1000.0;
     image.errors.as_mut().unwrap()[300] = 1000.0;
@@ -96,7 +96,7 @@ fn fireflies_convict_nobody_and_exact_tiles_do() {
 }
 
 #[test]
-fn what_cannot_be_tested_is_not() {
+fn equal_seeds_or_missing_standard_errors_are_untested() {
     let same = verdict(render(9, plain), render(9, |i, c| plain(i, c) * 2.0), 1e-3);
     assert!(same.outcome == CompareOutcome::Untested && same.sentence().contains("both have seed 9"), "{same:?}");
     let colors = render(10, plain).colors;
@@ -112,7 +112,7 @@ fn what_cannot_be_tested_is_not() {
 }
 
 #[test]
-fn what_is_not_finite_is_left_out() {
+fn non_finite_pixels_are_left_out() {
     let mut image = render(16, plain);
     image.colors[0] = f32::NAN;
     image.errors.as_mut().unwrap()[5] = f32::INFINITY;
@@ -125,7 +125,7 @@ fn what_is_not_finite_is_left_out() {
 
 /// If the pixels of a method are not independent, pixel errors are insufficient. Of unknown methods nothing is known.
 #[test]
-fn pixels_that_share_samples_take_a_record() {
+fn correlated_pixels_are_tested_by_their_record() {
     let with = |method: &str, seed| {
         let mut side = render(seed, plain);
         side.origin.method = Some(method.into());

@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn large_pictures_are_reduced_by_averaging() {
+    fn large_images_are_downsampled_by_averaging() {
         let rgb: Vec<f32> = (0..1024 * 2).flat_map(|i| [(i % 2) as f32, 1.0, (i / 1024) as f32]).collect();
         let (width, height, small) = reduced(1024, 2, &rgb, 512);
         assert_eq!((width, height), (512, 1));

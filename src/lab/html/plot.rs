@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_drawn_has_a_colour_of_its_own() {
+    fn plots_take_all_colours_from_css() {
         let series = [Series {
             label: "a".into(),
             hue: 9,

@@ -103,7 +103,7 @@ mod tests {
 
     /// All sums and quotients but those of the last two are exact in binary.
     #[test]
-    fn figures_of_four_known_values() {
+    fn metrics_of_four_known_values() {
         assert_eq!(mse(&IMAGE, &REFERENCE), 1.25 / 4.0);
         assert_eq!(mae(&IMAGE, &REFERENCE), 1.5 / 4.0);
         assert_eq!(relmse(&IMAGE, &REFERENCE, 1.0), 0.625 / 4.0);
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_is_counted_and_left_out() {
+    fn non_finite_values_are_counted_and_left_out() {
         let (mut image, mut reference) = (IMAGE.to_vec(), REFERENCE.to_vec());
         image.extend([f32::NAN, 1.0, f32::INFINITY]);
         reference.extend([1.0, f32::NEG_INFINITY, f32::INFINITY]);

@@ -61,7 +61,7 @@ fn false_alarms(side: u32, noise: [Noise; 2], runs: u64) -> u64 {
 /// At this level, more than 0.05 n + 4 √(0.0475 n) false rejections have a probability below 1e-3. In the rarest case a
 /// picture expects ten large contributions; the head of the module describes the limits below.
 #[test]
-fn right_candidates_are_acquitted_at_the_level_whatever_their_noise() {
+fn equal_means_are_rejected_at_most_at_the_level() {
     let rare = |share, expected| Noise::Rare { share, expected };
     for (name, side, noise) in [
         ("smooth", 32, [Noise::Smooth; 2]),
@@ -81,7 +81,7 @@ fn right_candidates_are_acquitted_at_the_level_whatever_their_noise() {
 /// Image means of 3 × 32768 exponential values have a relative error of 0.55 % in each channel, so that 8 % is
 /// detected.
 #[test]
-fn a_wrong_candidate_is_convicted_and_the_detectable_difference_says_when() {
+fn detectable_difference_predicts_the_rejection() {
     let (a, b) = (picture(1, Noise::Smooth), picture(2, Noise::Smooth));
     let judgement = judged(&[&a, &b], &[0, 1], 1e-3);
     let detectable = judgement.pairs[0].detectable.unwrap();
@@ -100,7 +100,7 @@ fn a_wrong_candidate_is_convicted_and_the_detectable_difference_says_when() {
 
 /// A bright tile in an otherwise unbiased picture is found at its position.
 #[test]
-fn a_local_difference_is_found_in_its_tile() {
+fn local_difference_is_located_in_its_tile() {
     let (a, mut b) = (picture(5, Noise::Smooth), picture(6, Noise::Smooth));
     let wrong = picture(7, Noise::Smooth).times(1.6);
     b.levels[0].tiles[6] = wrong.levels[0].tiles[6].clone();
@@ -112,7 +112,7 @@ fn a_local_difference_is_found_in_its_tile() {
 }
 
 #[test]
-fn a_black_picture_convicts_within_a_method_and_is_bad_luck_between_methods() {
+fn black_image_differs_within_a_method_and_is_undecided_between_methods() {
     let (a, black) = (picture(8, Noise::Smooth), picture(9, Noise::Smooth).times(0.0));
     let differs = |methods: [u8; 2]| judged(&[&a, &black], &methods, 1e-3).pairs[0].differs();
     assert!(differs([1, 1]));
@@ -130,7 +130,7 @@ fn exact(value: f64) -> Pyramid {
 
 /// Without noise every difference is significant, as between a mirror that shows 0.8 and a black one.
 #[test]
-fn exact_pictures_differ_if_their_means_do() {
+fn images_without_noise_differ_if_their_means_do() {
     let differs = |a: f64, b: f64| {
         [[1, 1], [1, 2]].map(|methods| judged(&[&exact(a), &exact(b)], &methods, 1e-9).pairs[0].differs())
     };
@@ -146,7 +146,7 @@ fn exact_pictures_differ_if_their_means_do() {
 /// The darker picture may have missed light of an undersampled tail, up to its bound. The brighter one has no such
 /// allowance.
 #[test]
-fn a_picture_that_is_not_to_be_trusted_is_given_what_it_may_have_missed() {
+fn untrusted_darker_image_is_allowed_its_unseen_light() {
     let (plain, bright) = (picture(20, Noise::Smooth), picture(21, Noise::Smooth).times(1.3));
     let light = plain.image_mean(0).value * plain.image().pixels;
     // Missed light of each picture, as a fraction of the light of the darker one.
@@ -172,7 +172,7 @@ fn a_picture_that_is_not_to_be_trusted_is_given_what_it_may_have_missed() {
 /// rejections of 200 pairs have a probability below 1e-3. With the pixels taken as independent, nearly all pairs are
 /// rejected.
 #[test]
-fn what_all_pixels_share_convicts_nobody() {
+fn noise_common_to_all_pixels_is_not_rejected() {
     let tied = |seed: u64, independent| {
         let mut random = Random::new(seed);
         let scales: Vec<f64> = (0..16).map(|_| (0..8).map(|_| random.exponential()).sum::<f64>() / 8.0).collect();

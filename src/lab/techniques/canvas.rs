@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_is_cut_off() {
+    fn drawing_is_clipped_to_the_canvas() {
         let mut canvas = Canvas::new(3, 2);
         canvas.paste([2, 1], 2, &[[1; 3], [2; 3], [3; 3], [4; 3]]);
         canvas.paste([3, 0], 1, &[[9; 3]]);

@@ -36,7 +36,7 @@ fn odd(differ: impl Fn(usize, usize) -> bool) -> Option<(String, bool)> {
 }
 
 #[test]
-fn one_candidate_a_method_or_a_backend_is_named() {
+fn outlier_is_a_candidate_a_method_or_a_backend() {
     assert_eq!(odd(|_, _| false), None);
     assert_eq!(odd(|a, b| a == 4 || b == 4), Some(("path-nee/obvhs".into(), true)));
     assert_eq!(odd(|a, b| (a % 3 == 1) != (b % 3 == 1)), Some(("path-nee with every backend".into(), true)));
@@ -44,7 +44,7 @@ fn one_candidate_a_method_or_a_backend_is_named() {
 }
 
 #[test]
-fn what_the_noise_hides_leaves_a_suspect_or_none() {
+fn noisy_pairs_leave_one_suspect_or_none() {
     // Two of three pairs differ. All involve candidate 2, but also its method.
     assert_eq!(odd(|a, b| b == 2 && a < 2), None);
     let three = labels(&METHODS, &BACKENDS[1..]);

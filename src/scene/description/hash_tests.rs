@@ -47,7 +47,7 @@ fn changes(change: Change) -> bool {
 }
 
 #[test]
-fn whatever_a_picture_depends_on_changes_the_hash() {
+fn every_rendered_field_changes_the_scene_hash() {
     let changed: &[(&str, Change)] = &[
         ("positions", |d| d.meshes[0].primitives[0].positions[1].x = 1.0),
         ("triangles", |d| d.meshes[0].primitives[0].triangles[0] = [0, 2, 1]),
@@ -90,7 +90,7 @@ fn whatever_a_picture_depends_on_changes_the_hash() {
 }
 
 #[test]
-fn names_and_notes_do_not() {
+fn names_and_notes_do_not_change_the_scene_hash() {
     let kept: &[(&str, Change)] = &[
         ("a material's name", |d| d.materials[0].name = "other".into()),
         ("a mesh's name", |d| d.meshes[0].name = "other".into()),

@@ -21,7 +21,7 @@ pub struct Example {
 }
 
 impl Example {
-    /// Mean and standard error of `n` draws with independent numbers.
+    /// Mean and standard error of `n` draws with independent random numbers.
     pub fn independent(&self, seed: u64, n: u32) -> Estimate {
         let address = Address::new(seed);
         let draw = |i: u32| (self.draw)(&mut IndependentSampler::new(address.with(u64::from(i))));

@@ -1,4 +1,5 @@
-//! Files with a valid checksum and any contents, for the fuzz target of films and for the replay of its corpus in tests/io.
+//! Files with a valid checksum and any contents, for the fuzz target of films and for the replay of its corpus in
+//! tests/io.
 
 /// A film from a header, a NUL and unpacked blocks, each with its length before it.
 pub fn film(bytes: &[u8]) -> Vec<u8> {

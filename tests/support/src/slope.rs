@@ -1,4 +1,4 @@
-//! How fast something falls: the slope of a line in logarithms.
+//! Rates of convergence: the slope of a line in logarithms.
 
 /// Least-squares slope of ln y over ln x.
 pub fn slope(points: &[(f64, f64)]) -> f64 {

@@ -70,7 +70,7 @@ mod tests {
 
     /// A cubic is reproduced by its own spline: t³ − 2t² + 5 from 1 to 4 seconds, with slope 3t² − 4t.
     #[test]
-    fn slopes_are_those_of_a_second() {
+    fn cubic_tangents_are_per_second() {
         let (value, slope) = (|t: f64| t * t * t - 2.0 * t * t + 5.0, |t: f64| 3.0 * t * t - 4.0 * t);
         for way in [0.0, 0.2, 0.5, 0.7, 1.0] {
             let got = cubic([1.0, 4.0].map(value), [1.0, 4.0].map(slope), way, 3.0);
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_and_constants_are_what_they_say() {
+    fn linear_and_step_keys_interpolate_as_defined() {
         let line = |a: f64, b: f64, way: f64| Some(a + (b - a) * way);
         assert_eq!(Piece::Constant(3.0).blend(line), Some(3.0));
         assert_eq!(Piece::Line { from: 1.0, to: 5.0, way: 0.25 }.blend(line), Some(2.0));

@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn times_outside_are_those_of_the_first_and_the_last_key() {
+    fn times_outside_the_keys_clamp_to_first_and_last() {
         let times = [1.0, 2.0, 4.0];
         for early in [f64::NEG_INFINITY, -1.0, 0.999, f64::NAN] {
             assert_eq!(at(&times, early), (0, None), "{early}");
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_is_at_the_key_that_was_set_at_it() {
+    fn frame_time_hits_its_key() {
         for fps in [24.0, 25.0, 30.0, 60.0, 30_000.0 / 1001.0] {
             let times: Vec<f32> = (0..2000).map(|frame| (f64::from(frame) / fps) as f32).collect();
             for frame in 0..1999 {

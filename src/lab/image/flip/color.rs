@@ -97,7 +97,7 @@ mod tests {
 
     /// CIELAB of sRGB's red, as tables print it: 53.24, 80.09, 67.20; here the chroma is scaled by L/100.
     #[test]
-    fn red_is_where_tables_have_it() {
+    fn cielab_of_red_matches_tables() {
         let Lab([l, a, b]) = Lab::of_rgb([1.0, 0.0, 0.0]);
         assert!(
             (l - 53.24).abs() < 0.01 && (a / (0.01 * l) - 80.09).abs() < 0.05 && (b / (0.01 * l) - 67.20).abs() < 0.05

@@ -179,7 +179,7 @@ mod tests {
     const ROUNDING: f32 = 2e-6;
 
     #[test]
-    fn constants_pass_blurs_and_stop_at_derivatives() {
+    fn blur_keeps_constants_and_derivatives_remove_them() {
         let plane = ramp([5, 3], |_, _| 0.5);
         let eye = Spatial::new(67.0);
         let planes = [ramp([5, 3], |_, _| 0.5), ramp([5, 3], |_, _| 0.5), ramp([5, 3], |_, _| 0.5)];
@@ -191,7 +191,7 @@ mod tests {
 
     /// A filter of three weights at a corner: what lies outside is the border's value.
     #[test]
-    fn borders_go_on() {
+    fn filters_extend_border_pixels() {
         let plane = ramp([3, 2], |x, y| (x + 10 * y) as f32);
         let kernel = Kernel(vec![1.0, 2.0, 4.0]);
         assert_eq!(plane.across(&kernel).values, [4.0, 10.0, 13.0, 74.0, 80.0, 83.0]);

@@ -77,7 +77,7 @@ fn hdr_agrees_with_the_tool() {
 }
 
 #[test]
-fn the_usual_distance_is_the_tools() {
+fn default_pixels_per_degree_matches_the_tool() {
     assert!((PIXELS_PER_DEGREE - 67.0206).abs() < 5e-5);
 }
 
@@ -94,7 +94,7 @@ fn equal_images_look_alike_and_opposite_ones_do_not() {
 
 /// Values that are not finite, negative or huge, and black images, give differences from 0 to 1.
 #[test]
-fn nothing_breaks_it() {
+fn flip_of_extreme_values_is_between_0_and_1() {
     let size = [4, 2];
     let strange = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 1e30, f32::MIN_POSITIVE, 0.5, f32::MAX];
     let image: Vec<f32> = strange.iter().cycle().take(24).copied().collect();

@@ -1,4 +1,4 @@
-//! Scenes made for tests.
+//! Parts of scenes for tests: materials, meshes, cameras, lights.
 
 use etendue::scene::description::{
     CameraDescription, Description, Instance, Material, Mesh, MetalFresnel, Primitive, Projection, PunctualKind,
