@@ -1,7 +1,8 @@
 //! Perturbations from the camera: a small change of the raster position replaces the vertices seen from the camera.
-//! Dirac vertices keep their component. The rest of the path is connected at the first edge between smooth vertices
-//! [Veach97 §11.4.3]. The lens perturbation fails where a smooth vertex is followed by mirrors or glass. The
-//! multi-chain perturbation also perturbs the direction at such a vertex, and continues [Veach97 §11.4.3.3].
+//! Dirac vertices keep their component, and the camera its point of the lens. The rest of the path is connected at the
+//! first edge between smooth vertices [Veach97 §11.4.3]. The lens perturbation fails where a smooth vertex is followed
+//! by mirrors or glass. The multi-chain perturbation also perturbs the direction at such a vertex, and continues
+//! [Veach97 §11.4.3.3].
 
 use super::super::ChainContext;
 use super::extend::{RayEnd, SubpathBuffer, SubpathSampler};
