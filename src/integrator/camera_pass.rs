@@ -17,9 +17,9 @@ pub(super) const CHUNK: usize = 128;
 
 /// A method that estimates the radiance along a camera ray.
 pub(super) trait Radiance: Send + Sync {
-    /// Returns an unbiased estimate of the radiance along the ray of `camera`. Calls `splats` with contributions at raster positions,
-    /// per pixel of film area and light subpath. `light` creates the sampler of the light subpath, one for each camera
-    /// sample.
+    /// Returns an unbiased estimate of the radiance along the ray of `camera`. Calls `splats` with contributions at
+    /// raster positions, per pixel of film area and light subpath. `light` creates the sampler of the light subpath,
+    /// one for each camera sample.
     fn radiance<S: Sampler>(
         &self,
         camera: &CameraSample,

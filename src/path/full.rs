@@ -74,8 +74,8 @@ pub struct VertexPdfs {
     pub camera: Vec<f64>,
     /// Density of x₀ under next-event estimation from x₁.
     pub direct: f64,
-    /// Like `light` and `camera`, but of x₀ … x_{k−1}, with the point of the lens and the component of each Dirac vertex
-    /// given and every other directional density set to 1.
+    /// Like `light` and `camera`, but of x₀ … x_{k−1}, with the point of the lens and the component of each Dirac
+    /// vertex given and every other directional density set to 1.
     pub perturbation: [Vec<f64>; 2],
     /// Whether the edge to xₛ can be sampled by connecting its ends, for s = 0 (where a camera subpath hits the
     /// light) … k.
