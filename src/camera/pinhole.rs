@@ -65,8 +65,8 @@ impl Pinhole {
         position + right * offset.x + up * offset.y
     }
 
-    /// Connects `p` to the point `eye` in the camera's plane; `None` behind the camera. The slopes of rays from `eye` are
-    /// by `shift` less than those of the pinhole's rays through the same raster position.
+    /// Connects `p` to the point `eye` in the camera's plane; `None` behind the camera. The slopes of rays from `eye`
+    /// are by `shift` less than those of the pinhole's rays through the same raster position.
     #[inline]
     pub(super) fn connect(&self, p: Vec3, eye: CameraPoint, shift: Vec2) -> Option<WiSample> {
         let Pose { right, up, backward, .. } = self.pose;

@@ -104,8 +104,8 @@ impl ThinLens {
         self.aperture.area().recip()
     }
 
-    /// Returns the difference of slope, per unit of depth, of the rays from the centre of the lens and from `lens` to the
-    /// same point of the plane of focus.
+    /// Returns the difference of slope, per unit of depth, of the rays from the centre of the lens and from `lens` to
+    /// the same point of the plane of focus.
     #[inline]
     fn shift(&self, lens: LensPoint) -> Vec2 {
         lens.0 * self.inverse_focus

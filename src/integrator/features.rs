@@ -1,5 +1,6 @@
 //! Feature planes of the first visible surface, for denoisers and compositors. Random numbers are addressed, so that a
-//! second walk along the path hits the same surfaces. Renders without these planes pay nothing.
+//! second walk along the path, from the same point of the lens, hits the same surfaces. Renders without these planes
+//! pay nothing.
 
 use crate::bsdf::{Bsdf, Lobes, Shading};
 use crate::camera::CameraSample;

@@ -1,4 +1,5 @@
-//! Instance and material identifiers at pixel centres. They are exact, since averaging over samples would mix them.
+//! Instance and material identifiers at pixel centres, seen from the centre of the lens. They are exact, since
+//! averaging over samples would mix them.
 
 use crate::camera::Camera;
 use crate::film::Layout;

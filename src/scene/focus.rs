@@ -56,8 +56,8 @@ mod tests {
     use crate::scene::description::{CameraDescription, Description, Instance, Material, Mesh, Primitive, Projection};
     use glam::DAffine3;
 
-    /// Squares of half side 1 that face +z, at z = −4 around the axis and at (3, 0, −8), seen from z = 2 with 90 degrees.
-    /// All of it is moved and turned far away.
+    /// Squares of half side 1 that face +z, at z = −4 around the axis and at (3, 0, −8), seen from z = 2 with 90
+    /// degrees. All of it is moved and turned far away.
     fn scene() -> Scene {
         let by = DAffine3::from_rotation_translation(glam::DQuat::from_rotation_y(0.7), DVec3::new(50.0, -20.0, 9.0));
         let mut description = Description::default();

@@ -81,8 +81,8 @@ impl LensSettings {
     /// Resolves the lens for the camera `selector` of `scene` and an image of `width` × `height` pixels.
     ///
     /// # Errors
-    /// A usage error if there is no such camera, if it is orthographic, if the plane of focus is not in front of it (there
-    /// is no such node, or nothing at that pixel), or if a length is out of range.
+    /// A usage error if there is no such camera, if it is orthographic, if the plane of focus is not in front of it
+    /// (there is no such node, or nothing at that pixel), or if a length is out of range.
     pub fn resolve(&self, scene: &Scene, selector: Option<&str>, width: u32, height: u32) -> Result<Lens> {
         let yfov = scene.yfov(selector)?.ok_or_else(|| Error::usage("an orthographic camera has no lens"))?;
         let radius = self.aperture.radius(yfov);

@@ -234,8 +234,8 @@ impl SettingsPatch {
         self.completed(fallback)
     }
 
-    /// Resolves the settings, for a camera with aspect ratio `aspect` (width over height). Those without a scene have no
-    /// lens: see [`super::LoadedScene::settings`].
+    /// Resolves the settings, for a camera with aspect ratio `aspect` (width over height). Those without a scene have
+    /// no lens: see [`super::LoadedScene::settings`].
     ///
     /// # Errors
     /// Values out of range, a crop outside the image.

@@ -148,8 +148,8 @@ fn a_lens_of_radius_0_is_a_pinhole() {
     }
 }
 
-/// A room with a wide lens: every method that sees its light agrees with path tracing. Light tracing, which sees nothing
-/// in its mirror, has the speck.
+/// A room with a wide lens: every method that sees its light agrees with path tracing. Light tracing, which sees
+/// nothing in its mirror, has the speck.
 #[test]
 fn methods_agree_through_a_lens() {
     let lens = worlds::all().into_iter().find(|world| world.name == "lens").expect("a lens").scene;

@@ -1,5 +1,6 @@
 //! Bidirectional mutation: deletes vertices of a path and inserts new ones, by subpaths from both sides and a
-//! connecting edge [Veach97 §11.4.2]. It is the only mutation that can reach every path.
+//! connecting edge [Veach97 §11.4.2]. The point of the lens is new if the vertex next to it is. It is the only mutation
+//! that can reach every path.
 
 use super::super::ChainContext;
 use super::extend::{SubpathBuffer, SubpathSampler};

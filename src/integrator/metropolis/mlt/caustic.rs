@@ -1,6 +1,6 @@
 //! Caustic perturbation: perturbs the direction of light at the last smooth vertex before mirrors and glass, traces it
-//! through the same components to the smooth vertex that the camera sees, and connects this to the camera
-//! [Veach97 §11.4.3.2].
+//! through the same components to the smooth vertex that the camera sees, and connects this to the same point of the
+//! camera's lens [Veach97 §11.4.3.2].
 
 use super::super::ChainContext;
 use super::extend::{RayEnd, SubpathBuffer, SubpathSampler};

@@ -1,5 +1,5 @@
 //! Lens-subpath mutation: replaces the vertices seen from the camera, up to the first edge between smooth vertices, by
-//! a new subpath from a uniform raster position [Veach97 §11.4.4].
+//! a new subpath from a uniform raster position and a new point of the lens [Veach97 §11.4.4].
 
 use super::super::ChainContext;
 use super::extend::{SubpathBuffer, SubpathSampler};
