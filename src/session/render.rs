@@ -7,7 +7,8 @@
 //!     let scene = Scene::load("scene.gltf")?;
 //!     let image = Render::new(&scene).method(Method::Mlt).size(640, 480).spp(64).run()?;
 //!     println!("relMSE {}", image.error()?.relmse.value);
-//!     image.write("out.exr")
+//!     image.write("out.exr")?;
+//!     Ok(())
 //! }
 //! ```
 

@@ -255,5 +255,5 @@ fn tev_viewer_receives_the_image() {
     let alone = place.run(&format!("{line} --json"));
     assert!(alone.stderr().contains("no viewer listens"), "{}", alone.stderr());
     assert!(alone.stdout().contains(&shown));
-    place.run(&format!("render {} --view nowhere", cornell())).fails(2, "'nowhere' is not a place");
+    place.run(&format!("render {} --view nowhere", cornell())).fails(2, "'nowhere' is not the address of a viewer");
 }

@@ -12,7 +12,7 @@ fn wrong_command_lines_are_told_apart_from_other_failures() {
         ("", "Usage"),
         ("paint", "paint"),
         ("render", "SCENE"),
-        ("render s.gltf --spp 0", "--spp"),
+        ("render s.gltf --spp 0", "spp must be from 1"),
         ("render s.gltf --size big", "'big' is not a size"),
         ("render s.gltf --crop 0,0,9999,1", "outside"),
         ("render s.gltf --crop 5,5,5,9", "rectangle"),

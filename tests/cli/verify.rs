@@ -63,7 +63,7 @@ fn a_candidate_can_be_rendered_again() {
         .collect();
     // two files for each of eight methods, and for the pair that differs most
     assert_eq!(names.len(), 2 * 8 + 2, "{names:?}");
-    assert!(names.iter().any(|n| n.starts_with("z-path-") && n.ends_with(".png")), "{names:?}");
+    assert!(names.iter().any(|n| n.starts_with("z-") && n.ends_with(".png")), "{names:?}");
 }
 
 #[test]
