@@ -6,7 +6,7 @@ mod thin_lens;
 
 pub use orthographic::Orthographic;
 pub use pinhole::Pinhole;
-pub use thin_lens::{Aperture, ThinLens};
+pub use thin_lens::{ApertureShape, ThinLens};
 
 use crate::geometry::{Bodies, Bounds, Ray};
 use glam::{Vec2, Vec3};

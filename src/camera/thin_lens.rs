@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 
 /// Opening of a lens: a disk, or a regular polygon of the same area.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Aperture {
+pub struct ApertureShape {
     radius: f32,
     /// Number of sides of the polygon, at least 3; 0 for a disk.
     blades: u32,
@@ -17,11 +17,11 @@ pub struct Aperture {
     rotation: f32,
 }
 
-impl Aperture {
+impl ApertureShape {
     /// Creates an opening with the area of a disk of `radius` > 0, a polygon if `blades` is at least 3. `rotation` is
     /// the angle in radians by which the polygon is turned counter-clockwise from a corner on the right.
     pub fn new(radius: f32, blades: u32, rotation: f32) -> Self {
-        Aperture { radius, blades: if blades < 3 { 0 } else { blades }, rotation }
+        ApertureShape { radius, blades: if blades < 3 { 0 } else { blades }, rotation }
     }
 
     /// Returns the area.
@@ -58,7 +58,7 @@ impl Aperture {
 pub struct ThinLens {
     /// The camera at the centre of the lens.
     pinhole: Pinhole,
-    aperture: Aperture,
+    aperture: ApertureShape,
     /// Inverse distance along the axis from the lens to the plane of focus.
     inverse_focus: f32,
 }
@@ -66,7 +66,7 @@ pub struct ThinLens {
 impl ThinLens {
     /// Creates a camera with the rays of `pinhole` through the centre of its lens, focused on the plane at distance
     /// `focus` along the axis.
-    pub fn new(pinhole: Pinhole, aperture: Aperture, focus: f32) -> Self {
+    pub fn new(pinhole: Pinhole, aperture: ApertureShape, focus: f32) -> Self {
         ThinLens { pinhole, aperture, inverse_focus: focus.recip() }
     }
 

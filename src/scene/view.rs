@@ -3,7 +3,7 @@
 use super::Scene;
 use super::description::{self, Projection};
 use super::rebase::Rebase;
-use crate::camera::{Aperture, Camera, Orthographic, Pinhole, Pose, ThinLens};
+use crate::camera::{ApertureShape, Camera, Orthographic, Pinhole, Pose, ThinLens};
 use crate::error::{Error, Result};
 use glam::{DAffine3, DVec3};
 
@@ -68,7 +68,7 @@ fn pose(transform: &DAffine3, rebase: &Rebase) -> Pose {
 /// Returns the camera `pinhole` with a lens of file units.
 fn thin_lens(pinhole: Pinhole, lens: &description::Lens, rebase: &Rebase) -> ThinLens {
     let radius = (lens.radius * rebase.scale) as f32;
-    let aperture = Aperture::new(radius, lens.blades, lens.rotation.to_radians() as f32);
+    let aperture = ApertureShape::new(radius, lens.blades, lens.rotation.to_radians() as f32);
     ThinLens::new(pinhole, aperture, (lens.focus * rebase.scale) as f32)
 }
 

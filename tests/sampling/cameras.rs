@@ -1,6 +1,6 @@
 //! Cameras: where rays begin and go against the density that a uniform film position has there.
 
-use etendue::camera::{Aperture, Camera, LensPoint, Orthographic, Pinhole, Pose, ThinLens};
+use etendue::camera::{ApertureShape, Camera, LensPoint, Orthographic, Pinhole, Pose, ThinLens};
 use etendue_testing::chi_square::{SphereCells, p_value, sidak};
 use etendue_testing::random::{Random, samples};
 use glam::{DVec3, Vec3};
@@ -154,7 +154,7 @@ const FOCUS: f64 = 2.0;
 
 fn thin_lens(blades: u32) -> Camera {
     let pinhole = Pinhole::new(pose(), 1.0, SIZE[0], SIZE[1]);
-    Camera::ThinLens(ThinLens::new(pinhole, Aperture::new(RADIUS as f32, blades, 0.3), FOCUS as f32))
+    Camera::ThinLens(ThinLens::new(pinhole, ApertureShape::new(RADIUS as f32, blades, 0.3), FOCUS as f32))
 }
 
 /// All rays through a raster position meet in the plane of focus, where the pinhole's ray goes.
