@@ -35,7 +35,7 @@ const MOST_PICTURES: usize = 1_000_000;
 #[derive(Debug, Clone, Default, serde::Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Job {
-    /// Path pattern of the outputs: see [`name`].
+    /// Path pattern of the outputs; `{scene}`, `{camera}`, `{method}`, `{seed}` and `{frame:04}` stand for their values.
     pub output: Option<PathBuf>,
     /// Path pattern of the reports; `None` writes none.
     pub report: Option<PathBuf>,

@@ -40,7 +40,7 @@ pub struct PixelErrors<'a> {
 
 impl PixelErrors<'_> {
     /// Computes the tiles of the `taken` pixels; `None` with fewer than three replicates. Pixel errors do not determine
-    /// skewness, so that only tiles with [`LEAST_SAMPLES`] are tested.
+    /// skewness, so that only tiles with 4096 samples are tested.
     pub fn pyramid(&self, taken: impl Fn(usize) -> bool) -> Option<Pyramid> {
         let replicates = Replicates::of(&vec![1; self.replicates])?;
         let width = (self.crop.x1 - self.crop.x0) as usize;
