@@ -4,6 +4,7 @@ use super::super::primaries::Primaries;
 use super::{Attribute, Layer, hash_pixels};
 use crate::error::{Error, Result};
 use crate::film::Crop;
+use ::exr::meta::BlockDescription;
 use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use ::exr::prelude as openexr;
@@ -102,11 +103,25 @@ fn check(headers: &[Header], file_size: u64) -> std::result::Result<Window, Stri
     let Vec2(w, h) = first.layer_size;
     let decoded = (w as u64).checked_mul(h as u64).and_then(|n| n.checked_mul(channels)).and_then(|n| n.checked_mul(4));
     let budget = file_size.saturating_mul(MOST_EXPANSION).max(LEAST_BUDGET);
+    if headers.iter().any(|header| block_bytes(header).is_none_or(|bytes| bytes > budget)) {
+        return Err(format!("its blocks are larger than {file_size} bytes can hold"));
+    }
     match decoded {
         Some(0) => Err("it has no pixels".into()),
         Some(bytes) if bytes <= budget => window(first),
         _ => Err(format!("it claims {w}×{h} pixels of {channels} channels, more than {file_size} bytes can hold")),
     }
+}
+
+/// Returns the bytes of a block, which the decoder holds as a whole however little of it lies in the image; `None` beyond
+/// u64.
+fn block_bytes(header: &Header) -> Option<u64> {
+    let Vec2(width, height) = match header.blocks {
+        BlockDescription::Tiles(tiles) => tiles.tile_size,
+        BlockDescription::ScanLines => Vec2(header.layer_size.width(), header.compression.scan_lines_per_block()),
+    };
+    let pixels = (width as u64).checked_mul(height as u64)?;
+    pixels.checked_mul(header.channels.bytes_per_pixel as u64)
 }
 
 fn window(header: &Header) -> std::result::Result<Window, String> {
