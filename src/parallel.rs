@@ -1,5 +1,6 @@
-//! Cooperative cancellation of work on rayon's threads.
+//! Threads of rayon, and cooperative cancellation of their work.
 
+use crate::error::{Error, Kind, Result};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -28,4 +29,18 @@ impl Cancel {
     pub fn flag(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.0)
     }
+}
+
+/// Returns the number of cores available to this process, within affinity and cgroup limits.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Creates a pool of `threads` threads.
+///
+/// # Errors
+/// An internal error if they cannot be started.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|cause| Error::new(Kind::Internal, format!("cannot start {threads} threads")).because(cause))
 }

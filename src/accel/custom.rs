@@ -23,9 +23,10 @@ pub trait CustomIntersector: Send + Sync {
     fn announce(&self, _class: RayClass) {}
 }
 
-/// Returns the filter as a function; `None` if it rejects nothing.
-pub(super) fn filter<A: AnyHit>(any: &A) -> Option<Box<HitFilter<'_>>> {
-    A::FILTERS.then(|| Box::new(|ray: &Ray, hit: Hit| any.accepts(ray, hit)) as Box<HitFilter<'_>>)
+/// Calls `ask` with the filter as a function; with `None` if it rejects nothing.
+pub(super) fn with_filter<A: AnyHit, T>(any: &A, ask: impl FnOnce(Option<&HitFilter<'_>>) -> T) -> T {
+    let accepts = |ray: &Ray, hit: Hit| any.accepts(ray, hit);
+    ask(if A::FILTERS { Some(&accepts) } else { None })
 }
 
 /// A function as [`AnyHit`].

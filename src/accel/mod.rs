@@ -31,11 +31,11 @@ pub trait Intersector: Send + Sync {
     Eq,
     Default,
     Hash,
+    serde::Serialize,
+    serde::Deserialize,
     strum::VariantArray,
     strum::IntoStaticStr,
     strum::EnumMessage,
-    serde::Serialize,
-    serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
@@ -59,11 +59,11 @@ pub enum Build {
     PartialEq,
     Eq,
     Hash,
+    serde::Serialize,
+    serde::Deserialize,
     strum::VariantArray,
     strum::IntoStaticStr,
     strum::EnumMessage,
-    serde::Serialize,
-    serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
@@ -173,7 +173,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.closest(ray, any),
             Accel::Obvhs(scene) => scene.closest(ray, any),
-            Accel::Custom(scene) => scene.closest(ray, custom::filter(any).as_deref()),
+            Accel::Custom(scene) => custom::with_filter(any, |filter| scene.closest(ray, filter)),
         }
     }
 
@@ -183,7 +183,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.occluded(ray, any),
             Accel::Obvhs(scene) => scene.occluded(ray, any),
-            Accel::Custom(scene) => scene.occluded(ray, custom::filter(any).as_deref()),
+            Accel::Custom(scene) => custom::with_filter(any, |filter| scene.occluded(ray, filter)),
         }
     }
 }

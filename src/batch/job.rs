@@ -23,6 +23,7 @@
 use super::Frames;
 use crate::error::{Error, Result};
 use crate::integrator::Method;
+use crate::named::Named;
 use crate::session::{SettingsPatch, picture_name};
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -35,7 +36,8 @@ const MOST_PICTURES: usize = 1_000_000;
 #[derive(Debug, Clone, Default, serde::Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Job {
-    /// Path pattern of the outputs; `{scene}`, `{camera}`, `{method}`, `{seed}` and `{frame:04}` stand for their values.
+    /// Path pattern of the outputs; `{scene}`, `{camera}`, `{method}`, `{seed}` and `{frame:04}` stand for their
+    /// values.
     pub output: Option<PathBuf>,
     /// Path pattern of the reports; `None` writes none.
     pub report: Option<PathBuf>,
@@ -161,14 +163,13 @@ fn seen_from(choices: &SettingsPatch, folder: &Path) -> SettingsPatch {
 
 /// Pattern fields of a picture.
 fn fields(scene: &Path, choices: &SettingsPatch) -> Fields {
-    let method = serde_json::json!(choices.method.unwrap_or_default());
     // Camera names come from files and may hold any character.
     let camera =
         choices.camera.as_deref().unwrap_or("0").replace(|c: char| c == '/' || c == '\\' || c.is_control(), "_");
     HashMap::from([
         ("scene", picture_name(scene)),
         ("camera", camera.into()),
-        ("method", method.as_str().unwrap_or_default().into()),
+        ("method", choices.method.unwrap_or_default().name().into()),
         ("frame", choices.frame.unwrap_or(0).to_string().into()),
         ("seed", choices.seed.unwrap_or(0).to_string().into()),
     ])
@@ -267,8 +268,9 @@ mod tests {
 
     #[test]
     fn job_is_the_product_of_scenes_cameras_and_methods() {
-        let text = "output = '{scene}.{camera}.{method}.exr'\nsettings.spp = 4\n[[render]]\nscenes = ['a.glb', 'b.glb']\n\
-                    cameras = ['0', 'x/y']\nmethods = ['path', 'mlt']\nsettings.spp = 8\n[[render]]\nscenes = ['c.glb']";
+        let text = "output = '{scene}.{camera}.{method}.exr'\nsettings.spp = 4\n[[render]]\nscenes = ['a.glb', \
+            'b.glb']\ncameras = ['0', 'x/y']\nmethods = ['path', 'mlt']\nsettings.spp = 8\n[[render]]\nscenes = \
+            ['c.glb']";
         let all = pictures(text).unwrap();
         assert_eq!(all.len(), 9);
         assert_eq!(all[3].output, Path::new("jobs/a.x_y.mlt.exr"));

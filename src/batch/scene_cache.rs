@@ -1,10 +1,9 @@
 //! Scene cache of a batch: the current scene, and the next one, which is loaded meanwhile on its own thread.
 
-use super::JobPicture;
 use crate::error::{Error, Kind, Result};
 use crate::scene::BuildOptions;
-use crate::session::{LoadedScene, Moment, PassSelection, Surroundings};
-use std::path::PathBuf;
+use crate::session::{LoadedScene, Moment, RenderJob, Surroundings};
+use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
 /// All inputs of a loaded scene. Pictures with the same inputs share it.
@@ -17,16 +16,14 @@ pub struct SceneKey {
 }
 
 impl SceneKey {
-    /// Returns the inputs of a picture's scene.
-    pub fn of(picture: &JobPicture, threads: usize) -> Result<Self> {
-        let named = |e: Error| e.context(picture.output.display());
-        let job = picture.choices.resolve(PassSelection::All).map_err(named)?;
-        Ok(SceneKey {
-            scene: picture.scene.clone(),
+    /// Returns the inputs of the scene in the file `scene` for `job`.
+    pub fn of(scene: &Path, job: &RenderJob, threads: usize) -> Self {
+        SceneKey {
+            scene: scene.to_owned(),
+            surroundings: job.surroundings.clone(),
             moment: job.settings.moment(),
             options: job.settings.build_options(threads),
-            surroundings: job.surroundings,
-        })
+        }
     }
 }
 

@@ -13,10 +13,10 @@ const LEVEL: f64 = 1e-3;
 
 /// Arguments of `compare`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "\
-Exit code 7 if the means differ, 0 if they are identical, no difference was found or nothing could be tested (the verdict says \
-which). The test: Welch's t of each channel of the image and of its tiles, Holm-corrected, with errors made of what the pixels of \
-the method share; both images need three replicates or more and seeds of their own, as two renders with different --seed have.")]
+#[command(after_help = "Exit code 7 if the means differ, 0 if they are identical, no difference was found or nothing \
+    could be tested (the verdict says which). The test: Welch's t of each channel of the image and of its tiles, \
+    Holm-corrected, with errors made of what the pixels of the method share; both images need three replicates or more \
+    and seeds of their own, as two renders with different --seed have.")]
 pub(super) struct Args {
     /// The image, an .exr file
     image: PathBuf,
@@ -130,10 +130,12 @@ fn figures(metrics: &Metrics) -> [String; 2] {
     let ([low, high], ppd) = (metrics.flip_exposures, metrics.flip_pixels_per_degree);
     [
         format!(
-            "error      MSE {mse:.4e}, MAE {mae:.4e}, relMSE {relmse:.4e} (ε = {relmse_epsilon:.3e}), SMAPE {smape:.4e}, PSNR {psnr:.2} dB (sRGB, peak 1)"
+            "error      MSE {mse:.4e}, MAE {mae:.4e}, relMSE {relmse:.4e} (ε = {relmse_epsilon:.3e}), SMAPE \
+             {smape:.4e}, PSNR {psnr:.2} dB (sRGB, peak 1)"
         ),
         format!(
-            "FLIP       LDR {flip_ldr:.6}, HDR {flip_hdr:.6} ({flip_steps} exposures from {low:.2} to {high:.2} stops), at {ppd:.2} pixels per degree"
+            "FLIP       LDR {flip_ldr:.6}, HDR {flip_hdr:.6} ({flip_steps} exposures from {low:.2} to {high:.2} \
+             stops), at {ppd:.2} pixels per degree"
         ),
     ]
 }

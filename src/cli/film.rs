@@ -4,6 +4,7 @@ use super::args::ThreadArgs;
 use super::{Console, startup};
 use crate::error::{Error, Result};
 use crate::film::Film;
+use crate::named::Named;
 use crate::session::{Budget, Provenance, checkpoint, images};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -42,7 +43,7 @@ pub(super) struct WatchArgs {
 struct Document {
     film: String,
     scene: String,
-    method: serde_json::Value,
+    method: &'static str,
     size: [u32; 2],
     frame: Option<String>,
     passes: String,
@@ -103,7 +104,7 @@ impl Document {
         Document {
             film: path.display().to_string(),
             scene: provenance.scene.path.display().to_string(),
-            method: serde_json::json!(settings.method.kind()),
+            method: settings.method.kind().name(),
             size: [settings.width, settings.height],
             frame: settings.frame.map(|frame| frame.to_string()),
             passes: film.passes().to_string(),
@@ -127,7 +128,7 @@ impl Document {
         let mut lines = vec![
             format!("film      {}", self.film),
             format!("scene     {}", self.scene),
-            format!("picture   {width}x{height}, {}", self.method.as_str().unwrap_or_default()),
+            format!("picture   {width}x{height}, {}", self.method),
             format!("passes    {}: {}{wanted}", self.passes, self.held),
             format!("rendered  {:.1} s in {} sessions, until {}", self.wall_seconds, self.sessions, self.finished),
         ];

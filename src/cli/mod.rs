@@ -1,5 +1,5 @@
-//! The command line: one file per subcommand. Each loads its inputs, calls `render/` and reports the outcome. Results
-//! go to stdout, everything else to stderr.
+//! The command line: one file per subcommand. Each reads its inputs, calls `session`, `lab` or `batch`, and reports the
+//! outcome. Results go to stdout, everything else to stderr.
 
 mod args;
 mod batch;

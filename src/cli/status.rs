@@ -3,6 +3,7 @@
 use super::console;
 use crate::film::{Film, ImageError};
 use crate::integrator::Guards;
+use crate::named::Named;
 use crate::session::{PassSelection, Progress, Provenance, machine};
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -37,7 +38,7 @@ struct Line<'a> {
     event: Event,
     scene: &'a str,
     camera: &'a str,
-    method: &'a serde_json::Value,
+    method: &'static str,
     shard: Option<String>,
     /// Number of passes in the film.
     passes: u64,
@@ -65,7 +66,7 @@ struct Interval {
 pub(super) struct Status {
     scene: String,
     camera: String,
-    method: serde_json::Value,
+    method: &'static str,
     shard: Option<String>,
     begun: Instant,
     next: Instant,
@@ -85,7 +86,7 @@ impl Status {
         Status {
             scene: crate::session::picture_name(&provenance.scene.path).to_string_lossy().into_owned(),
             camera: settings.camera.clone().unwrap_or_else(|| "0".into()),
-            method: serde_json::json!(settings.method.kind()),
+            method: settings.method.kind().name(),
             shard,
             begun: Instant::now(),
             next: Instant::now(),
@@ -120,7 +121,7 @@ impl Status {
             event,
             scene: &self.scene,
             camera: &self.camera,
-            method: &self.method,
+            method: self.method,
             shard: self.shard.clone(),
             passes: film.passes().len(),
             percent: None,

@@ -57,9 +57,4 @@ impl<'a, F: BorrowMut<Film>> FilmRenderer<'a, F> {
     pub fn film(&self) -> &Film {
         self.film.borrow()
     }
-
-    /// Ends the renderer and returns the film.
-    pub fn into_film(self) -> F {
-        self.film
-    }
 }

@@ -11,11 +11,11 @@ use crate::film::Independent;
     Eq,
     Hash,
     Default,
+    serde::Serialize,
+    serde::Deserialize,
     strum::VariantArray,
     strum::IntoStaticStr,
     strum::EnumMessage,
-    serde::Serialize,
-    serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]

@@ -120,8 +120,8 @@ pub fn pilot(scene: &Scene, camera: &Camera, options: &IntegratorConfig, layout:
     })
 }
 
-/// Describes the light in `scene` that `method` cannot sample, one sentence each: its [`blind_spots`], and light that no
-/// method samples.
+/// Describes the light in `scene` that `method` cannot sample, one sentence each: its [`blind_spots`], and light that
+/// no method samples.
 pub fn missing_light(method: Method, scene: &Scene) -> Vec<String> {
     let mut missing = blind_spots(method, scene);
     let features = scene.features();

@@ -30,11 +30,11 @@ use glam::Vec3;
     PartialOrd,
     Ord,
     Hash,
+    serde::Serialize,
+    serde::Deserialize,
     strum::VariantArray,
     strum::IntoStaticStr,
     strum::EnumMessage,
-    serde::Serialize,
-    serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]

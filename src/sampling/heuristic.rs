@@ -9,11 +9,11 @@
     Eq,
     Default,
     Hash,
+    serde::Serialize,
+    serde::Deserialize,
     strum::VariantArray,
     strum::IntoStaticStr,
     strum::EnumMessage,
-    serde::Serialize,
-    serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]

@@ -51,8 +51,8 @@ impl Scene {
         }
         if extent.spoilt > 0 {
             warnings.push(format!(
-                "about {} triangles are too small for where they are: single precision moves their vertices by more than a \
-                 hundredth of their size (detail in two places far apart?)",
+                "about {} triangles are too small for where they are: single precision moves their vertices by more \
+                 than a hundredth of their size (detail in two places far apart?)",
                 extent.spoilt
             ));
         }

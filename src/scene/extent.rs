@@ -62,7 +62,8 @@ impl Extent {
         }
         let least = MOST.recip();
         Err(Error::scene(format!(
-            "the scene has a radius of {radius:.3e} m, and only radii of {least:e} to {MOST:e} m can be rendered in single precision"
+            "the scene has a radius of {radius:.3e} m, and only radii of {least:e} to {MOST:e} m can be rendered in \
+             single precision"
         )))
     }
 

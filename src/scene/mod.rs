@@ -200,10 +200,12 @@ impl Scene {
         &self.accel
     }
 
-    /// Returns this scene with its intersection backend replaced by `change` of it, for measurements.
+    /// Returns this scene with its intersection backend replaced by the first result of `change`, and the second, for
+    /// measurements.
     #[must_use]
-    pub fn with_accel(self, change: impl FnOnce(Accel) -> Accel) -> Scene {
-        Scene { accel: change(self.accel), ..self }
+    pub fn with_accel<T>(self, change: impl FnOnce(Accel) -> (Accel, T)) -> (Scene, T) {
+        let (accel, result) = change(self.accel);
+        (Scene { accel, ..self }, result)
     }
 
     /// Returns the type of the intersection backend in use.

@@ -12,11 +12,11 @@ use crate::film::Plane;
     Hash,
     PartialOrd,
     Ord,
+    serde::Serialize,
+    serde::Deserialize,
     strum::VariantArray,
     strum::IntoStaticStr,
     strum::EnumMessage,
-    serde::Serialize,
-    serde::Deserialize,
 )]
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]

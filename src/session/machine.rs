@@ -1,6 +1,7 @@
 //! Resources of the machine, and their use by this process.
 
 use crate::error::{Error, Kind, Result};
+use crate::parallel::cores;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -49,7 +50,7 @@ pub fn threads(asked: Option<usize>, variable: impl Fn(&str) -> Option<String>) 
     match asked {
         Some(n) if (1..=MOST).contains(&n) => Ok(n),
         Some(n) => Err(Error::usage(format!("--threads {n}: must be from 1 to {MOST}"))),
-        None => Ok(scheduled().unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from))),
+        None => Ok(scheduled().unwrap_or_else(cores)),
     }
 }
 

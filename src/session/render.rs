@@ -13,14 +13,13 @@
 //! ```
 
 use super::{
-    Checkpoint, Ended, LoadedScene, Observer, Outputs, PassSelection, Progress, RenderReport, Rendered, Session,
-    SettingsPatch, Size,
+    LoadedScene, Observer, Outputs, PassSelection, Progress, RenderReport, Rendered, Session, SettingsPatch, Size,
 };
 use crate::camera::Camera;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Result};
 use crate::film::{Film, ImageError, Plane};
 use crate::integrator::{Integrator, IntegratorConfig, Method};
-use crate::parallel::Cancel;
+use crate::parallel::{Cancel, cores, pool};
 use crate::scene::description::Description;
 use crate::scene::{BuildOptions, Scene};
 use std::ops::ControlFlow;
@@ -35,7 +34,7 @@ impl Scene {
     /// # Errors
     /// The file cannot be read or is no valid scene.
     pub fn load(path: impl AsRef<Path>) -> Result<Arc<LoadedScene>> {
-        SettingsPatch::default().resolve(PassSelection::All)?.load(path.as_ref(), all_threads()).map(Arc::new)
+        SettingsPatch::default().resolve(PassSelection::All)?.load(path.as_ref(), cores()).map(Arc::new)
     }
 
     /// Builds a scene that was described in code, as [`Scene::load`] does.
@@ -43,13 +42,9 @@ impl Scene {
     /// # Errors
     /// The description is invalid.
     pub fn from_description(description: Description) -> Result<Arc<LoadedScene>> {
-        let options = BuildOptions { threads: all_threads(), ..BuildOptions::default() };
+        let options = BuildOptions { threads: cores(), ..BuildOptions::default() };
         LoadedScene::build(description, Path::new("described"), None, &options).map(Arc::new)
     }
-}
-
-fn all_threads() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Builds the caller's own integrator.
@@ -141,10 +136,10 @@ impl Render {
     pub fn run(self) -> Result<Image> {
         let Render { scene, patch, threads, watcher, integrator } = self;
         let work = || render(&scene, &patch, watcher, integrator);
-        let Some(threads) = threads else { return work() };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let refuse = |cause| Error::new(Kind::Internal, format!("cannot start {threads} threads")).because(cause);
-        pool.map_err(refuse)?.install(work)
+        match threads {
+            Some(threads) => pool(threads)?.install(work),
+            None => work(),
+        }
     }
 
     fn with(mut self, change: impl FnOnce(&mut SettingsPatch)) -> Self {
@@ -163,11 +158,11 @@ fn render(
     let mut session = Session::begin(scene, job.provenance(scene))?;
     let cancel = Cancel::new();
     let mut observer = Watched { watcher, cancel: cancel.clone() };
-    let checkpoint: Option<Checkpoint> = None;
-    let _: Ended = match integrator {
-        Some(build) => session
-            .run_with(&cancel, &mut observer, checkpoint, |scene, camera, options, _| build(scene, camera, options))?,
-        None => session.run(&cancel, &mut observer, checkpoint)?,
+    match integrator {
+        Some(build) => {
+            session.run_with(&cancel, &mut observer, None, |scene, camera, options, _| build(scene, camera, options))?
+        }
+        None => session.run(&cancel, &mut observer, None)?,
     };
     Ok(Image(session.end()?))
 }

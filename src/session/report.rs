@@ -227,7 +227,8 @@ impl RenderReport {
         if chains.owned_tiles > 0 {
             let (owned, lit) = (chains.owned_tiles, chains.lit_tiles);
             doubts.push(format!(
-                "{owned} of {lit} tiles owe most of their light to one chain: their error is unknown (--aov error-unknown)"
+                "{owned} of {lit} tiles owe most of their light to one chain: their error is unknown (--aov \
+                 error-unknown)"
             ));
         }
         if chains.lost_seeds > 0 {

@@ -4,7 +4,7 @@ use super::machine::{self, Stopwatch};
 use super::{Checkpoint, LoadedScene, Observer, Pace, Progress, Provenance, Rendered, images, provenance, target};
 use crate::camera::Camera;
 use crate::error::{Error, Kind, Result};
-use crate::film::{Film, Layout};
+use crate::film::Film;
 use crate::integrator::{self, FilmRenderer, Integrator, IntegratorConfig, PassReport, PilotEstimate, TechniqueImages};
 use crate::parallel::Cancel;
 use crate::scene::Scene;
@@ -13,7 +13,6 @@ use std::time::Duration;
 /// A render session: a film in progress.
 pub struct Session<'a> {
     stage: &'a LoadedScene,
-    layout: Layout,
     film: Film,
     provenance: Provenance,
     /// Runs from the start of the session.
@@ -46,8 +45,8 @@ impl<'a> Session<'a> {
         let clock = Stopwatch::start();
         let camera = settings.camera_in(&stage.scene)?;
         let pilot = integrator::pilot(&stage.scene, &camera, &settings.options(), &layout);
-        let film = Film::new(layout.clone(), settings.replicates, settings.seed, pilot.units);
-        Ok(Session { stage, layout, film, provenance, clock, check: None })
+        let film = Film::new(layout, settings.replicates, settings.seed, pilot.units);
+        Ok(Session { stage, film, provenance, clock, check: None })
     }
 
     /// Continues a film. It contains the results of the pilot.
@@ -56,8 +55,8 @@ impl<'a> Session<'a> {
     /// The scene or the program is not the one that began it.
     pub fn resume(stage: &'a LoadedScene, provenance: Provenance, film: Film) -> Result<Session<'a>> {
         provenance.continuable_on(stage)?;
-        let (layout, clock) = (provenance.settings.layout(), Stopwatch::start());
-        Ok(Session { stage, layout, film, provenance, clock, check: None })
+        let clock = Stopwatch::start();
+        Ok(Session { stage, film, provenance, clock, check: None })
     }
 
     /// Renders the contribution of each technique of bidirectional path tracing in the passes of the film, for paths of
@@ -77,12 +76,20 @@ impl<'a> Session<'a> {
         affordable(
             "the images of techniques",
             TechniqueImages::bytes_per_pixel(&options, deepest),
-            self.layout.pixels(),
+            self.film.layout().pixels(),
         )?;
         let camera = settings.camera_in(&self.stage.scene)?;
         let watched = passes.iter().enumerate().inspect(|(done, _)| watch(*done as f64 / passes.len() as f64));
         let passes = watched.map(|(_, pass)| pass);
-        Ok(integrator::technique_images(&self.stage.scene, &camera, &options, &self.layout, passes, deepest, cancel))
+        Ok(integrator::technique_images(
+            &self.stage.scene,
+            &camera,
+            &options,
+            self.film.layout(),
+            passes,
+            deepest,
+            cancel,
+        ))
     }
 
     /// Returns the film.
@@ -205,6 +212,7 @@ fn affordable(what: &str, bytes_per_pixel: usize, pixels: usize) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Layout;
 
     /// A budget is used up to the last pass that fits. Passes of constant duration never overrun it.
     #[test]

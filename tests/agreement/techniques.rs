@@ -14,8 +14,10 @@
 
 use crate::picture::scene;
 use crate::references::load;
-use etendue::film::{Film, Filter, Layout, PassFilm, Plane};
-use etendue::integrator::{self, Guards, IntegratorConfig, Method, PilotEstimate, TechniqueImage, TechniqueImages};
+use etendue::film::{Film, Filter, Layout, Plane};
+use etendue::integrator::{
+    self, FilmRenderer, Guards, IntegratorConfig, Method, PilotEstimate, TechniqueImage, TechniqueImages,
+};
 use etendue::parallel::Cancel;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
@@ -56,11 +58,7 @@ fn picture(scene: &Scene, options: &IntegratorConfig, passes: u64) -> Film {
     let units = integrator::pilot(scene, &camera, options, &layout).units;
     let mut film = Film::new(layout.clone(), options.replicates, options.seed, units);
     let method = integrator::build(scene, camera, options, &PilotEstimate::default());
-    for pass in 0..passes {
-        let mut samples = PassFilm::new(&layout).with_unit(units.radiance);
-        method.run_pass(pass, &Cancel::new(), &mut samples).expect("not cancelled");
-        film.commit(pass, &samples);
-    }
+    FilmRenderer::new(method, &mut film).passes(passes);
     film
 }
 

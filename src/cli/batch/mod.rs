@@ -12,7 +12,7 @@ use super::{Console, startup};
 use crate::batch::{Job, JobPicture, SceneCache, SceneKey};
 use crate::error::{Error, Kind, Result};
 use crate::session::checkpoint::INTERVAL;
-use crate::session::{Ended, Outputs, PassSelection, Rendered};
+use crate::session::{Ended, Outputs, PassSelection, RenderJob, Rendered};
 use rows::{Entry, Outcome, WriterQueue};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -93,18 +93,23 @@ pub(super) fn run(args: Args) -> Result<()> {
 pub(super) fn render_all(pictures: &[JobPicture], means: BatchOptions) -> Result<()> {
     // Errors in the settings of any picture are reported before the first one is rendered.
     let threads = startup::start_threads(means.threads)?;
-    let wanted = pictures.iter().map(|picture| SceneKey::of(picture, threads)).collect::<Result<Vec<_>>>()?;
-    for picture in pictures {
-        means.strict.check(&picture.choices.resolve(PassSelection::All)?.plan)?;
+    let resolve = |picture: &JobPicture| {
+        picture.choices.resolve(PassSelection::All).map_err(|e| e.context(picture.output.display()))
+    };
+    let jobs = pictures.iter().map(resolve).collect::<Result<Vec<_>>>()?;
+    for (picture, job) in pictures.iter().zip(&jobs) {
+        means.strict.check(&job.plan)?;
         Outputs::of(&picture.output)?;
     }
+    let wanted: Vec<_> =
+        pictures.iter().zip(&jobs).map(|(picture, job)| SceneKey::of(&picture.scene, job, threads)).collect();
     let signals = Signals::heed()?;
     let begun = Instant::now();
     let mut batch = Batch { means, signals: &signals, stages: SceneCache::default(), written: WriterQueue::default() };
-    for (index, picture) in pictures.iter().enumerate() {
+    for (index, (picture, job)) in pictures.iter().zip(jobs).enumerate() {
         let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
         means.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
-        batch.picture(picture, &wanted[index], next);
+        batch.picture(picture, job, &wanted[index], next);
     }
     batch.written.tell(begun, means.console)
 }
@@ -129,10 +134,11 @@ enum PictureResult {
 
 impl Batch<'_> {
     /// Renders a picture, catching errors and panics. Meanwhile the previous one is written and `next` is loaded.
-    fn picture(&mut self, picture: &JobPicture, wanted: &SceneKey, next: Option<&SceneKey>) {
+    fn picture(&mut self, picture: &JobPicture, job: RenderJob, wanted: &SceneKey, next: Option<&SceneKey>) {
         let entry = Entry::begin(picture, self.means.console);
         let stopped = self.signals.cancel.requested();
-        let made = if stopped { Ok(PictureResult::Nothing) } else { surviving(|| self.render(picture, wanted, next)) };
+        let made =
+            if stopped { Ok(PictureResult::Nothing) } else { surviving(|| self.render(picture, job, wanted, next)) };
         let load = self.stages.seconds();
         self.written.wait();
         let row = match made {
@@ -150,11 +156,17 @@ impl Batch<'_> {
         self.written.push(row);
     }
 
-    fn render(&mut self, picture: &JobPicture, wanted: &SceneKey, next: Option<&SceneKey>) -> Result<PictureResult> {
+    fn render(
+        &mut self,
+        picture: &JobPicture,
+        job: RenderJob,
+        wanted: &SceneKey,
+        next: Option<&SceneKey>,
+    ) -> Result<PictureResult> {
         self.stages.load(wanted, || self.written.wait());
         self.stages.load_ahead(next);
         let (stage, task) = (self.stages.here()?, self.task(picture)?);
-        let job = picture.choices.resolve(PassSelection::All)?.fitted(stage)?;
+        let job = job.fitted(stage)?;
         if self.means.strict.strict {
             stage.refuse_ignored()?;
         }

@@ -12,7 +12,7 @@ mod tiles;
 
 pub use record::{RECORD, decode, encode};
 pub use sources::PixelErrors;
-#[cfg(test)]
+#[cfg(all(test, feature = "cli"))]
 pub(crate) use sum::Replicates;
 pub use tiles::CHANNELS;
 pub use tiles::Pyramid;

@@ -113,8 +113,8 @@ fn check(headers: &[Header], file_size: u64) -> std::result::Result<Window, Stri
     }
 }
 
-/// Returns the bytes of a block, which the decoder holds as a whole however little of it lies in the image; `None` beyond
-/// u64.
+/// Returns the bytes of a block, which the decoder holds as a whole however little of it lies in the image; `None`
+/// beyond u64.
 fn block_bytes(header: &Header) -> Option<u64> {
     let Vec2(width, height) = match header.blocks {
         BlockDescription::Tiles(tiles) => tiles.tile_size,

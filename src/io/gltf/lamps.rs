@@ -31,8 +31,8 @@ pub(super) fn afford(out: &Description, materials: &[Material], memory: u64) -> 
     Err(Error::new(
         Kind::Memory,
         format!(
-            "{lights} emitting triangles would take {need:.2} GB as lights and {have:.2} GB are available: {triangles} of mesh \
-             '{name}' emit at each of {places} places; give it more with --memory, or let fewer triangles emit"
+            "{lights} emitting triangles would take {need:.2} GB as lights and {have:.2} GB are available: {triangles} \
+             of mesh '{name}' emit at each of {places} places; give it more with --memory, or let fewer triangles emit"
         ),
     ))
 }

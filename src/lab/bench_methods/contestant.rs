@@ -93,8 +93,7 @@ impl<'a> BenchCase<'a> {
 }
 
 pub(super) fn label(settings: &RenderSettings) -> String {
-    let method = serde_json::json!(settings.method.kind());
-    format!("{}, {}", method.as_str().unwrap_or_default(), settings.backend.name())
+    format!("{}, {}", settings.method.kind().name(), settings.backend.name())
 }
 
 /// Seed of a repetition. The warm-up uses the settings' own seed, which differs but for a probability of 2⁻⁶⁴.

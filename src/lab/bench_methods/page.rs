@@ -15,17 +15,19 @@ use std::io::Write;
 /// Smallest relative error shown; 1 has the brightest colour.
 const LEAST_SHOWN: f64 = 0.01;
 
-const LEAD: &str = "Error against time, methods and backends side by side. Error is relMSE: the mean over pixels and channels of \
-    (image − reference)² / (reference² + ε). Points are geometric means over independent renders, bands and brackets 95 % intervals.";
+const LEAD: &str = "Error against time, methods and backends side by side. Error is relMSE: the mean over pixels and \
+    channels of (image − reference)² / (reference² + ε). Points are geometric means over independent renders, bands \
+    and brackets 95 % intervals.";
 
 const NOTES: [&str; 5] = [
-    "Time runs from the pilot to the last pass; warm-up, loading, building and the comparison with the reference are not in it. \
-     Processor time is user and system time of all threads.",
-    "All curves of all scenes take turns, repetition by repetition, so that whatever else the machine does falls on all of them. \
-     Within a repetition all have the same seed.",
-    "Efficiency is 1 / (relMSE × processor seconds) at the last point. Ratios are paired by repetition (Student's t on their logarithms).",
-    "Slopes are fitted to the logarithms, render by render; their intervals come from the scatter between renders. Independent samples \
-     have −1 against samples.",
+    "Time runs from the pilot to the last pass; warm-up, loading, building and the comparison with the reference are \
+     not in it. Processor time is user and system time of all threads.",
+    "All curves of all scenes take turns, repetition by repetition, so that whatever else the machine does falls on \
+     all of them. Within a repetition all have the same seed.",
+    "Efficiency is 1 / (relMSE × processor seconds) at the last point. Ratios are paired by repetition (Student's t on \
+     their logarithms).",
+    "Slopes are fitted to the logarithms, render by render; their intervals come from the scatter between renders. \
+     Independent samples have −1 against samples.",
     "The dotted line in a plot has slope −1.",
 ];
 
@@ -42,7 +44,8 @@ pub(super) fn write(
         page.section(&scene.name, &section(scene, subjects[at].stages[0].1.tone, &fields[at], &references[at], at)?);
     }
     if !report.over_scenes.is_empty() {
-        let caption = "Efficiency of the row over that of the column: geometric mean over the scenes that both see whole, 95 % interval";
+        let caption = "Efficiency of the row over that of the column: geometric mean over the scenes that both see \
+            whole, 95 % interval";
         page.section("Over all scenes", &ratios(caption, &report.over_scenes));
     }
     page.section("Machine and command", &machine(report));
@@ -85,7 +88,8 @@ fn section(
         (curves(&scene.curves))
         (ratios("Efficiency of the row over that of the column, 95 % interval", &scene.ratios))
         h3 { "Images" }
-        p.soft { "The last image of the first repetition; times differ, so compare by the plots. Maps show the error of each pixel relative to the reference." }
+        p.soft { "The last image of the first repetition; times differ, so compare by the plots. Maps show the error \
+            of each pixel relative to the reference." }
         (compare(&group, &pictures))
         (ramp("Relative error of a pixel", ["1 % or less", "10 %", "100 % or more"]))
         details { summary { "All images and maps, small" } (gallery(&group, &pictures)) }

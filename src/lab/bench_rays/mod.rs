@@ -31,6 +31,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::integrator::RayCounts;
 use crate::lab::Conditions;
+use crate::parallel::pool;
 use crate::session::{LoadedScene, RenderSettings, writable};
 use record::View;
 use row::{Pace, Row};
@@ -169,7 +170,7 @@ impl Field {
             render: Vec::new(),
         };
         rows.iter_mut().for_each(|row| row.paces = request.threads.iter().map(pace).collect());
-        let pools = request.threads.iter().map(|&threads| record::pool(threads)).collect::<Result<Vec<_>>>()?;
+        let pools = request.threads.iter().map(|&threads| pool(threads)).collect::<Result<Vec<_>>>()?;
         Ok(Field { stage, view, stream, groups, counted, rows, left_out, pools })
     }
 

@@ -9,23 +9,27 @@ use maud::{Markup, html};
 use std::io::Write;
 use std::path::Path;
 
-const LEAD: &str = "Rays of one render pass, recorded and replayed with nothing in between on every backend and build: how many \
-    million a second are answered, what share of that a render reaches, and whether all hit the same. Rates are medians over rounds; \
-    brackets hold the slowest and the fastest round.";
+const LEAD: &str = "Rays of one render pass, recorded and replayed with nothing in between on every backend and build: \
+    how many million a second are answered, what share of that a render reaches, and whether all hit the same. Rates \
+    are medians over rounds; brackets hold the slowest and the fastest round.";
 
 const NOTES: [&str; 8] = [
-    "Raw is all that was recorded, replayed in the order of the render; the classes are replayed each by itself. camera: from the camera. bounce-n: \
-     from the n-th scattering event of a path. shadow: toward lights; it is only asked whether there is anything.",
+    "Raw is all that was recorded, replayed in the order of the render; the classes are replayed each by itself. \
+     camera: from the camera. bounce-n: from the n-th scattering event of a path. shadow: toward lights; it is only \
+     asked whether there is anything.",
     "Rows take turns within every measurement, so that whatever else the machine does falls on all of them.",
-    "In the render: rays that a pass counts over its wall-clock time, which has everything in it that is not ray tracing. The share is \
-     that rate over the raw rate of the same row, number of threads and round.",
-    "obvhs-cwbvh is obvhs's own eight-wide compressed tree with its own traversal and triangle test, which lose rays at edges and within \
-     1e-4 of their origin; instances are flattened. It is measured on scenes as it is, cannot be rendered with, and is not asked hard cases.",
+    "In the render: rays that a pass counts over its wall-clock time, which has everything in it that is not ray \
+     tracing. The share is that rate over the raw rate of the same row, number of threads and round.",
+    "obvhs-cwbvh is obvhs's own eight-wide compressed tree with its own traversal and triangle test, which lose rays \
+     at edges and within 1e-4 of their origin; instances are flattened. It is measured on scenes as it is, cannot be \
+     rendered with, and is not asked hard cases.",
     "Bytes are those of the structure, for each triangle of distinct meshes. Each structure is built once.",
-    "A tie is another triangle at a distance that rounding cannot tell apart, a graze one that is passed within rounding of its edge. \
-     Any other difference is a true one: one of the two is wrong.",
-    "A leak is a ray that leaves a closed body; it is counted in hard cases whose rays all begin inside of one, and nowhere else.",
-    "True differences in far-origin and scale-1e-40 are errors of Embree: an exact judge (tests/accel) finds obvhs's answers right.",
+    "A tie is another triangle at a distance that rounding cannot tell apart, a graze one that is passed within \
+     rounding of its edge. Any other difference is a true one: one of the two is wrong.",
+    "A leak is a ray that leaves a closed body; it is counted in hard cases whose rays all begin inside of one, and \
+     nowhere else.",
+    "True differences in far-origin and scale-1e-40 are errors of Embree: an exact judge (tests/accel) finds obvhs's \
+     answers right.",
 ];
 
 /// Writes `index.html`.

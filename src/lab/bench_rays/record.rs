@@ -3,10 +3,10 @@
 use super::recorder::Recorder;
 use super::stream::RayStream;
 use crate::camera::Camera;
-use crate::error::{Error, Kind, Result};
+use crate::error::Result;
 use crate::film::{Crop, Layout, PassFilm};
 use crate::integrator::{self, PilotEstimate, RayCounts};
-use crate::parallel::Cancel;
+use crate::parallel::{Cancel, pool};
 use crate::scene::Scene;
 use crate::session::{LoadedScene, RenderSettings};
 
@@ -62,33 +62,11 @@ impl View {
 /// # Errors
 /// An internal error if no thread can be started.
 pub(super) fn record(stage: LoadedScene, view: &View, name: &str) -> Result<(LoadedScene, RayStream, RayCounts)> {
-    let mut recorder = None;
-    let scene = stage.scene.with_accel(|accel| {
-        let (handle, recording) = Recorder::of(accel);
-        recorder = Some(handle);
-        recording
-    });
+    let (scene, recorder) = stage.scene.with_accel(Recorder::of);
     let counted = pool(1)?.install(|| view.pass(&scene, 0));
-    let mut questions = Vec::new();
-    let scene = scene.with_accel(|recording| match recorder {
-        Some(handle) => {
-            let (accel, recorded) = handle.end(recording);
-            questions = recorded;
-            accel
-        }
-        None => recording,
-    });
+    let (scene, questions) = scene.with_accel(|recording| recorder.end(recording));
     let stream = RayStream { name: name.to_owned(), scene_hash: scene.hash().to_owned(), questions };
     Ok((LoadedScene { scene, ..stage }, stream, counted))
-}
-
-/// Creates a pool of `threads` threads.
-///
-/// # Errors
-/// An internal error if they cannot be started.
-pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|cause| Error::new(Kind::Internal, format!("cannot start {threads} threads")).because(cause))
 }
 
 /// Scales the sides of the image by `share`, at most 1.

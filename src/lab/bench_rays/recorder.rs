@@ -51,11 +51,11 @@ struct Notes {
 }
 
 impl Recorder {
-    /// Wraps `inner`. Also returns the backend that records.
-    pub(super) fn of(inner: Accel) -> (Arc<Recorder>, Accel) {
+    /// Returns the backend that records the queries of `inner`, and its recorder.
+    pub(super) fn of(inner: Accel) -> (Accel, Arc<Recorder>) {
         let notes = Mutex::new(Notes { class: RayClass::Camera, questions: Vec::new() });
         let recorder = Arc::new(Recorder { inner, notes });
-        (Arc::clone(&recorder), Accel::Custom(Box::new(recorder)))
+        (Accel::Custom(Box::new(Arc::clone(&recorder))), recorder)
     }
 
     /// Returns the wrapped backend and the queries of `recording`, which came from [`Recorder::of`].

@@ -115,7 +115,7 @@ impl Row {
 
 /// Swaps the stage's backend with `accel`.
 fn exchanged(stage: LoadedScene, accel: &mut Accel) -> LoadedScene {
-    LoadedScene { scene: stage.scene.with_accel(|own| std::mem::replace(accel, own)), ..stage }
+    LoadedScene { scene: stage.scene.with_accel(|own| (std::mem::replace(accel, own), ())).0, ..stage }
 }
 
 fn rate(accel: &impl Intersector, questions: &[RayQuery]) -> f64 {

@@ -126,10 +126,12 @@ impl Verdict {
             CompareOutcome::Identical => "the pixels are identical".into(),
             CompareOutcome::Untested => format!("not tested: {}", self.reason.as_deref().unwrap_or_default()),
             CompareOutcome::NoDifference => format!(
-                "no difference of the means found at level {level} in {tests} tests (image and tiles from {tile}x{tile} up by channel), smallest corrected p {smallest:.2e}"
+                "no difference of the means found at level {level} in {tests} tests (image and tiles from \
+                 {tile}x{tile} up by channel), smallest corrected p {smallest:.2e}"
             ),
             CompareOutcome::Differ => format!(
-                "the means differ at level {level} in {rejected} of {tests} tests (image and tiles from {tile}x{tile} up by channel), smallest corrected p {smallest:.2e}"
+                "the means differ at level {level} in {rejected} of {tests} tests (image and tiles from {tile}x{tile} \
+                 up by channel), smallest corrected p {smallest:.2e}"
             ),
         }
     }
@@ -225,7 +227,8 @@ fn pixel_errors(side: &Side) -> Result<PixelErrors<'_>, String> {
             side.origin.path
         )),
         Some(_) => Err(format!(
-            "{} carries no sound record of its tiles, and the pixels of {method} are not independent: render it with this version",
+            "{} carries no sound record of its tiles, and the pixels of {method} are not independent: render it with \
+             this version",
             side.origin.path
         )),
     }

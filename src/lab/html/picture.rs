@@ -152,7 +152,8 @@ pub fn compare(group: &str, pictures: &[FigurePicture]) -> Markup {
                 img alt="" width=(first.width) height=(first.height);
                 i {}
             }
-            input type="range" min="0" max="100" value="50" step="1" aria-label="How much of the left picture is shown, in per cent";
+            input type="range" min="0" max="100" value="50" step="1" aria-label="How much of the left picture is \
+                shown, in per cent";
         }
     }
 }

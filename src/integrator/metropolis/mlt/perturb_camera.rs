@@ -1,7 +1,8 @@
 //! Perturbations from the camera: a small change of the raster position replaces the vertices seen from the camera.
 //! Dirac vertices keep their component, and the camera its point of the lens. The rest of the path is connected at the
-//! first edge between smooth vertices [Veach97 §11.4.3]. Where a smooth vertex is followed by mirrors or glass, the direction at it is perturbed as well.
-//! [`LensPerturbation`] has the paths without such a vertex, [`MultiChainPerturbation`] those with one or more.
+//! first edge between smooth vertices [Veach97 §11.4.3]. Where a smooth vertex is followed by mirrors or glass, the
+//! direction at it is perturbed as well. [`LensPerturbation`] has the paths without such a vertex,
+//! [`MultiChainPerturbation`] those with one or more.
 
 use super::super::ChainContext;
 use super::extend::{RayEnd, SubpathBuffer, SubpathSampler};
