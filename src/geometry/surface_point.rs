@@ -43,6 +43,12 @@ impl SurfacePoint {
         Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, touching: false, consistent })
     }
 
+    /// Returns |w·ng| for the unit direction `w`.
+    #[inline]
+    pub fn cos(&self, w: Vec3) -> f32 {
+        w.dot(self.ng).abs()
+    }
+
     /// Returns the primitive if another surface touches it here, else [`Hit::NONE`].
     #[inline]
     pub fn touched(&self) -> Hit {
@@ -63,12 +69,6 @@ impl SurfacePoint {
             (Hit::NONE, Hit::NONE) => spawn_segment(self.p, self.error, self.ng, to, to_error, to_ng),
             (left, end) => touching_segment(self.p, left, self.error, self.ng, (to, to_error, to_ng), end),
         }
-    }
-
-    /// Returns the open segment to `other`.
-    #[inline]
-    pub fn segment_to(&self, other: &SurfacePoint) -> Ray {
-        self.segment(other.p, other.error, other.ng, other.touched())
     }
 }
 

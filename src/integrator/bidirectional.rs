@@ -155,7 +155,7 @@ impl<'a> Bidirectional<'a> {
             Some((_, Arrival::Vertex(z))) if z.vertex.is_connectible() => {
                 let Some(shading) = z.shading() else { return };
                 let found = match &y {
-                    Some(y) => connect(self.scene, &self.weights, y, &z, &shading),
+                    Some(y) => connect(&self.weights, y, &z, &shading),
                     None => next_event(self.scene, &self.weights, &z, &shading, camera),
                 };
                 self.trace_connection([s, t], found, camera, sink, tally);
@@ -190,22 +190,43 @@ impl<'a> Bidirectional<'a> {
         sink: &mut impl Sink,
         tally: &mut TraceStats,
     ) {
-        if let Some(Connection { value, weight, survival, edge }) = found {
-            let through = self.scene.transmittance(&edge, sampler, connection(s, t), &mut tally.shadows);
-            sink.add(TechniqueSample { s, t, value: value * through, weight, survival });
+        let Some(found) = found else { return };
+        if let Some(sample) = self.traced([s, t], &found, sampler, tally) {
+            sink.add(sample);
         }
+    }
+
+    /// Returns the contribution of the connection `found` as far as it is visible.
+    #[inline]
+    fn traced(
+        &self,
+        [s, t]: [usize; 2],
+        found: &Connection,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Option<TechniqueSample> {
+        let &Connection { value, weight, survival, .. } = found;
+        let edge = found.edge(self.scene)?;
+        let through = self.scene.transmittance(&edge, sampler, connection(s, t), &mut tally.shadows);
+        Some(TechniqueSample { s, t, value: value * through, weight, survival })
     }
 
     /// Traces a light subpath and returns its connectible vertices.
     fn light_walk(&self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Vec<SubpathVertex<'a>> {
         let mut vertices = Vec::new();
         let Some((mut path, _)) = Subpath::from_light(self.scene, &self.weights, sampler) else { return vertices };
-        while let Arrival::Vertex(vertex) = path.arrive(&self.camera, sampler, tally) {
+        loop {
+            // Borrowed, since a vertex is large.
+            let arrival = path.arrive(&self.camera, sampler, tally);
+            let Arrival::Vertex(vertex) = &arrival else { break };
             let longest = vertex.sums.index as usize >= *self.events.end();
             let goes_on = !longest
-                && vertex.shading().is_some_and(|shading| path.go_on(&vertex, &shading, sampler, tally).is_some());
+                && vertex
+                    .shading()
+                    .as_ref()
+                    .is_some_and(|shading| path.go_on(vertex, shading, sampler, tally).is_some());
             if vertex.vertex.is_connectible() {
-                vertices.push(vertex);
+                vertices.extend(arrival.vertex());
             }
             if !goes_on {
                 break;
@@ -229,9 +250,9 @@ impl<'a> Bidirectional<'a> {
             }
             let lens = self.camera.sample_lens(|| sampler.u2(y.sums.index, Slot::Lens));
             let Some(found) = splat(self.scene, &self.weights, &self.camera, lens, y) else { continue };
-            let Connection { value, weight, survival, edge } = found.connection;
-            let through = self.scene.transmittance(&edge, sampler, connection(s, 1), &mut tally.shadows);
-            sink.splat(found.film, TechniqueSample { s, t: 1, value: value * through, weight, survival });
+            if let Some(sample) = self.traced([s, 1], &found.connection, sampler, tally) {
+                sink.splat(found.film, sample);
+            }
         }
     }
 
@@ -247,19 +268,20 @@ impl<'a> Bidirectional<'a> {
         let mut path = Subpath::from_camera(self.scene, &self.weights, camera);
         let Techniques { hit, next_event, connect, .. } = self.weights.techniques;
         loop {
-            let z = match path.arrive(&self.camera, sampler, tally) {
+            let arrival = path.arrive(&self.camera, sampler, tally);
+            let z = match &arrival {
                 Arrival::Vertex(vertex) => vertex,
-                Arrival::Infinity(sums) => return self.background(&path, &sums, sink),
+                Arrival::Infinity(sums) => return self.background(&path, sums, sink),
             };
-            self.emitted(&path, &z, sink);
+            self.emitted(&path, z, sink);
             if !(hit || next_event || connect) || z.sums.index as usize > *self.events.end() {
                 return;
             }
-            let Some(shading) = z.shading() else { return };
+            let Some(shading) = &z.shading() else { return };
             if z.vertex.is_connectible() {
-                self.connections(&z, &shading, from_light, sampler, sink, tally);
+                self.connections(z, shading, from_light, sampler, sink, tally);
             }
-            if path.go_on(&z, &shading, sampler, tally).is_none() {
+            if path.go_on(z, shading, sampler, tally).is_none() {
                 return;
             }
         }
@@ -283,7 +305,7 @@ impl<'a> Bidirectional<'a> {
         for y in from_light {
             let s = y.sums.index as usize + 1;
             if self.is_enabled(s, t) {
-                let found = connect(self.scene, &self.weights, y, z, shading);
+                let found = connect(&self.weights, y, z, shading);
                 let found = found.and_then(|found| self.connection_roulette(found, sampler, s, t));
                 self.trace_connection([s, t], found, sampler, sink, tally);
             }
@@ -292,20 +314,20 @@ impl<'a> Bidirectional<'a> {
 
     /// Russian roulette by weighted contribution, before the shadow ray is traced.
     #[inline]
-    fn connection_roulette(
+    fn connection_roulette<'v>(
         &self,
-        found: Connection,
+        found: Connection<'v>,
         sampler: &mut impl Sampler,
         s: usize,
         t: usize,
-    ) -> Option<Connection> {
+    ) -> Option<Connection<'v>> {
         let worth = found.value.max_lane() * found.weight as f32;
         if worth >= self.worthwhile || worth.is_nan() {
             return Some(found);
         }
         let share = (worth / self.worthwhile).max(LEAST_SHARE);
         let u = sampler.u1(connection(s, t), Slot::Roulette);
-        (u < share).then(|| Connection { value: found.value / share, survival: found.survival * share, ..found })
+        (u < share).then(|| found.survived(share))
     }
 
     /// Adds the radiance emitted at `z` toward the walk.

@@ -158,7 +158,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let Some(sample) = lights.all()[index].sample_li(&receiver, u) else { return Spectrum::ZERO };
         let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
         let weight = Self::light_weight(&scattering, &sample, pmf);
-        let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(&sample.end));
+        let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(sample.end));
         let through = self.scene.transmittance(&edge, sampler, walk.bounce, &mut tally.shadows);
         walk.beta * scattering.f_cos * sample.radiance * through * weight
     }

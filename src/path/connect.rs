@@ -7,46 +7,63 @@ use crate::bsdf::{Scattering, Shading};
 use crate::camera::{Camera, LensPoint};
 use crate::light::EmitterPoint;
 use crate::sampling::{Density, Sampler, Slot};
-use crate::scene::{Edge, Scene};
+use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
 /// Contribution of a technique before the visibility test.
-#[derive(Debug, Clone, Copy)]
-pub struct Connection {
+#[derive(Clone, Copy)]
+pub struct Connection<'v> {
     /// f(x̄) divided by the density of the technique, without the transmittance of the segment.
     pub value: Spectrum,
     /// MIS weight of the technique.
     pub weight: f64,
     /// Probability that both subpaths survived roulette. `value` is already divided by it.
     pub survival: f32,
-    /// Edge to test for visibility.
-    pub edge: Edge,
+    /// Vertex at which the edge begins.
+    from: &'v Vertex<'v>,
+    /// Unit direction of the edge.
+    wi: Vec3,
+    end: EdgeEnd<'v>,
+}
+
+impl Connection<'_> {
+    /// Returns it after roulette that kept it with probability `q`.
+    #[inline]
+    pub fn survived(self, q: f32) -> Self {
+        Connection { value: self.value / q, survival: self.survival * q, ..self }
+    }
+
+    /// Returns the edge to test for visibility. It is made on demand, since roulette drops many connections.
+    #[inline]
+    pub fn edge(&self, scene: &Scene) -> Option<Edge> {
+        self.from.edge_to(scene, self.wi, self.end)
+    }
 }
 
 /// A connection to the camera.
-#[derive(Debug, Clone, Copy)]
-pub struct Splat {
+#[derive(Clone, Copy)]
+pub struct Splat<'v> {
     /// Contribution per pixel of film area and light subpath.
-    pub connection: Connection,
+    pub connection: Connection<'v>,
     /// Raster position, in pixels.
     pub film: [f32; 2],
 }
 
 /// Next-event estimation at the vertex `z` of a camera subpath.
-pub fn next_event(
+pub fn next_event<'v>(
     scene: &Scene,
     weights: &MisStrategy,
-    z: &SubpathVertex,
+    z: &'v SubpathVertex,
     shading: &Shading,
     sampler: &mut impl Sampler,
-) -> Option<Connection> {
+) -> Option<Connection<'v>> {
     let bounce = z.sums.index - 1;
     let receiver = z.vertex.context()?;
     let (index, pmf) = scene.lights().choose(&receiver, sampler.u1(bounce, Slot::LightPick))?;
     let light = &scene.lights().all()[index];
     let sample = light.sample_li(&receiver, sampler.u2(bounce, Slot::LightPoint))?;
-    let Scattering { f_cos, pdf } = shading.scattering(sample.wi)?;
+    let &Some(Scattering { f_cos, pdf }) = &shading.scattering(sample.wi) else { return None };
     let pmf = f64::from(pmf.value());
     let emission = light.ray_density(scene.ball(), -sample.wi);
     let ratio = f64::from(scene.lights().emitter_pmf(index).value()) / pmf;
@@ -65,57 +82,59 @@ pub fn next_event(
         value: z.beta * f_cos * sample.radiance / (pmf as f32 * sample.density.value()),
         weight: weights.next_event(hit, weights.earlier(&z.sums, made, reverse)),
         survival: z.survival,
-        edge: z.vertex.edge_to(scene, sample.wi, &Vertex::Light(sample.end))?,
+        from: &z.vertex,
+        wi: sample.wi,
+        end: EdgeEnd::Light(sample.end),
     })
 }
 
 /// Connects the vertex `y` of a light subpath to the vertex `z` of a camera subpath.
 #[inline]
-pub fn connect(
-    scene: &Scene,
+pub fn connect<'v>(
     weights: &MisStrategy,
-    y: &SubpathVertex,
-    z: &SubpathVertex,
+    y: &'v SubpathVertex,
+    z: &'v SubpathVertex,
     z_shading: &Shading,
-) -> Option<Connection> {
+) -> Option<Connection<'v>> {
     let to = y.vertex.p()? - z.vertex.p()?;
     let d2 = to.length_squared();
     let wi = to / d2.sqrt();
-    let at_z = z_shading.scattering(wi)?;
-    let y_shading = y.shading()?;
-    let at_y = y_shading.scattering(-wi)?;
+    // Borrowed, not moved out of the options: a copy of what was just written stalls.
+    let Some(at_z) = &z_shading.scattering(wi) else { return None };
+    let Some(y_shading) = &y.shading() else { return None };
+    let Some(at_y) = &y_shading.scattering(-wi) else { return None };
     if d2 <= 0.0 {
         return None;
     }
     let per_area = |pdf: f32, at: &Vertex| f64::from(pdf) * f64::from(at.cos(wi)) / f64::from(d2);
     let reverse = |shading: &Shading, w: Vec3| f64::from(shading.reverse_pdf(w).value());
-    let light = weights.earlier(&y.sums, per_area(at_z.pdf.value(), &y.vertex), reverse(&y_shading, -wi));
+    let light = weights.earlier(&y.sums, per_area(at_z.pdf.value(), &y.vertex), reverse(y_shading, -wi));
     let camera = weights.earlier(&z.sums, per_area(at_y.pdf.value(), &z.vertex), reverse(z_shading, wi));
     let value = y.beta * at_y.f_cos * at_z.f_cos * z.beta / d2;
-    let edge = z.vertex.edge_to(scene, wi, &y.vertex)?;
-    Some(Connection { value, weight: weights.connection(light, camera), survival: y.survival * z.survival, edge })
+    let (weight, survival) = (weights.connection(light, camera), y.survival * z.survival);
+    Some(Connection { value, weight, survival, from: &z.vertex, wi, end: y.vertex.as_end() })
 }
 
 /// Connects the vertex `y` of a light subpath to the point `lens` of the camera's lens; `None` if `y` is outside the
 /// field of view or culled.
-pub fn splat(
+pub fn splat<'v>(
     scene: &Scene,
     weights: &MisStrategy,
     camera: &Camera,
     lens: LensPoint,
-    y: &SubpathVertex,
-) -> Option<Splat> {
+    y: &'v SubpathVertex,
+) -> Option<Splat<'v>> {
     let seen = camera.sample_wi(y.vertex.p()?, lens)?;
     if y.vertex.surface().is_some_and(|at| scene.culled(&at.point, -seen.wi)) {
         return None;
     }
-    let shading = y.shading()?;
-    let at_y = shading.scattering(seen.wi)?;
+    let Some(shading) = &y.shading() else { return None };
+    let Some(at_y) = &shading.scattering(seen.wi) else { return None };
     // The density of the point of the lens is a factor of We and of every technique.
     let density = f64::from(seen.importance) * f64::from(y.vertex.cos(seen.wi));
     let reverse = f64::from(shading.reverse_pdf(seen.wi).value());
     let value = y.beta * at_y.f_cos * seen.importance;
-    let edge = y.vertex.edge_to(scene, seen.wi, &Vertex::Camera(seen.eye))?;
-    let connection = Connection { value, weight: weights.splat(&y.sums, density, reverse), survival: y.survival, edge };
+    let (weight, end) = (weights.splat(&y.sums, density, reverse), EdgeEnd::Camera(seen.eye));
+    let connection = Connection { value, weight, survival: y.survival, from: &y.vertex, wi: seen.wi, end };
     Some(Splat { connection, film: seen.film })
 }

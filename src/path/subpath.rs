@@ -6,7 +6,8 @@ use super::mis::{MisEdge, MisStrategy, PartialMis};
 use super::{Emitter, PreviousVertex, RandomWalk, SurfaceVertex, TraceStats, Vertex};
 use crate::bsdf::{Lobes, Shading};
 use crate::camera::{Camera, CameraSample, LensPoint};
-use crate::light::{EmitterPoint, LeRandom};
+use crate::geometry::SurfacePoint;
+use crate::light::{EmitterPoint, LeRandom, LightSampleContext};
 use crate::sampling::{Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
@@ -44,6 +45,16 @@ pub enum Arrival<'a> {
     Vertex(SubpathVertex<'a>),
     /// Outside the scene, with the partial MIS sums.
     Infinity(PartialMis),
+}
+
+impl<'a> Arrival<'a> {
+    /// Returns the vertex; `None` outside the scene.
+    pub fn vertex(self) -> Option<SubpathVertex<'a>> {
+        match self {
+            Arrival::Vertex(vertex) => Some(vertex),
+            Arrival::Infinity(_) => None,
+        }
+    }
 }
 
 /// A random walk with the MIS state of its current edge.
@@ -106,33 +117,34 @@ impl<'a> Subpath<'a> {
             return Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction));
         };
         let (w, state) = (self.walk.ray.direction, self.walk.ray.state);
-        let (p, surface) = (point.p, self.scene.surface(&mut point, state.bodies));
+        self.complete(camera, &point, w);
+        let sums = self.weights.arrive(&self.link, point.p, point.cos(w), w);
+        let surface = self.scene.surface(&mut point, state.bodies);
         let RandomWalk { beta, survival, mode, .. } = self.walk;
-        // The vertex is made where it stays: it is large.
-        let mut found = SubpathVertex {
+        // The vertex is large. Made in the expression that returns it, it is not moved.
+        Arrival::Vertex(SubpathVertex {
             vertex: Vertex::Surface(SurfaceVertex { point, surface, state }),
             known: -w,
             beta,
             survival,
-            sums: PartialMis::default(),
+            sums,
             mode,
-        };
-        self.complete(camera, &found.vertex, p, w);
-        found.sums = self.weights.arrive(&self.link, p, found.vertex.cos(w), w);
-        Arrival::Vertex(found)
+        })
     }
 
-    /// Computes what the first edge of the subpath could not know before its end: the density of a camera ray at `p`,
-    /// and that of a light sample from `vertex` to the light.
+    /// Computes what the first edge of the subpath could not know before its end: the density of a camera ray at
+    /// `point`, and that of a light sample from `point` to the light.
     #[inline]
-    fn complete(&mut self, camera: &Camera, vertex: &Vertex, p: Vec3, w: Vec3) {
+    fn complete(&mut self, camera: &Camera, point: &SurfacePoint, w: Vec3) {
         match (&self.walk.departure, &self.start) {
             (PreviousVertex::Camera, &Start::Camera(lens)) => {
-                self.link.forward = camera.sample_wi(p, lens).map_or(0.0, |seen| f64::from(seen.importance));
+                let seen = camera.sample_wi(point.p, lens);
+                self.link.forward = seen.map_or(0.0, |seen| f64::from(seen.importance));
             }
             (PreviousVertex::Light, &Start::Light(index, ref end, [pmf, position])) => {
-                let direct = |at| self.scene.lights().end_pdf_li(&at, index, end, -w, position);
-                self.weights.received(&mut self.link, vertex.context().map_or(0.0, direct), pmf * position);
+                let receiver = LightSampleContext::from(point);
+                let direct = self.scene.lights().end_pdf_li(&receiver, index, end, -w, position);
+                self.weights.received(&mut self.link, direct, pmf * position);
             }
             _ => {}
         }

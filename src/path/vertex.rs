@@ -43,8 +43,8 @@ impl Vertex<'_> {
     #[inline]
     pub fn cos(&self, w: Vec3) -> f32 {
         match self {
-            Vertex::Surface(SurfaceVertex { point: SurfacePoint { ng, .. }, .. })
-            | Vertex::Light(EmitterPoint::Surface { ng, .. }) => w.dot(*ng).abs(),
+            Vertex::Surface(vertex) => vertex.point.cos(w),
+            Vertex::Light(EmitterPoint::Surface { ng, .. }) => w.dot(*ng).abs(),
             Vertex::Camera(_) | Vertex::Light(EmitterPoint::Point(_) | EmitterPoint::Distant) => 1.0,
             Vertex::Medium(none) => match *none {},
         }
@@ -92,18 +92,23 @@ impl Vertex<'_> {
         self.surface().is_some_and(|vertex| vertex.surface.lobes().intersects(Lobes::SMOOTH))
     }
 
-    /// Returns the edge in the unit direction `w` to `other`; `None` from an endpoint, since connections begin where
+    /// Returns the edge in the unit direction `w` to `end`; `None` from an endpoint, since connections begin where
     /// light scatters.
     #[inline]
-    pub fn edge_to(&self, scene: &Scene, w: Vec3, other: &Vertex) -> Option<Edge> {
+    pub fn edge_to(&self, scene: &Scene, w: Vec3, end: EdgeEnd) -> Option<Edge> {
         let SurfaceVertex { point, state, .. } = self.surface()?;
-        let end = match other {
-            Vertex::Camera(eye) => EdgeEnd::Camera(eye),
-            Vertex::Light(end) => EdgeEnd::Light(end),
-            Vertex::Surface(other) => EdgeEnd::Surface(&other.point),
-            Vertex::Medium(none) => match *none {},
-        };
         Some(Edge::new(scene, point, *state, w, end))
+    }
+
+    /// Returns it as the far end of an edge.
+    #[inline]
+    pub fn as_end(&self) -> EdgeEnd<'_> {
+        match self {
+            Vertex::Camera(eye) => EdgeEnd::Camera(*eye),
+            Vertex::Light(end) => EdgeEnd::Light(*end),
+            Vertex::Surface(vertex) => EdgeEnd::Surface(&vertex.point),
+            Vertex::Medium(none) => match *none {},
+        }
     }
 
     /// Returns it as the origin of an edge of a subpath.

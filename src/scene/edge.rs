@@ -35,9 +35,9 @@ pub struct Edge {
 #[derive(Debug, Clone, Copy)]
 pub enum EdgeEnd<'e> {
     /// The camera.
-    Camera(&'e CameraPoint),
+    Camera(CameraPoint),
     /// A light.
-    Light(&'e EmitterPoint),
+    Light(EmitterPoint),
     /// A surface.
     Surface(&'e SurfacePoint),
 }
@@ -66,15 +66,20 @@ impl Edge {
     /// Creates the edge from `point`, reached in `state` from either side, in the unit direction `w` to `end`.
     #[inline]
     pub fn new(scene: &Scene, point: &SurfacePoint, state: RayState, w: Vec3, end: EdgeEnd) -> Self {
-        let segment = match end {
-            EdgeEnd::Camera(eye) => point.segment(eye.p, 0.0, point.ng, Hit::NONE),
-            EdgeEnd::Light(&EmitterPoint::Surface { p, error, ng, touched }) => point.segment(p, error, ng, touched),
-            EdgeEnd::Light(&EmitterPoint::Point(p)) => point.segment(p, 0.0, point.ng, Hit::NONE),
-            EdgeEnd::Light(EmitterPoint::Distant) => point.spawn(w),
-            EdgeEnd::Surface(other) => point.segment_to(other),
+        let state = scene.state_toward(point, state, w);
+        let (p, error, ng, touched) = match end {
+            EdgeEnd::Camera(eye) => (eye.p, 0.0, point.ng, Hit::NONE),
+            EdgeEnd::Light(EmitterPoint::Surface { p, error, ng, touched }) => (p, error, ng, touched),
+            EdgeEnd::Light(EmitterPoint::Point(p)) => (p, 0.0, point.ng, Hit::NONE),
+            EdgeEnd::Light(EmitterPoint::Distant) => {
+                return Edge { ray: point.spawn(w).carrying(state), to_camera: false };
+            }
+            EdgeEnd::Surface(other) => (other.p, other.error, other.ng, other.touched()),
         };
-        let ray = segment.carrying(scene.state_toward(point, state, w));
-        Edge { ray, to_camera: matches!(end, EdgeEnd::Camera(_)) }
+        // The state is set in place: a copy of the ray just written stalls.
+        let mut edge = Edge { ray: point.segment(p, error, ng, touched), to_camera: matches!(end, EdgeEnd::Camera(_)) };
+        edge.ray.state = state;
+        edge
     }
 
     /// Returns its ray: up to the parameter 1, or free to infinity.

@@ -8,7 +8,7 @@ use etendue::path::{
     Vertex, connect, next_event, splat,
 };
 use etendue::sampling::{Address, IndependentSampler, Sampler, Slot};
-use etendue::scene::Scene;
+use etendue::scene::{EdgeEnd, Scene};
 use etendue::spectrum::Spectrum;
 use etendue_testing::worlds::LAMP;
 use glam::{DVec3, Vec3};
@@ -97,7 +97,7 @@ impl<'a> Studio<'a> {
 
     /// What the edge between a vertex and the `end` in direction `w` carries.
     fn carried(&self, vertex: &Vertex, end: EmitterPoint, w: Vec3) -> Spectrum {
-        let edge = vertex.edge_to(self.scene, w, &Vertex::Light(end)).expect("from a surface");
+        let edge = vertex.edge_to(self.scene, w, EdgeEnd::Light(end)).expect("from a surface");
         self.scene.throughput(&edge, &mut 0).through
     }
 
@@ -144,7 +144,7 @@ impl<'a> Studio<'a> {
             }
             for (j, z) in camera.steps.iter().enumerate().filter(|(_, z)| z.is_connectible()) {
                 let Some(shading) = z.vertex.shading() else { continue };
-                let Some(found) = connect(self.scene, &self.weights, &y.vertex, &z.vertex, &shading) else { continue };
+                let Some(found) = connect(&self.weights, &y.vertex, &z.vertex, &shading) else { continue };
                 let across = (z.at().point.p - y.at().point.p).normalize();
                 let value = found.value * y.undo * z.undo;
                 let eye = (&camera.steps[..=j], camera.lens);

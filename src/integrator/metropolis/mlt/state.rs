@@ -224,9 +224,9 @@ impl Proposal {
     /// Returns edge `i`, starting at the end nearer to the camera except for the last edge.
     fn edge(&self, common: &ChainContext, i: usize) -> Edge {
         let (node, w, end) = if i + 1 == self.directions.len() {
-            (&self.nodes[i - 1], self.directions[i], EdgeEnd::Camera(&self.eye.eye))
+            (&self.nodes[i - 1], self.directions[i], EdgeEnd::Camera(self.eye.eye))
         } else if i == 0 {
-            (&self.nodes[0], -self.directions[0], EdgeEnd::Light(&self.emitter.end))
+            (&self.nodes[0], -self.directions[0], EdgeEnd::Light(self.emitter.end))
         } else {
             (&self.nodes[i], -self.directions[i], EdgeEnd::Surface(&self.nodes[i - 1].point))
         };
