@@ -7,7 +7,7 @@ use etendue::{Description, Render, Scene};
 
 fn main() -> etendue::Result<()> {
     let mut description = Description::default();
-    let clay = Material { base_color: Spectrum::splat(0.5), metallic: 0.0, double_sided: true, ..Material::default() };
+    let clay = Material { double_sided: true, ..Material::diffuse(Spectrum::splat(0.5)) };
     let lamp = Material { emission: Spectrum::splat(10.0), double_sided: true, ..Material::default() };
     add_square(&mut description, DVec3::ZERO, 2.0, clay);
     add_square(&mut description, DVec3::new(0.0, 2.0, 0.0), 0.5, lamp);

@@ -4,7 +4,7 @@
 #![no_main]
 
 use etendue::accel::{Backend, Build};
-use etendue::io::gltf::Reading;
+use etendue::io::scene_file::ReadOptions;
 use etendue::light::EmitterPoint;
 use etendue::scene::{BuildOptions, Edge, EdgeEnd, Scene};
 use etendue_fuzz::{Container, check};
@@ -15,8 +15,8 @@ fuzz_target!(|bytes: &[u8]| {
     let options = BuildOptions { backend: Backend::Obvhs, build: Build::Robust, threads: 1 };
     // As much as libFuzzer leaves.
     let load = |seconds| {
-        let reading = Reading { seconds, memory: 1 << 28, ..Reading::default() };
-        etendue::io::gltf::parse_with(bytes, Path::new("/nonexistent"), &reading)
+        let reading = ReadOptions { seconds, memory: 1 << 28, ..ReadOptions::default() };
+        etendue::io::gltf::parse(bytes, Path::new("/nonexistent"), &reading)
     };
     // Broken animations are to leave the rest to be fuzzed.
     let loaded = load(Some(0.25)).inspect_err(check).or_else(|_| load(None));
@@ -36,7 +36,7 @@ fn look(scene: &Scene) {
         if let Some(mut point) = scene.intersect(&ray) {
             scene.surface(&mut point, bodies);
             let state = ray.state.within(bodies);
-            let edge = Edge::new(scene, &point, state, ray.direction, EdgeEnd::Light(&EmitterPoint::Distant));
+            let edge = Edge::new(scene, &point, state, ray.direction, EdgeEnd::Light(EmitterPoint::Distant));
             scene.is_blocked(&edge, &mut 0);
         }
     }

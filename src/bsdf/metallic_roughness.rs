@@ -1,7 +1,8 @@
-//! glTF material parameters at one point, and the cheapest surface model that represents them exactly.
+//! Parameters of the metallic-roughness model at one point, and the cheapest surface model that represents them
+//! exactly.
 
 use super::albedo::Albedo;
-use super::gltf::{Gltf, Schlick, Transmission};
+use super::mixture::{Mixture, Schlick, Transmission};
 use super::{Conductor, Dielectric, Fresnel, Ggx, Lambert, Surface, Thin};
 use crate::spectrum::Spectrum;
 
@@ -41,7 +42,7 @@ pub struct MetallicRoughness {
 }
 
 impl MetallicRoughness {
-    /// Returns the surface with these parameters: a plain model if one is equivalent, [`Surface::Gltf`] for mixtures.
+    /// Returns the surface with these parameters: a plain model if one is equivalent, [`Surface::Mixture`] for mixtures.
     pub fn surface(&self) -> Surface {
         let ggx = Ggx::new(self.roughness * self.roughness);
         if self.metallic >= 1.0 {
@@ -63,10 +64,10 @@ impl MetallicRoughness {
         if self.metallic <= 0.0 && self.transmission <= 0.0 && self.specular <= 0.0 {
             return if self.base.is_black() { Surface::Black } else { Surface::Lambert(Lambert { albedo: self.base }) };
         }
-        Surface::Gltf(self.mixture(ggx, layer))
+        Surface::Mixture(self.mixture(ggx, layer))
     }
 
-    fn mixture(&self, ggx: Ggx, layer: Schlick) -> Gltf {
+    fn mixture(&self, ggx: Ggx, layer: Schlick) -> Mixture {
         let (metal, dielectric) = (self.metallic, 1.0 - self.metallic);
         let transmitting = dielectric * self.transmission;
         let (transmission, schlick_share) = match self.glass(transmitting) {
@@ -76,7 +77,7 @@ impl MetallicRoughness {
         };
         let albedo = Albedo::of(ggx);
         let passed = Spectrum::ONE - albedo.mean(layer.f0, layer.f90);
-        Gltf {
+        Mixture {
             ggx,
             base: self.base,
             specular: Schlick {

@@ -8,3 +8,5 @@ pub(crate) mod hashed;
 pub mod hdr;
 pub mod png;
 pub mod primaries;
+mod reading;
+pub mod scene_file;

@@ -5,7 +5,6 @@ use super::bodies::AllBodies;
 use super::contact::Contacts;
 use super::description::{self, Description, PunctualKind};
 use super::extent::Extent;
-use super::interior::Interior;
 use super::material::{Material, settle};
 use super::rebase::Rebase;
 use super::usage::Usage;
@@ -18,7 +17,6 @@ use crate::geometry::{Geometry, Hit};
 use crate::light::{
     AreaLight, BoundingSphere, DirectionalLight, Emission, Environment, Light, Lights, PointLight, SpotLight,
 };
-use crate::spectrum::Spectrum;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -59,8 +57,7 @@ impl Scene {
         let compile = |(m, mut usage): (&description::Material, Usage)| {
             let mut m = m.clone();
             settle(&mut m, &mut usage);
-            let interior = interior(&m, &rebase);
-            Material::new(m, &usage, interior)
+            Material::new(m, &usage, &rebase)
         };
         let usages = Usage::of_all(&description);
         let materials: Vec<Material> = description.materials.iter().zip(usages).map(compile).collect();
@@ -121,20 +118,6 @@ impl Scene {
         scene.light_media = scene.media_of_lights();
         Ok(scene)
     }
-}
-
-/// Returns the interior of a transmitting material with a volume.
-fn interior(material: &description::Material, rebase: &Rebase) -> Option<Interior> {
-    let m = material;
-    let volume = m.volume.as_ref().filter(|_| m.transmission > 0.0 && m.metallic < 1.0 && m.ior >= 1.0 && !m.unlit)?;
-    // White light has the attenuation colour after the attenuation distance.
-    let distance = (volume.attenuation_distance * rebase.scale) as f32;
-    let absorption = if distance.is_finite() {
-        volume.attenuation_color.map(|c: f32| -c.clamp(f32::MIN_POSITIVE, 1.0).ln() / distance)
-    } else {
-        Spectrum::ZERO
-    };
-    Some(Interior { absorption, ior: m.ior, priority: m.priority })
 }
 
 /// Finds touching surfaces of which one transmits light. Backend queries may then exclude the objects that they belong

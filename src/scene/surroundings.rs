@@ -20,7 +20,7 @@ pub(super) fn by_default(
     }
     let placed = description.instances.iter().flat_map(|i| &description.meshes[i.mesh].primitives);
     let mut materials = placed.map(|p| &description.materials[p.material]);
-    if !description.instances.is_empty() && materials.all(|m: &Material| m.unlit) {
+    if !description.instances.is_empty() && materials.all(Material::is_unlit) {
         return None;
     }
     warnings.push("the file has no light: a uniform white environment of radiance 1 is added".to_owned());

@@ -1,7 +1,7 @@
 //! Usage of textures and vertex colours by material: their extremes over the coordinates of all primitives with the
 //! material.
 
-use super::description::{Description, Material, Primitive};
+use super::description::{Description, Material, MaterialModel, Primitive};
 use crate::texture::{Extremes, Texture};
 use glam::Vec2;
 use rayon::prelude::*;
@@ -9,8 +9,10 @@ use rayon::prelude::*;
 /// Extremes of the multipliers of a material's factors; [`Extremes::ONE`] without a multiplier.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Usage {
-    /// Base colour and alpha.
+    /// Base colour or reflectance.
     pub(super) base: Extremes,
+    /// Alpha.
+    pub(super) alpha: Extremes,
     /// Roughness in green, metalness in blue.
     pub(super) metallic_roughness: Extremes,
     /// Emission.
@@ -29,6 +31,7 @@ impl Usage {
     /// Usage without variation.
     pub(super) const NOTHING: Usage = Usage {
         base: Extremes::ONE,
+        alpha: Extremes::ONE,
         metallic_roughness: Extremes::ONE,
         emission: Extremes::ONE,
         specular: Extremes::ONE,
@@ -59,14 +62,23 @@ impl Usage {
         let of = |texture: &Option<Texture>| {
             texture.as_ref().map_or(Extremes::ONE, |t| united(&|wearer| t.extremes(coordinates(wearer, t.uv_set))))
         };
-        Usage {
-            base: of(&m.base_color_texture),
-            metallic_roughness: of(&m.metallic_roughness_texture),
+        let shared = Usage {
+            alpha: of(&m.alpha_texture),
             emission: of(&m.emission_texture),
-            specular: of(&m.specular_texture),
-            specular_color: of(&m.specular_color_texture),
-            transmission: of(&m.transmission_texture),
             colors: united(&colors),
+            ..Usage::NOTHING
+        };
+        match &m.model {
+            MaterialModel::Unlit => shared,
+            MaterialModel::Diffuse(m) => Usage { base: of(&m.reflectance_texture), ..shared },
+            MaterialModel::MetallicRoughness(m) => Usage {
+                base: of(&m.base_color_texture),
+                metallic_roughness: of(&m.metallic_roughness_texture),
+                specular: of(&m.specular_texture),
+                specular_color: of(&m.specular_color_texture),
+                transmission: of(&m.transmission_texture),
+                ..shared
+            },
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::machine::{self, Stopwatch};
 use super::{FrameNumber, Moment, RenderSettings, SettingsPatch, Surroundings};
 use crate::error::{Error, Result};
-use crate::io::gltf;
+use crate::io::scene_file::{self, ReadOptions};
 use crate::scene::description::Description;
 use crate::scene::{BuildOptions, Scene, SceneInfo};
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ impl LoadedScene {
         let loading = Stopwatch::start();
         let (seconds, animation) = (moment.frame.map(FrameNumber::seconds), moment.animation.as_deref());
         let memory = machine::available_memory().unwrap_or(u64::MAX);
-        let mut description = gltf::load_with(path, &gltf::Reading { seconds, animation, memory })?;
+        let mut description = scene_file::load_with(path, &ReadOptions { seconds, animation, memory })?;
         let doubt = moment.frame.and_then(|frame| frame.doubt(description.animation_end));
         description.warnings.extend(doubt);
         if let Some(surroundings) = &surroundings {

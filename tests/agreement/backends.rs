@@ -4,7 +4,7 @@ use crate::picture::{Shot, agree, render};
 use etendue::accel::{Backend, Build};
 use etendue::geometry::{Ray, SurfacePoint};
 use etendue::integrator::Method;
-use etendue::io::gltf;
+use etendue::io::scene_file;
 use etendue::scene::{BuildOptions, Scene};
 use etendue_testing::deep;
 use etendue_testing::folders;
@@ -40,7 +40,7 @@ fn scenes() -> Vec<PathBuf> {
 }
 
 fn load(path: &Path, backend: Backend) -> Scene {
-    let description = gltf::load(path).unwrap_or_else(|e| panic!("{}: {}", path.display(), e.chain()));
+    let description = scene_file::load(path).unwrap_or_else(|e| panic!("{}: {}", path.display(), e.chain()));
     Scene::build(description, &BuildOptions { backend, build: Build::Robust, threads: 2 }).expect("a valid scene")
 }
 

@@ -13,7 +13,7 @@ use etendue::scene::Scene;
 use etendue::scene::description::{Description, EnvironmentDescription, Material, PunctualKind, Volume};
 use etendue::spectrum::Spectrum;
 use etendue::transport::TransportMode;
-use etendue_testing::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, point_light};
+use etendue_testing::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, point_light, with_model};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -51,11 +51,18 @@ struct Case {
 fn solid(ior: f32, sigma: f64) -> Material {
     let color = Spectrum::splat((-1.0f32).exp());
     let attenuation_distance = if sigma > 0.0 { sigma.recip() } else { f64::INFINITY };
-    Material { ior, volume: Some(Volume { attenuation_distance, attenuation_color: color }), ..glass(0.0) }
+    with_model(glass(0.0), |m| {
+        m.ior = ior;
+        m.volume = Some(Volume { attenuation_distance, attenuation_color: color });
+    })
 }
 
 fn pane(tint: f32, transmission: f32) -> Material {
-    Material { specular: 1.0, transmission, roughness: 0.0, ..matte(tint, 0.0) }
+    with_model(matte(tint, 0.0), |m| {
+        m.specular = 1.0;
+        m.transmission = transmission;
+        m.roughness = 0.0;
+    })
 }
 
 impl Case {

@@ -4,9 +4,8 @@ use crate::picture::{LEVEL, Picture, Shot, agree, limit, render, scene};
 use etendue::integrator::Method;
 use etendue::sampling::SamplerKind;
 use etendue::scene::Scene;
-use etendue::scene::description::{AlphaMode, Description, Material, Volume};
-use etendue::spectrum::Spectrum;
-use etendue_testing::studio::{add_room, add_square, camera, matte, point_light};
+use etendue::scene::description::{AlphaMode, Description, Material};
+use etendue_testing::studio::{self, add_room, add_square, camera, matte, point_light};
 use glam::{DVec3, Vec3, Vec4};
 
 const METHODS: [Method; 3] = [Method::PathNaive, Method::PathNee, Method::Path];
@@ -37,7 +36,7 @@ fn a_closed_room_of_one_material_is_uniformly_bright() {
     let room = furnace(0.5, 0.5);
     for method in OF_FINITE_VARIANCE_IN_CORNERS {
         for sampler in [SamplerKind::Independent, SamplerKind::Sobol] {
-            let picture = render(&room, Shot { sampler, ..Shot::new(method, 16, 64) });
+            let picture = render(&room, Shot { sampler, ..Shot::new(method, 16, 128) });
             expect_mean(&picture, 1.0, &format!("{method:?} {sampler:?}"));
         }
     }
@@ -115,12 +114,7 @@ fn glass_is_invisible_in_a_white_furnace() {
     let mut room = Description::default();
     add_room(&mut room, &matte(0.5, 0.5));
     let mut glass = Description::default();
-    let mut material = matte(1.0, 0.0);
-    material.specular = 1.0;
-    material.transmission = 1.0;
-    material.roughness = 0.0;
-    material.volume = Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: Spectrum::ONE });
-    add_room(&mut glass, &material);
+    add_room(&mut glass, &studio::glass(0.0));
     for (i, instance) in glass.instances.iter_mut().enumerate() {
         instance.transform = glam::DAffine3::from_scale(DVec3::splat(0.4));
         instance.mesh = room.meshes.len() + i;

@@ -18,12 +18,12 @@
 use crate::picture::{Block, Picture, Shot, limit, render, scene_under};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
-use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription, Instance, Material};
+use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription, Instance, Material, MaterialModel};
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Bitmap, Encoding, RadianceMap, Texels, Texture, TextureFilter, Wrap};
 use etendue_testing::deep;
 use etendue_testing::random::Random;
-use etendue_testing::studio::{Ball, add, add_square, camera, glass, matte, metal};
+use etendue_testing::studio::{Ball, add, add_square, camera, glass, matte, metal, with_model};
 use glam::{Affine2, DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec2, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -100,18 +100,23 @@ impl Maker {
             }
             3 => Material { emission: Spectrum::ONE, double_sided: true, ..matte(0.0, 0.0) },
             4 => metal(1.0, 0.0),
-            5 => Material { ior: self.between(1.1, 2.4) as f32, ..glass(0.0) },
-            6 => Material {
-                specular: 1.0,
-                transmission: 1.0,
-                roughness: 0.0,
-                ior: self.between(1.0, 2.0) as f32,
-                ..matte(1.0, 0.0)
-            },
+            5 => with_model(glass(0.0), |m| m.ior = self.between(1.1, 2.4) as f32),
+            6 => with_model(matte(1.0, 0.0), |m| {
+                m.specular = 1.0;
+                m.transmission = 1.0;
+                m.roughness = 0.0;
+                m.ior = self.between(1.0, 2.0) as f32;
+            }),
             // an index of 1 bends nothing, however rough the surface is
-            7 => Material { ior: 1.0, ..glass(0.7) },
+            7 => with_model(glass(0.7), |m| m.ior = 1.0),
             8 => complemented(metal(0.0, 0.0), self.colour(0.95)),
-            9 => complemented(Material { transmission: 1.0, roughness: 0.0, ..matte(0.0, 0.0) }, self.colour(1.0)),
+            9 => complemented(
+                with_model(matte(0.0, 0.0), |m| {
+                    m.transmission = 1.0;
+                    m.roughness = 0.0;
+                }),
+                self.colour(1.0),
+            ),
             _ => matte(1.0, 0.0),
         }
     }
@@ -130,7 +135,7 @@ impl Maker {
                 transform: Affine2::from_scale(Vec2::new(1.5, 0.7)),
             })
         });
-        Material { base_color_texture: base, emission_texture: emission, ..matte(1.0, 1.0) }
+        Material { emission_texture: emission, ..with_model(matte(1.0, 1.0), |m| m.base_color_texture = base) }
     }
 
     /// Texture coordinates for what was added last.
@@ -204,7 +209,7 @@ impl Maker {
     /// glass.
     fn sheet(&mut self, height: f32) {
         let material = self.material();
-        if material.volume.is_some() {
+        if matches!(&material.model, MaterialModel::MetallicRoughness(model) if model.volume.is_some()) {
             return;
         }
         let (x, z) = (self.between(0.1, 0.4) as f32, self.between(0.1, 0.4) as f32);
@@ -219,7 +224,7 @@ impl Maker {
         self.scene.cameras.push(camera(eye, target));
         if self.kind == Kind::InGlass {
             let index = self.between(1.2, 2.0) as f32;
-            Ball::new(3, 0.2).add(&mut self.scene, DVec3::ZERO, Material { ior: index, ..glass(0.0) });
+            Ball::new(3, 0.2).add(&mut self.scene, DVec3::ZERO, with_model(glass(0.0), |m| m.ior = index));
             self.expected *= f64::from(index).powi(2);
         }
     }
@@ -236,7 +241,7 @@ impl Maker {
 
 /// `material` of this colour, emitting the rest of white.
 fn complemented(material: Material, colour: Spectrum) -> Material {
-    Material { base_color: colour, emission: Spectrum::ONE - colour, ..material }
+    Material { emission: Spectrum::ONE - colour, ..with_model(material, |m| m.base_color = colour) }
 }
 
 /// A scene of `kind` and its camera's radiance.

@@ -4,7 +4,7 @@ use crate::picture::{Picture, Shot, about, expect, render, scene};
 use etendue::integrator::Method;
 use etendue::scene::description::{AlphaMode, Description, Material, PunctualKind, PunctualLight, Volume};
 use etendue::spectrum::Spectrum;
-use etendue_testing::studio::{add_square, camera, glass, matte, narrow, point_light};
+use etendue_testing::studio::{add_square, camera, glass, matte, narrow, point_light, with_model};
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
 
@@ -109,7 +109,10 @@ fn glass_absorption_follows_beer_lambert() {
     for (ior, reflectance) in [(1.0f32, 0.0), (1.5, 0.04)] {
         let mut view = Description::default();
         let volume = Some(Volume { attenuation_distance: 2.0, attenuation_color: Spectrum::splat(0.3) });
-        let pane = Material { ior, volume, ..glass(0.0) };
+        let pane = with_model(glass(0.0), |m| {
+            m.ior = ior;
+            m.volume = volume;
+        });
         add_square(&mut view, Vec3::Z * -1.0, Vec3::X * 4.0, Vec3::Y * 4.0, pane.clone());
         add_square(&mut view, Vec3::Z * (-1.0 - THICKNESS as f32), Vec3::Y * 4.0, Vec3::X * 4.0, pane);
         add_square(&mut view, Vec3::Z * -2.0, Vec3::X * 4.0, Vec3::Y * 4.0, matte(0.0, 1.0));

@@ -1,12 +1,12 @@
 //! Features of a scene that depend on textures: only the texels in use count.
 
-use crate::picture::{Shot, agree, render, scene};
+use crate::picture::{Block, Shot, agree, render, scene};
 use etendue::integrator::{Method, blind_spots};
 use etendue::scene::Features;
-use etendue::scene::description::{AlphaMode, Description, Material};
+use etendue::scene::description::{AlphaMode, Description, DiffuseMaterial, Material, MaterialModel};
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Bitmap, Encoding, Texels, Texture, TextureFilter, Wrap};
-use etendue_testing::studio::{add_square, camera, glass, matte, metal, point_light};
+use etendue_testing::studio::{add_square, camera, glass, matte, metal, point_light, with_model};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -42,28 +42,37 @@ fn constant_texture_equals_a_factor() {
     let cutoff = AlphaMode::Mask { cutoff: 0.5 };
     let white = || flat([255; 4]);
     let pairs = [
-        (Material { base_color_texture: white(), ..mirror() }, mirror()),
-        (Material { base_color_texture: white(), ..glass(0.0) }, glass(0.0)),
-        (Material { transmission_texture: white(), ..glass(0.0) }, glass(0.0)),
-        (Material { transmission_texture: flat([0; 4]), ..glass(0.0) }, Material { transmission: 0.0, ..glass(0.0) }),
-        (Material { metallic_roughness_texture: white(), ..mirror() }, mirror()),
-        (Material { metallic_roughness_texture: flat([0, 0, 255, 255]), ..metal(0.8, 1.0) }, mirror()),
+        (with_model(mirror(), |m| m.base_color_texture = white()), mirror()),
+        (with_model(glass(0.0), |m| m.base_color_texture = white()), glass(0.0)),
+        (with_model(glass(0.0), |m| m.transmission_texture = white()), glass(0.0)),
         (
-            Material { metallic_roughness_texture: flat([0, 255, 0, 255]), ..metal(0.8, 0.3) },
-            Material { metallic: 0.0, ..metal(0.8, 0.3) },
+            with_model(glass(0.0), |m| m.transmission_texture = flat([0; 4])),
+            with_model(glass(0.0), |m| m.transmission = 0.0),
         ),
-        (Material { specular_texture: flat([255, 255, 255, 0]), specular: 1.0, ..matte(0.5, 0.0) }, matte(0.5, 0.0)),
-        (Material { specular_color_texture: white(), ..mirror() }, mirror()),
+        (with_model(mirror(), |m| m.metallic_roughness_texture = white()), mirror()),
+        (with_model(metal(0.8, 1.0), |m| m.metallic_roughness_texture = flat([0, 0, 255, 255])), mirror()),
+        (
+            with_model(metal(0.8, 0.3), |m| m.metallic_roughness_texture = flat([0, 255, 0, 255])),
+            with_model(metal(0.8, 0.3), |m| m.metallic = 0.0),
+        ),
+        (
+            with_model(matte(0.5, 0.0), |m| {
+                m.specular_texture = flat([255, 255, 255, 0]);
+                m.specular = 1.0;
+            }),
+            matte(0.5, 0.0),
+        ),
+        (with_model(mirror(), |m| m.specular_color_texture = white()), mirror()),
         (Material { emission_texture: flat([0; 4]), ..matte(0.5, 4.0) }, matte(0.5, 0.0)),
         (Material { emission_texture: white(), ..matte(0.5, 4.0) }, matte(0.5, 4.0)),
         (
-            Material { base_color_texture: flat([255, 255, 255, 0]), alpha: 1.0, ..half.clone() },
+            Material { alpha: 1.0, alpha_texture: flat([255, 255, 255, 0]), ..half.clone() },
             Material { alpha: 0.0, ..half.clone() },
         ),
-        (Material { base_color_texture: white(), alpha: 1.0, ..half.clone() }, matte(0.5, 0.0)),
-        (Material { base_color_texture: white(), alpha_mode: cutoff, ..matte(0.5, 0.0) }, matte(0.5, 0.0)),
+        (Material { alpha: 1.0, alpha_texture: white(), ..half.clone() }, matte(0.5, 0.0)),
+        (Material { alpha_mode: cutoff, alpha_texture: white(), ..matte(0.5, 0.0) }, matte(0.5, 0.0)),
         (
-            Material { base_color_texture: flat([255, 255, 255, 9]), alpha_mode: cutoff, ..matte(0.5, 0.0) },
+            Material { alpha_mode: cutoff, alpha_texture: flat([255, 255, 255, 9]), ..matte(0.5, 0.0) },
             Material { alpha: 0.1, alpha_mode: cutoff, ..matte(0.5, 0.0) },
         ),
     ];
@@ -77,6 +86,28 @@ fn constant_texture_equals_a_factor() {
     }
 }
 
+/// Lambertian reflection is a dielectric without reflection.
+#[test]
+fn diffuse_materials_equal_matte_dielectrics() {
+    let grey = || flat([100, 150, 200, 255]);
+    let diffuse = Material { double_sided: true, ..Material::diffuse(Spectrum::splat(0.5)) };
+    let model = DiffuseMaterial { reflectance: Spectrum::splat(0.5), reflectance_texture: grey() };
+    let textured = Material { model: MaterialModel::Diffuse(model), ..diffuse.clone() };
+    let pairs =
+        [(diffuse, matte(0.5, 0.0)), (textured, with_model(matte(0.5, 0.0), |m| m.base_color_texture = grey()))];
+    for (diffuse, glossy) in pairs {
+        let [a, b] = [diffuse, glossy].map(|material| {
+            let mut room = wearing(material, [0.0, 1.0]);
+            room.meshes[0].primitives[0].colors = Some(vec![Vec4::new(0.9, 0.8, 0.7, 1.0); 4]);
+            render(&scene(room), Shot::new(Method::Bdpt, 8, 16)).blocks(8)
+        });
+        let means = |blocks: Vec<Block>| blocks.into_iter().map(|block| block.mean).collect::<Vec<_>>();
+        let (a, b) = (means(a), means(b));
+        assert!(a.iter().any(|mean| *mean > 0.0));
+        assert_eq!(a, b);
+    }
+}
+
 /// One of eight texels is exceptional. It affects exactly the surfaces whose coordinates touch it.
 #[test]
 fn texels_outside_the_used_uvs_have_no_effect() {
@@ -85,12 +116,12 @@ fn texels_outside_the_used_uvs_have_no_effect() {
         texels[5] = other;
         strip(texels)
     };
-    let mirrors = Material { metallic_roughness_texture: special([255; 4], [0, 0, 255, 255]), ..metal(0.8, 1.0) };
-    let glass = Material { transmission_texture: special([0; 4], [255; 4]), ..glass(0.0) };
+    let mirrors = with_model(metal(0.8, 1.0), |m| m.metallic_roughness_texture = special([255; 4], [0, 0, 255, 255]));
+    let glass = with_model(glass(0.0), |m| m.transmission_texture = special([0; 4], [255; 4]));
     let lamp = Material { emission_texture: special([0; 4], [255; 4]), ..matte(0.5, 4.0) };
     let hole = Material {
-        base_color_texture: special([255; 4], [255, 255, 255, 0]),
         alpha_mode: AlphaMode::Blend,
+        alpha_texture: special([255; 4], [255, 255, 255, 0]),
         ..matte(0.5, 0.0)
     };
     let count = |m: &Material, uvs| {
@@ -127,7 +158,7 @@ fn vertex_alpha_makes_holes_where_it_is_below_one() {
 /// Methods that do not sample the caustics of point lights report mirrors that only a texture makes as blind spots.
 #[test]
 fn textured_mirrors_are_blind_spots() {
-    let rough = Material { metallic_roughness_texture: strip(vec![[255; 4], [0, 0, 255, 255]]), ..metal(0.8, 1.0) };
+    let rough = with_model(metal(0.8, 1.0), |m| m.metallic_roughness_texture = strip(vec![[255; 4], [0, 0, 255, 255]]));
     let mut room = wearing(rough, [0.0, 1.0]);
     room.lights.push(point_light(DVec3::new(0.0, 1.0, 2.0), 1.0));
     let room = scene(room);
@@ -155,7 +186,7 @@ fn triangles_without_light_are_never_chosen() {
         Vec3::ZERO,
         Vec3::X * 2.0,
         Vec3::NEG_Z * 2.0,
-        Material { base_color: Spectrum::splat(0.7), ..matte(0.7, 0.0) },
+        with_model(matte(0.7, 0.0), |m| m.base_color = Spectrum::splat(0.7)),
     );
     room.cameras.push(camera(DVec3::new(0.0, 0.6, 2.5), DVec3::new(0.0, 0.1, 0.0)));
     let room = scene(room);

@@ -6,14 +6,12 @@ use crate::picture::{Picture, Shot, about, expect, render, scene, scene_under, v
 use etendue::accel::Backend;
 use etendue::integrator::Method;
 use etendue::light::EnvironmentMap;
-use etendue::scene::description::{
-    CameraDescription, Description, EnvironmentDescription, Material, Projection, Volume,
-};
+use etendue::scene::description::{CameraDescription, Description, EnvironmentDescription, Projection, Volume};
 use etendue::spectrum::Spectrum;
 use etendue::texture::RadianceMap;
 use etendue_testing::deep;
 use etendue_testing::random::Random;
-use etendue_testing::studio::{Ball, add, add_box, add_square, camera, glass, matte, metal, narrow};
+use etendue_testing::studio::{Ball, add, add_box, add_square, camera, glass, matte, metal, narrow, with_model};
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -221,7 +219,15 @@ fn coloured_glass_absorbs_by_its_thickness() {
         let mut room = Description::default();
         let size = scale as f32;
         add_square(&mut room, Vec3::Z * -size, Vec3::X * size, Vec3::Y * size, matte(0.0, 1.0));
-        add_box(&mut room, Vec3::ZERO, Vec3::new(0.8, 0.8, 0.2) * size, Material { ior: index, volume, ..glass(0.0) });
+        add_box(
+            &mut room,
+            Vec3::ZERO,
+            Vec3::new(0.8, 0.8, 0.2) * size,
+            with_model(glass(0.0), |m| {
+                m.ior = index;
+                m.volume = volume;
+            }),
+        );
         let projection = Projection::Orthographic { xmag: 0.5 * scale, ymag: 0.5 * scale };
         room.cameras.push(CameraDescription { projection, ..camera(DVec3::Z * scale, DVec3::ZERO) });
         let shot = Shot { depth: Some(2), ..Shot::new(Method::Path, 16, if deep() { 4096 } else { 64 }) };

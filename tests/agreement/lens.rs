@@ -8,7 +8,7 @@ use etendue::integrator::{FilmRenderer, IntegratorConfig, Method};
 use etendue::scene::Scene;
 use etendue::scene::description::{CameraDescription, Description, Lens, Material, PunctualKind, PunctualLight};
 use etendue::spectrum::Spectrum;
-use etendue_testing::studio::{add_room, add_square, camera, matte, metal, narrow, point_light};
+use etendue_testing::studio::{add_room, add_square, camera, matte, metal, narrow, point_light, with_model};
 use etendue_testing::{deep, worlds};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -121,7 +121,7 @@ fn layers(scene: &Scene, spp: u64) -> [Vec<f32>; 2] {
 #[test]
 fn layers_see_through_the_same_points_of_the_lens() {
     const RADIANCE: f32 = 4.0;
-    let glowing = scene(speck(Material { base_color: Spectrum::ZERO, ..matte(0.0, RADIANCE) }, RADIUS));
+    let glowing = scene(speck(with_model(matte(0.0, RADIANCE), |m| m.base_color = Spectrum::ZERO), RADIUS));
     let [color, alpha] = layers(&glowing, 64);
     let lit = alpha.iter().filter(|&&a| a > 0.0 && a < 0.5).count();
     assert!(lit > 100, "{lit} pixels see the speck out of focus");

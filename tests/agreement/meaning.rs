@@ -6,11 +6,12 @@ use etendue::integrator::Method;
 use etendue::scene::Scene;
 use etendue::scene::description::PunctualLight;
 use etendue::scene::description::{
-    CameraDescription, Description, EnvironmentDescription, Instance, Material, MetalFresnel, Projection, PunctualKind,
+    CameraDescription, Description, EnvironmentDescription, Instance, Material, MaterialModel, MetalFresnel,
+    Projection, PunctualKind,
 };
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Bitmap, Encoding, Texels, Texture, TextureFilter, Wrap};
-use etendue_testing::studio::{add_square, matte};
+use etendue_testing::studio::{add_square, matte, with_model};
 use glam::{Affine2, DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -21,12 +22,19 @@ const METHODS: [Method; 7] =
 const QUANTA: f64 = 4.0 * f32::EPSILON as f64;
 
 fn unlit(rgb: [f32; 3]) -> Material {
-    Material { base_color: Spectrum::from_rgb(rgb), unlit: true, ..Material::default() }
+    Material { model: MaterialModel::Unlit, emission: Spectrum::from_rgb(rgb), ..Material::default() }
 }
 
 fn mirror() -> Material {
     let fresnel = MetalFresnel::Constant;
-    Material { metallic: 1.0, roughness: 0.0, metal_fresnel: fresnel, double_sided: true, ..Material::default() }
+    Material {
+        double_sided: true,
+        ..with_model(Material::default(), |m| {
+            m.metallic = 1.0;
+            m.roughness = 0.0;
+            m.metal_fresnel = fresnel;
+        })
+    }
 }
 
 /// Straight down at `y`, over a square of half side .1, from a height of .5 above it.
@@ -105,7 +113,7 @@ fn under_a_sign(floor: Material) -> Description {
 fn unlit_surfaces_light_nothing() {
     let all = [&METHODS[..], &[Method::PathNaive]].concat();
     expect(&|| under_a_sign(matte(0.5, 0.0)), &all, [0.0; 3], 0.0);
-    let rough = Material { roughness: 0.3, ..mirror() };
+    let rough = with_model(mirror(), |m| m.roughness = 0.3);
     expect(&|| under_a_sign(rough.clone()), &all, [0.0; 3], 0.0);
     // Nor by way of a mirror: the floor sees the sign in one that stands beside it.
     let beside = || {

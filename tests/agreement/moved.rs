@@ -7,7 +7,7 @@
 use crate::picture::{BLOCK_LEVEL, Picture, Shot, limit_at, render};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
-use etendue::io::gltf;
+use etendue::io::scene_file;
 use etendue::scene::{BuildOptions, Scene};
 use etendue_testing::deep;
 use serde_json::{Value, json};
@@ -76,7 +76,7 @@ fn load(document: &Value, home: &Path, backend: Backend) -> Scene {
     std::fs::copy(home.join("scene.bin"), temporary.path().join("scene.bin")).expect("copied");
     let path = temporary.path().join("scene.gltf");
     std::fs::write(&path, document.to_string()).expect("written");
-    let description = gltf::load(&path).expect("a valid scene");
+    let description = scene_file::load(&path).expect("a valid scene");
     Scene::build(description, &BuildOptions { backend, build: Default::default(), threads: 1 }).expect("a valid scene")
 }
 

@@ -113,10 +113,12 @@ impl Picture {
         blocks
     }
 
-    /// The image mean over all pixels and lanes.
+    /// The image mean over all pixels and lanes. Lanes of a pixel share its samples: the variance is that of fully
+    /// correlated lanes, which no correlation exceeds.
     pub(crate) fn overall(&self) -> Block {
-        let n = self.mean.len() as f64;
-        Block { mean: self.mean.iter().sum::<f64>() / n, variance: self.variance.iter().sum::<f64>() / (n * n) }
+        let lanes = self.blocks(1);
+        let mean = |of: fn(&Block) -> f64| lanes.iter().map(of).sum::<f64>() / lanes.len() as f64;
+        Block { mean: mean(|lane| lane.mean), variance: mean(|lane| lane.variance.sqrt()).powi(2) }
     }
 
     /// Multiplied by `k`: a planted error.

@@ -7,9 +7,9 @@
 
 use crate::picture::{Block, Shot, limit, render, scene};
 use etendue::integrator::Method;
-use etendue::scene::description::{CameraDescription, Description, Material, Projection};
+use etendue::scene::description::{CameraDescription, Description, Projection};
 use etendue_testing::deep;
-use etendue_testing::studio::{Ball, add_square, camera, glass, matte, metal, point_light};
+use etendue_testing::studio::{Ball, add_square, camera, glass, matte, metal, point_light, with_model};
 use glam::{DVec3, Vec3};
 
 const SIDE: usize = 32;
@@ -24,7 +24,10 @@ pub(crate) fn alcove() -> Description {
     add_square(&mut scene, Vec3::new(0.0, 1.0, -1.2), Vec3::X * 1.5, Vec3::Y, matte(0.5, 0.0));
     add_square(&mut scene, Vec3::new(1.4, 1.0, 0.0), Vec3::Z, Vec3::Y, matte(0.8, 0.0));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.6, 0.35, -0.2), metal(0.9, 0.5));
-    let plastic = Material { specular: 1.0, roughness: 0.4, ..matte(0.6, 0.0) };
+    let plastic = with_model(matte(0.6, 0.0), |m| {
+        m.specular = 1.0;
+        m.roughness = 0.4;
+    });
     Ball::new(2, 0.25).add(&mut scene, DVec3::new(0.1, 0.3, 0.5), plastic);
     Ball::new(2, 0.35).add(&mut scene, IN_GLASS, glass(0.6));
     scene

@@ -2,7 +2,7 @@
 
 use crate::picture::{Picture, Shot, agree, limit, render};
 use etendue::integrator::Method;
-use etendue::io::{exr, gltf};
+use etendue::io::{exr, scene_file};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::session::{LoadedScene, SettingsPatch};
 use etendue_testing::deep;
@@ -20,7 +20,7 @@ pub(crate) fn load(name: &str) -> Option<Scene> {
         assert!(!deep(), "{} is missing: run `make scenes`", path.display());
         return None;
     }
-    let description = gltf::load(&path).expect("a valid scene");
+    let description = scene_file::load(&path).expect("a valid scene");
     Some(
         Scene::build(description, &BuildOptions { backend: Default::default(), build: Default::default(), threads: 2 })
             .expect("a valid scene"),

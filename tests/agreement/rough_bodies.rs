@@ -7,7 +7,7 @@ use etendue::bsdf::albedo::{ERROR, moments};
 use etendue::integrator::Method;
 use etendue::scene::description::{CameraDescription, Description, Material, Projection};
 use etendue_testing::deep;
-use etendue_testing::studio::{Ball, add_room, camera, matte, metal};
+use etendue_testing::studio::{Ball, add_room, camera, matte, metal, with_model};
 use glam::DVec3;
 
 /// Roundings of throughputs and film of one sample.
@@ -63,7 +63,10 @@ fn a_rough_metal_ball_shows_its_albedo() {
 fn a_white_plastic_ball_cannot_be_seen() {
     let spp = if deep() { 4096 } else { 256 };
     for roughness in [0.0f32, 0.2, 0.5, 1.0] {
-        let plastic = Material { specular: 1.0, roughness, ..matte(1.0, 0.0) };
+        let plastic = with_model(matte(1.0, 0.0), |m| {
+            m.specular = 1.0;
+            m.roughness = roughness;
+        });
         let picture = render(&scene(furnace(plastic)), Shot::new(Method::Path, 16, spp));
         expect(&picture, about(1.0, ROUNDING + ERROR), 0.02, &format!("plastic of roughness {roughness}"));
     }

@@ -6,7 +6,7 @@ use etendue::geometry::Ray;
 use etendue::integrator::{self, FilmRenderer, IntegratorConfig, Method};
 use etendue::scene::Scene;
 use etendue::scene::description::{AlphaMode, Description, Instance, Material, Volume};
-use etendue_testing::studio::{add_square, camera, matte, point_light};
+use etendue_testing::studio::{add_square, camera, matte, point_light, with_model};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// Black and single-sided.
@@ -51,7 +51,10 @@ fn the_camera_sees_through_the_back_of_a_single_sided_surface() {
 fn the_back_of_glass_is_a_surface_of_it() {
     let volume =
         Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: etendue::spectrum::Spectrum::ONE });
-    let glass = Material { transmission: 1.0, volume, ..curtain() };
+    let glass = with_model(curtain(), |m| {
+        m.transmission = 1.0;
+        m.volume = volume;
+    });
     let at = |panel| {
         let scene = before_a_wall(panel);
         let eye = scene.rebase().point(DVec3::ZERO).as_vec3();
@@ -80,7 +83,10 @@ fn what_the_camera_does_not_see_still_throws_a_shadow() {
 
 #[test]
 fn a_mirror_shows_both_sides() {
-    let mirror = Material { roughness: 0.0, metallic: 1.0, ..matte(1.0, 0.0) };
+    let mirror = with_model(matte(1.0, 0.0), |m| {
+        m.roughness = 0.0;
+        m.metallic = 1.0;
+    });
     let behind_the_camera = |panel| {
         let mut scene = Description::default();
         add_square(&mut scene, Vec3::Z * -2.0, Vec3::X * 3.0, Vec3::Y * 3.0, mirror.clone());

@@ -26,7 +26,7 @@ use etendue::spectrum::Spectrum;
 use etendue::stats::{Moments, holm, t_test};
 use etendue::texture::{Bitmap, Encoding, Texels, Texture, Wrap};
 use etendue_testing::deep;
-use etendue_testing::studio::{Ball, add_square, camera, matte, metal};
+use etendue_testing::studio::{Ball, add_square, camera, matte, metal, with_model};
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -117,7 +117,7 @@ fn technique_images_do_not_depend_on_threads_or_order() {
 }
 
 fn coloured(r: f32, g: f32, b: f32) -> Material {
-    Material { base_color: Spectrum([r, g, b]), double_sided: false, ..matte(0.0, 0.0) }
+    Material { double_sided: false, ..with_model(matte(0.0, 0.0), |m| m.base_color = Spectrum([r, g, b])) }
 }
 
 /// A room of six walls that end before they meet, the upper one a lamp that also reflects, and a body of `ball`
@@ -269,7 +269,10 @@ fn techniques_agree_on_matte_walls() {
 fn techniques_agree_on_gloss() {
     let mut room = pavilion(metal(0.8, 0.6));
     room.materials[0] = Material { double_sided: false, ..metal(0.7, 0.6) };
-    room.materials[3] = Material { specular: 1.0, roughness: 0.5, ..coloured(0.5, 0.5, 0.5) };
+    room.materials[3] = with_model(coloured(0.5, 0.5, 0.5), |m| {
+        m.specular = 1.0;
+        m.roughness = 0.5;
+    });
     judge("gloss", room, 0.1);
 }
 

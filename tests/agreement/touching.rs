@@ -9,7 +9,7 @@ use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription
 use etendue::spectrum::Spectrum;
 use etendue_testing::deep;
 use etendue_testing::random::Random;
-use etendue_testing::studio::{add, add_box, add_square, camera, glass, matte, narrow};
+use etendue_testing::studio::{add, add_box, add_square, camera, glass, matte, narrow, with_model};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 const RAYS: usize = 16;
@@ -125,7 +125,7 @@ fn a_decal_shows_the_wall_behind_it_whatever_the_gap() {
     {
         let mut decal =
             Description { environment: Some(EnvironmentDescription::Uniform(Spectrum::ONE)), ..Description::default() };
-        let colored = |material: Material, rgb| Material { base_color: Spectrum::from_rgb(rgb), ..material };
+        let colored = |material: Material, rgb| with_model(material, |m| m.base_color = Spectrum::from_rgb(rgb));
         add_square(&mut decal, Vec3::ZERO, Vec3::X, Vec3::Y, colored(matte(0.0, 0.0), [0.5, 0.0, 0.0]));
         let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| Vec3::new(x, y, gap));
         add(&mut decal, corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]], colored(blended(), [0.0, 0.0, 0.5]));

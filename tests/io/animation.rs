@@ -4,6 +4,7 @@ use crate::corpus::files_below;
 use crate::defects::is_valid;
 use crate::support::{File, load_bytes_at, merge, push, sentence, shared};
 use etendue::io::gltf;
+use etendue::io::scene_file::{self, ReadOptions};
 use etendue::scene::description::Description;
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::{Value, json};
@@ -358,7 +359,10 @@ fn no_changed_byte_of_an_animation_makes_the_loader_panic() {
 
 fn sample(name: &str, seconds: f64) -> Option<Description> {
     let path = shared("gltf-samples")?.join(format!("{name}/glTF/{name}.gltf"));
-    Some(gltf::load_at(&path, Some(seconds)).unwrap_or_else(|e| panic!("{}", e.chain())))
+    Some(
+        scene_file::load_with(&path, &ReadOptions { seconds: Some(seconds), ..ReadOptions::default() })
+            .unwrap_or_else(|e| panic!("{}", e.chain())),
+    )
 }
 
 /// Its keys are every quarter of a second, a quarter turn about z each.
@@ -410,9 +414,10 @@ fn validator_cases_are_played_or_one_error_and_valid_ones_are_played() {
         files_below(&folder).into_iter().filter(|p| p.extension().is_some_and(|e| e == "gltf")).collect();
     let mut wrong = Vec::new();
     assert!(BROKEN.iter().all(|end| cases.iter().any(|case| case.ends_with(end))));
-    for case in cases.iter().filter(|path| gltf::load(path).is_ok()) {
+    for case in cases.iter().filter(|path| scene_file::load(path).is_ok()) {
         let result =
-            catch_unwind(|| gltf::load_at(case, Some(0.5))).unwrap_or_else(|_| panic!("{} panics", case.display()));
+            catch_unwind(|| scene_file::load_with(case, &ReadOptions { seconds: Some(0.5), ..ReadOptions::default() }))
+                .unwrap_or_else(|_| panic!("{} panics", case.display()));
         assert!(result.is_err() || !BROKEN.iter().any(|end| case.ends_with(end)), "{} is played", case.display());
         if let Err(error) = result {
             let chain = error.chain();
@@ -460,8 +465,8 @@ fn two_clips() -> File {
 }
 
 fn clip(file: &File, animation: Option<&str>) -> etendue::error::Result<Description> {
-    let reading = gltf::Reading { seconds: Some(0.5), animation, ..Default::default() };
-    gltf::parse_with(&file.glb(), std::path::Path::new("nowhere"), &reading)
+    let reading = ReadOptions { seconds: Some(0.5), animation, ..Default::default() };
+    gltf::parse(&file.glb(), std::path::Path::new("nowhere"), &reading)
 }
 
 /// A clip is chosen by name or number; without a choice the later of two that move the same is played, and that is

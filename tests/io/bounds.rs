@@ -76,8 +76,8 @@ fn parts_at_places_are_bounded_and_so_are_lights() {
 
 /// What the loader says to a file with so many bytes of memory.
 fn with_memory(file: &File, memory: u64) -> etendue::error::Result<etendue::scene::description::Description> {
-    let reading = etendue::io::gltf::Reading { memory, ..Default::default() };
-    etendue::io::gltf::parse_with(&file.glb(), std::path::Path::new("nowhere"), &reading)
+    let reading = etendue::io::scene_file::ReadOptions { memory, ..Default::default() };
+    etendue::io::gltf::parse(&file.glb(), std::path::Path::new("nowhere"), &reading)
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn buffers_in_one_file_share_it() {
     let path = folder.path().join("scene.gltf");
     let load = |file: &File| {
         std::fs::write(&path, file.json.to_string()).expect("a written file");
-        etendue::io::gltf::load(&path)
+        etendue::io::scene_file::load(&path)
     };
     assert_eq!(load(&file).expect("valid").meshes[0].primitives[0].positions, TRIANGLE.map(Vec3::from));
     file.json["bufferViews"][0]["buffer"] = json!(998);

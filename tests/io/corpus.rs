@@ -4,6 +4,7 @@ use crate::support::shared;
 use etendue::accel::{Backend, Build};
 use etendue::error::{Error, Kind};
 use etendue::io::gltf;
+use etendue::io::scene_file::{self, ReadOptions};
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
 use etendue::session::SettingsPatch;
@@ -54,7 +55,10 @@ fn every_kept_gltf_loads_or_is_one_sentence() {
     let load = |file: &PathBuf| {
         let bytes = std::fs::read(file).expect("a file");
         let at = |seconds: Option<f64>| {
-            survives(file, || gltf::parse_at(&bytes, Path::new("nowhere"), seconds).and_then(built))
+            survives(file, || {
+                gltf::parse(&bytes, Path::new("nowhere"), &ReadOptions { seconds, ..ReadOptions::default() })
+                    .and_then(built)
+            })
         };
         [at(None).is_some(), at(Some(0.25)).is_some()]
     };
@@ -105,7 +109,7 @@ fn every_shared_file_loads_or_is_one_sentence_that_names_it() {
     for file in files {
         let start = Instant::now();
         let scene = survives(&file, || {
-            gltf::load(&file).inspect_err(|error| {
+            scene_file::load(&file).inspect_err(|error| {
                 let (chain, kind) = (error.chain(), error.kind);
                 assert!(kind == Kind::Scene && chain.starts_with(&*file.to_string_lossy()), "{kind:?} {chain}");
             })
@@ -123,7 +127,7 @@ fn every_shared_file_loads_or_is_one_sentence_that_names_it() {
 #[test]
 fn teapots_galore_shares_its_meshes_between_instances() {
     let Some(folder) = shared("gltf-samples/TeapotsGalore") else { return };
-    let scene = gltf::load(&folder.join("TeapotsGalore.gltf")).expect("a valid file");
+    let scene = scene_file::load(&folder.join("TeapotsGalore.gltf")).expect("a valid file");
     let teapots = scene.instances.iter().filter(|i| i.name.starts_with("teapot")).count();
     assert!(scene.meshes.len() <= 3 && teapots > 100, "{} meshes, {teapots} teapots", scene.meshes.len());
     assert!(scene.ignored.is_empty(), "{:?}", scene.ignored);

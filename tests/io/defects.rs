@@ -164,8 +164,8 @@ fn every_validator_case_loads_or_is_one_error_and_valid_ones_load() {
     let mut wrongly_refused = Vec::new();
     for case in cases {
         let start = Instant::now();
-        let result =
-            catch_unwind(|| etendue::io::gltf::load(&case)).unwrap_or_else(|_| panic!("{} panics", case.display()));
+        let result = catch_unwind(|| etendue::io::scene_file::load(&case))
+            .unwrap_or_else(|_| panic!("{} panics", case.display()));
         // The largest case has some kilobytes; this is to find what never ends.
         assert!(start.elapsed() < Duration::from_secs(10), "{} takes too long", case.display());
         if let Err(error) = result {

@@ -5,6 +5,7 @@ mod bounds;
 mod corpus;
 mod defects;
 mod environments;
+mod formats;
 mod geometry;
 mod hierarchy;
 mod materials;

@@ -1,7 +1,7 @@
 //! Materials, textures and images.
 
 use crate::support::{File, merge};
-use etendue::scene::description::{AlphaMode, Material, MetalFresnel};
+use etendue::scene::description::{AlphaMode, Material, MaterialModel, MetalFresnel, MetallicRoughnessMaterial};
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Encoding, TextureFilter, Wrap};
 use glam::{Vec3, Vec4};
@@ -38,10 +38,16 @@ fn material(json: Value) -> Material {
     file(json).load().expect("a valid file").materials.remove(0)
 }
 
+/// Its metallic-roughness model.
+pub(crate) fn model(material: &Material) -> &MetallicRoughnessMaterial {
+    let MaterialModel::MetallicRoughness(model) = &material.model else { panic!("another model") };
+    model
+}
+
 #[test]
 fn a_primitive_without_material_has_the_default_one() {
     let description = File::triangle(json!({})).load().expect("a valid file");
-    let default = &description.materials[description.meshes[0].primitives[0].material];
+    let default = model(&description.materials[description.meshes[0].primitives[0].material]);
     assert_eq!((default.metallic, default.roughness, default.ior, default.specular), (1.0, 1.0, 1.5, 1.0));
 }
 
@@ -60,12 +66,14 @@ fn factors_and_extensions_are_read() {
         }
     }));
     assert_eq!((m.name.as_str(), m.double_sided, m.alpha_mode), ("all", true, AlphaMode::Mask { cutoff: 0.25 }));
-    assert_eq!((m.base_color.to_rgb(), m.alpha, m.metallic, m.roughness), ([0.125, 0.25, 0.5], 0.75, 0.5, 0.375));
-    assert_eq!((m.emission.to_rgb(), m.ior), ([8.0, 4.0, 0.0], 1.25));
+    assert_eq!((m.alpha, m.emission.to_rgb()), (0.75, [8.0, 4.0, 0.0]));
+    let m = model(&m);
+    assert_eq!((m.base_color.to_rgb(), m.metallic, m.roughness), ([0.125, 0.25, 0.5], 0.5, 0.375));
+    assert_eq!(m.ior, 1.25);
     assert_eq!((m.specular, m.specular_color.to_rgb(), m.transmission), (0.5, [2.0, 1.0, 0.0], 0.625));
     let volume = m.volume.expect("a volume");
     assert_eq!((volume.attenuation_distance, volume.attenuation_color.to_rgb()), (2.0, [0.5, 1.0, 1.0]));
-    assert_eq!((m.metal_fresnel, m.unlit), (MetalFresnel::Schlick, false));
+    assert_eq!(m.metal_fresnel, MetalFresnel::Schlick);
 }
 
 #[test]
@@ -75,13 +83,31 @@ fn thin_walls_have_no_volume_and_index_zero_is_kept() {
         "alphaMode": "BLEND",
         "extensions": { "KHR_materials_volume": volume, "KHR_materials_ior": { "ior": 0 } }
     }));
-    assert_eq!((m.volume, m.ior, m.alpha_mode), (None, 0.0, AlphaMode::Blend));
+    assert_eq!((model(&m).volume, model(&m).ior, m.alpha_mode), (None, 0.0, AlphaMode::Blend));
     assert_eq!(m.name, "material 0");
+}
+
+#[test]
+fn unlit_materials_emit_their_base_colour_alone() {
     let unlit = material(json!({
-        "emissiveFactor": [1, 1, 1], "normalTexture": { "index": 0 },
+        "emissiveFactor": [1, 1, 1], "normalTexture": { "index": 0 }, "emissiveTexture": { "index": 1 },
+        "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 0.25, 1], "baseColorTexture": { "index": 0 } },
         "extensions": { "KHR_materials_unlit": {}, "KHR_materials_transmission": { "transmissionFactor": 1 } }
     }));
-    assert!(unlit.unlit && unlit.emission.is_black() && unlit.normal_texture.is_none() && unlit.transmission == 0.0);
+    assert!(unlit.is_unlit() && unlit.normal_texture.is_none());
+    assert_eq!(unlit.emission.to_rgb(), [0.5, 1.0, 0.25]);
+    // Texture 0 repeats, texture 1 does not.
+    assert_eq!(unlit.emission_texture.expect("the base colour").wrap, [Wrap::Repeat; 2]);
+}
+
+#[test]
+fn the_base_colour_texture_has_alpha_where_alpha_counts() {
+    let alpha_texture = |mode: &str| {
+        let base = json!({ "baseColorTexture": { "index": 0 } });
+        material(json!({ "alphaMode": mode, "pbrMetallicRoughness": base })).alpha_texture
+    };
+    assert!(alpha_texture("OPAQUE").is_none());
+    assert!(alpha_texture("MASK").is_some() && alpha_texture("BLEND").is_some());
 }
 
 #[test]
@@ -96,10 +122,11 @@ fn each_texture_has_the_encoding_of_its_role() {
         }
     }));
     let encoding = |t: &Option<etendue::texture::Texture>| t.as_ref().map(|t| t.encoding);
-    for colour in [&m.base_color_texture, &m.emission_texture, &m.specular_color_texture] {
+    let textured = model(&m);
+    for colour in [&textured.base_color_texture, &m.emission_texture, &textured.specular_color_texture] {
         assert_eq!(encoding(colour), Some(Encoding::Srgb));
     }
-    for data in [&m.metallic_roughness_texture, &m.specular_texture, &m.transmission_texture] {
+    for data in [&textured.metallic_roughness_texture, &textured.specular_texture, &textured.transmission_texture] {
         assert_eq!(encoding(data), Some(Encoding::Linear));
     }
     let (normal, scale) = m.normal_texture.expect("a normal map");
@@ -245,7 +272,7 @@ fn unsupported_material_features_are_reported() {
     assert!(third.materials[0].emission_texture.is_none() && third.images.is_empty());
     assert_eq!(third.ignored, ["the emissive texture of material 'a' is left out: it uses texture coordinate set 2"]);
     let bright = description(json!({ "name": "a", "pbrMetallicRoughness": { "baseColorFactor": [2, 1e300, 0, 1] } }));
-    assert_eq!(bright.materials[0].base_color, Spectrum::from_rgb([1.0, 1.0, 0.0]));
+    assert_eq!(model(&bright.materials[0]).base_color, Spectrum::from_rgb([1.0, 1.0, 0.0]));
     assert_eq!(bright.ignored, ["material 'a' has a base colour outside 0 to 1, which is clamped"]);
     let mut webp = file(json!({ "name": "a", "emissiveTexture": { "index": 0 } }));
     webp.json["textures"][0] = json!({ "extensions": { "EXT_texture_webp": { "source": 0 } } });
@@ -280,7 +307,7 @@ fn factors_out_of_range_are_errors() {
 #[test]
 fn our_own_extras_are_read_strictly() {
     let with = |etendue: Value| file(json!({ "name": "gold", "extras": { "etendue": etendue, "other": 1 } }));
-    let fresnel = |etendue: Value| with(etendue).load().expect("a valid file").materials[0].metal_fresnel;
+    let fresnel = |etendue: Value| model(&with(etendue).load().expect("a valid file").materials[0]).metal_fresnel;
     assert_eq!(fresnel(json!({ "fresnel": "constant" })), MetalFresnel::Constant);
     assert_eq!(fresnel(json!({ "fresnel": "schlick" })), MetalFresnel::Schlick);
     assert_eq!(fresnel(json!({})), MetalFresnel::Schlick);

@@ -1,7 +1,8 @@
 //! The Khronos sample models, where the shared folder has them.
 
+use crate::materials::model;
 use crate::support::shared;
-use etendue::io::gltf;
+use etendue::io::scene_file;
 use etendue::scene::description::{Description, Projection};
 use etendue::texture::Wrap;
 use glam::{DVec3, Vec3};
@@ -15,7 +16,7 @@ fn samples() -> Vec<PathBuf> {
 
 fn sample(name: &str) -> Option<Description> {
     let path = shared("gltf-samples")?.join(format!("{name}/glTF/{name}.gltf"));
-    Some(gltf::load(&path).unwrap_or_else(|e| panic!("{}", e.chain())))
+    Some(scene_file::load(&path).unwrap_or_else(|e| panic!("{}", e.chain())))
 }
 
 fn triangles(description: &Description) -> usize {
@@ -77,7 +78,7 @@ fn texture_settings_are_those_of_the_named_materials() {
     let Some(scene) = sample("TextureSettingsTest") else { return };
     let wrap = |name: &str| {
         let material = scene.materials.iter().find(|m| m.name == name).expect("the material");
-        material.base_color_texture.as_ref().expect("a texture").wrap
+        model(material).base_color_texture.as_ref().expect("a texture").wrap
     };
     assert_eq!(wrap("TextureMirrorMaterialT"), [Wrap::Repeat, Wrap::Mirror]);
     assert_eq!(wrap("TextureMirrorMaterialS"), [Wrap::Mirror, Wrap::Repeat]);
@@ -93,7 +94,7 @@ fn textures_use_the_set_that_they_name() {
     let Some(scene) = sample("MultiUVTest") else { return };
     let material = &scene.materials[0];
     let set = |t: &Option<etendue::texture::Texture>| t.as_ref().map(|t| t.uv_set);
-    assert_eq!((set(&material.base_color_texture), set(&material.emission_texture)), (Some(0), Some(1)));
+    assert_eq!((set(&model(material).base_color_texture), set(&material.emission_texture)), (Some(0), Some(1)));
     assert!(scene.meshes[0].primitives[0].uvs.iter().all(Option::is_some));
 }
 
@@ -135,7 +136,7 @@ fn unread_skins_morphs_and_animations_are_reported() {
 fn texture_transforms_are_read() {
     let Some(scene) = sample("TextureTransformTest") else { return };
     let texture =
-        |name: &str| scene.materials.iter().find(|m| m.name == name).and_then(|m| m.base_color_texture.clone());
+        |name: &str| scene.materials.iter().find(|m| m.name == name).and_then(|m| model(m).base_color_texture.clone());
     let all = texture("All").expect("a texture").transform;
     let (sin, cos) = 0.3f64.sin_cos();
     let want = |u: f64, v: f64| [cos * 1.5 * u + sin * 1.5 * v - 0.2, -sin * 1.5 * u + cos * 1.5 * v - 0.1];

@@ -1,7 +1,7 @@
 //! glTF files made in the test, and the folder of shared ones.
 
 use etendue::error::{Kind, Result};
-use etendue::io::gltf;
+use etendue::io::scene_file::{self, ReadOptions};
 use etendue::scene::description::{Description, Primitive};
 use etendue_testing::folders;
 use serde_json::{Value, json};
@@ -138,7 +138,7 @@ pub(crate) fn load_bytes_at(name: &str, bytes: &[u8], seconds: Option<f64>) -> R
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).expect("a written file");
-    gltf::load_at(&path, seconds)
+    scene_file::load_with(&path, &ReadOptions { seconds, ..ReadOptions::default() })
 }
 
 /// The sentence of an error of class scene, checked to be one line that names the file.

@@ -34,6 +34,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "texture::extremes::tests::texture_lookups_lie_within_the_extremes"),
     of("agreement", "extremes::constant_texture_equals_a_factor"),
     of("agreement", "extremes::texels_outside_the_used_uvs_have_no_effect"),
+    of("agreement", "extremes::diffuse_materials_equal_matte_dielectrics"),
     of("agreement", "extremes::textured_mirrors_are_blind_spots"),
     of("agreement", "meaning::unlit_surfaces_show_their_base_and_vertex_colours"),
     of("agreement", "meaning::unlit_surfaces_light_nothing"),

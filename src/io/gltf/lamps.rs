@@ -11,7 +11,7 @@ const BYTES_A_LIGHT: u64 = 256;
 /// # Errors
 /// An error of class memory that names the mesh with most of them, and the remedy.
 pub(super) fn afford(out: &Description, materials: &[Material], memory: u64) -> Result<()> {
-    let emits: Vec<bool> = materials.iter().map(|m| m.unlit || !m.emission.is_black()).collect();
+    let emits: Vec<bool> = materials.iter().map(|m| !m.emission.is_black()).collect();
     let emitting = |mesh: &Mesh| {
         mesh.primitives
             .iter()

@@ -5,7 +5,7 @@ use super::notes::Notes;
 use super::texture::{self, Role, Slot};
 use super::{extras, image};
 use crate::error::{Error, Result};
-use crate::scene::description::{AlphaMode, Material, Volume};
+use crate::scene::description::{AlphaMode, Material, MaterialModel, MetallicRoughnessMaterial, Volume};
 use crate::spectrum::Spectrum;
 use crate::texture::{Bitmap, Texture};
 use ::gltf::json;
@@ -65,34 +65,40 @@ impl Source<'_> {
         let [r, g, b, a] = pbr.base_color_factor.0;
         let normal_texture = self.texture(Role::Normal).zip(self.normal_scale()?);
         let asked = extras::of_material(&self.json.extras).map_err(|e| self.named(e))?;
-        let base = Material {
-            base_color: self.unit_color([r, g, b], "base colour", notes),
-            alpha: self.unit(a, "alpha", notes),
+        let base_color = self.unit_color([r, g, b], "base colour", notes);
+        let alpha = self.unit(a, "alpha", notes);
+        let alpha_mode = self.alpha_mode();
+        let base = MetallicRoughnessMaterial {
+            base_color,
             base_color_texture: self.texture(Role::BaseColor),
             metallic: self.unit(pbr.metallic_factor.0, "metalness", notes),
             roughness: self.unit(pbr.roughness_factor.0, "roughness", notes),
             metallic_roughness_texture: self.texture(Role::MetallicRoughness),
+            metal_fresnel: asked.metal_fresnel,
+            ..MetallicRoughnessMaterial::default()
+        };
+        let material = Material {
+            name: self.name.clone(),
+            alpha,
+            // The base colour texture has alpha too.
+            alpha_texture: self.texture(Role::BaseColor).filter(|_| alpha_mode != AlphaMode::Opaque),
+            alpha_mode,
             normal_texture,
             emission: self.emission()?,
             emission_texture: self.texture(Role::Emission),
-            alpha_mode: self.alpha_mode(),
             double_sided: self.json.double_sided,
-            metal_fresnel: asked.metal_fresnel,
             priority: asked.priority,
-            name: self.name.clone(),
             ..Material::default()
         };
-        self.extended(base, notes)
+        if self.json.extensions.as_ref().is_some_and(|extensions| extensions.unlit.is_some()) {
+            return Ok(unlit(material, base));
+        }
+        Ok(Material { model: MaterialModel::MetallicRoughness(self.extended(base, notes)?), ..material })
     }
 
     /// Applies the material's extensions to `base`.
-    fn extended(&self, mut base: Material, notes: &mut Notes) -> Result<Material> {
+    fn extended(&self, mut base: MetallicRoughnessMaterial, notes: &mut Notes) -> Result<MetallicRoughnessMaterial> {
         let Some(extensions) = &self.json.extensions else { return Ok(base) };
-        if extensions.unlit.is_some() {
-            // An unlit material shows its base colour. Its other properties are ignored.
-            let (emission, emission_texture, normal_texture) = (Spectrum::ZERO, None, None);
-            return Ok(Material { unlit: true, emission, emission_texture, normal_texture, ..base });
-        }
         if let Some(specular) = &extensions.specular {
             base.specular = self.unit(specular.specular_factor.0, "specular strength", notes);
             base.specular_color = self.non_negative(specular.specular_color_factor.0, "specular colour")?;
@@ -179,5 +185,16 @@ impl Source<'_> {
 
     fn named(&self, error: Error) -> Error {
         error.context(format!("material '{}'", self.name))
+    }
+}
+
+/// Returns the unlit `material`, which shows its base colour. Its other properties are ignored.
+fn unlit(material: Material, base: MetallicRoughnessMaterial) -> Material {
+    Material {
+        model: MaterialModel::Unlit,
+        emission: base.base_color,
+        emission_texture: base.base_color_texture,
+        normal_texture: None,
+        ..material
     }
 }

@@ -33,6 +33,7 @@ mod texture;
 mod topology;
 mod vertex;
 
+use super::reading::ReadOptions;
 use crate::error::{Error, Result};
 use crate::scene::description::{Description, Instance, Mesh, PunctualLight};
 use animation::Pose;
@@ -42,96 +43,42 @@ use notes::Notes;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Reads the scene in `path`: the default scene, else the first one, else all root nodes. Only the parts it uses are
-/// loaded. Animations are ignored: the scene is at rest.
+/// Reads the scene from the contents of a `.gltf` or `.glb` file: the default scene, else the first one, else all root
+/// nodes. Only the parts it uses are loaded. Relative URIs are resolved against `base`.
 ///
 /// # Errors
-/// A scene error, in one sentence that begins with the path, if the file or one that it refers to cannot be read, is
-/// not valid, or requires an unsupported extension.
-pub fn load(path: &Path) -> Result<Description> {
-    load_at(path, None)
+/// A scene error in one sentence if the file or one that it refers to cannot be read, is not valid, or requires an
+/// unsupported extension; with a time also if an animation is not valid. A usage error that lists all animations if
+/// there is no such one. An error of class memory that names the largest part if images or lights exceed the memory.
+pub fn parse(file: &[u8], base: &Path, options: &ReadOptions) -> Result<Description> {
+    Document::parse(file, base, options.memory).and_then(|document| describe(&document, options))
 }
 
-/// Reads the scene in `path` as [`load`] does, at a time in seconds of its animations if given.
-///
-/// # Errors
-/// As [`load`]; with a time also if an animation is not valid.
-pub fn load_at(path: &Path, seconds: Option<f64>) -> Result<Description> {
-    load_with(path, &Reading { seconds, ..Reading::default() })
+/// Returns whether `file` looks like the contents of a `.gltf` or `.glb` file.
+pub(super) fn is_gltf(file: &[u8]) -> bool {
+    let json = file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(file).trim_ascii_start();
+    file.starts_with(b"glTF") || json.starts_with(b"{")
 }
 
-/// Options for reading a file.
-#[derive(Debug, Clone, Copy)]
-pub struct Reading<'a> {
-    /// Time of the animations in seconds; `None` reads the scene at rest.
-    pub seconds: Option<f64>,
-    /// The only animation that is played, by name or number from 0; `None` plays all together.
-    pub animation: Option<&'a str>,
-    /// Memory limit of decoded images in bytes, and separately of the lights of emissive meshes.
-    pub memory: u64,
-}
-
-impl Default for Reading<'_> {
-    /// The scene at rest, with 4 GiB.
-    fn default() -> Self {
-        Reading { seconds: None, animation: None, memory: 1 << 32 }
-    }
-}
-
-/// Reads the scene in `path` as [`load`] does, with options.
-///
-/// # Errors
-/// As [`load_at`]. A usage error that lists all animations if there is no such one. An error of class memory that names
-/// the largest part if images or lights exceed the memory.
-pub fn load_with(path: &Path, reading: &Reading) -> Result<Description> {
-    let bytes = resource::read_file(path, u64::MAX)?;
-    parse_with(&bytes, path.parent().unwrap_or(Path::new("")), reading).map_err(|e| e.context(path.display()))
-}
-
-/// Reads the scene from the contents of a `.gltf` or `.glb` file as [`load`] does. Relative URIs are resolved against
-/// `base`.
-///
-/// # Errors
-/// As [`load`], without the path.
-pub fn parse(file: &[u8], base: &Path) -> Result<Description> {
-    parse_at(file, base, None)
-}
-
-/// Reads the scene from the contents of a file as [`parse`] does, at a time as [`load_at`] does.
-///
-/// # Errors
-/// As [`load_at`], without the path.
-pub fn parse_at(file: &[u8], base: &Path, seconds: Option<f64>) -> Result<Description> {
-    parse_with(file, base, &Reading { seconds, ..Reading::default() })
-}
-
-/// Reads the scene from the contents of a file as [`parse`] does, with options as [`load_with`] does.
-///
-/// # Errors
-/// As [`load_with`], without the path.
-pub fn parse_with(file: &[u8], base: &Path, reading: &Reading) -> Result<Description> {
-    Document::parse(file, base, reading.memory).and_then(|document| describe(&document, reading))
-}
-
-fn describe(document: &Document, reading: &Reading) -> Result<Description> {
+fn describe(document: &Document, options: &ReadOptions) -> Result<Description> {
     let mut loader =
         Loader { document, notes: Notes::default(), meshes: HashMap::new(), materials: Materials::default() };
     loader.notes.about_file(document);
     let animations = animation::names(document);
-    let pose = pose(document, reading, &mut loader.notes)?;
+    let pose = pose(document, options, &mut loader.notes)?;
     let mut out = Description { animation_end: pose.end, animations, ..Description::default() };
     for placement in graph::placements(document, &pose)? {
         loader.place(&placement, &mut out)?;
     }
     let (materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
-    lamps::afford(&out, &materials, reading.memory)?;
+    lamps::afford(&out, &materials, options.memory)?;
     Ok(Description { materials, images, ignored: loader.notes.into_sentences(), ..out })
 }
 
 /// Returns the animated node values at the given time; none without a time.
-fn pose(document: &Document, reading: &Reading, notes: &mut Notes) -> Result<Pose> {
-    match reading.seconds {
-        Some(seconds) => animation::pose(document, seconds, reading.animation, notes),
+fn pose(document: &Document, options: &ReadOptions, notes: &mut Notes) -> Result<Pose> {
+    match options.seconds {
+        Some(seconds) => animation::pose(document, seconds, options.animation, notes),
         None => {
             notes.about_rest(document);
             Ok(Pose::default())

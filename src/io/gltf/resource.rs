@@ -1,27 +1,8 @@
 //! Reads data URIs and files beside the scene. There is no network access.
 
-use crate::error::{Error, Kind, Result};
-use std::fs::File;
-use std::io::Read;
+use crate::error::{Error, Result};
+use crate::io::reading::read_file;
 use std::path::{Path, PathBuf};
-
-/// Reads at most `limit` bytes of a regular file. Devices and pipes are rejected, since reading them might never end.
-///
-/// # Errors
-/// An error with the path if the file cannot be read or does not fit into memory.
-pub(super) fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>> {
-    let file = std::fs::metadata(path).map_err(|e| Error::read(path, e))?;
-    if !file.is_file() {
-        return Err(Error::scene(format!("cannot read {}: it is not a regular file", path.display())));
-    }
-    let mut bytes = Vec::new();
-    let length = usize::try_from(file.len().min(limit)).unwrap_or(usize::MAX);
-    bytes.try_reserve_exact(length).map_err(|e| {
-        Error::new(Kind::Memory, format!("{} does not fit into memory ({length} bytes)", path.display())).because(e)
-    })?;
-    File::open(path).and_then(|f| f.take(limit).read_to_end(&mut bytes)).map_err(|e| Error::read(path, e))?;
-    Ok(bytes)
-}
 
 /// Resolves `uri`: its embedded data, or at most `limit` bytes of a file relative to the directory `base`.
 ///

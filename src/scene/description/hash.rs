@@ -5,8 +5,9 @@
 //! `field.feed(bytes)`, or `field: _` if no image depends on it, such as names that nothing is selected by.
 
 use super::{
-    AlphaMode, CameraDescription, Description, EnvironmentDescription, Instance, Lens, Material, Mesh, MetalFresnel,
-    Primitive, Projection, PunctualKind, PunctualLight, Volume,
+    AlphaMode, CameraDescription, Description, DiffuseMaterial, EnvironmentDescription, Instance, Lens, Material,
+    MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial, Primitive, Projection, PunctualKind, PunctualLight,
+    Volume,
 };
 use crate::spectrum::Spectrum;
 use crate::texture::{Bitmap, Encoding, RadianceMap, Texture, TextureFilter, Wrap};
@@ -108,17 +109,60 @@ impl Content for Material {
     fn feed(&self, bytes: &mut Bytes) {
         let Material {
             name: _,
-            base_color,
+            model,
             alpha,
+            alpha_texture,
+            alpha_mode,
+            normal_texture,
+            emission,
+            emission_texture,
+            double_sided,
+            priority,
+        } = self;
+        model.feed(bytes);
+        alpha.feed(bytes);
+        alpha_texture.feed(bytes);
+        alpha_mode.feed(bytes);
+        normal_texture.feed(bytes);
+        emission.feed(bytes);
+        emission_texture.feed(bytes);
+        double_sided.feed(bytes);
+        priority.feed(bytes);
+    }
+}
+
+impl Content for MaterialModel {
+    fn feed(&self, bytes: &mut Bytes) {
+        match self {
+            MaterialModel::Unlit => 0_u8.feed(bytes),
+            MaterialModel::Diffuse(model) => {
+                1_u8.feed(bytes);
+                model.feed(bytes);
+            }
+            MaterialModel::MetallicRoughness(model) => {
+                2_u8.feed(bytes);
+                model.feed(bytes);
+            }
+        }
+    }
+}
+
+impl Content for DiffuseMaterial {
+    fn feed(&self, bytes: &mut Bytes) {
+        let DiffuseMaterial { reflectance, reflectance_texture } = self;
+        reflectance.feed(bytes);
+        reflectance_texture.feed(bytes);
+    }
+}
+
+impl Content for MetallicRoughnessMaterial {
+    fn feed(&self, bytes: &mut Bytes) {
+        let MetallicRoughnessMaterial {
+            base_color,
             base_color_texture,
             metallic,
             roughness,
             metallic_roughness_texture,
-            normal_texture,
-            emission,
-            emission_texture,
-            alpha_mode,
-            double_sided,
             specular,
             specular_texture,
             specular_color,
@@ -128,20 +172,12 @@ impl Content for Material {
             transmission_texture,
             volume,
             metal_fresnel,
-            unlit,
-            priority,
         } = self;
         base_color.feed(bytes);
-        alpha.feed(bytes);
         base_color_texture.feed(bytes);
         metallic.feed(bytes);
         roughness.feed(bytes);
         metallic_roughness_texture.feed(bytes);
-        normal_texture.feed(bytes);
-        emission.feed(bytes);
-        emission_texture.feed(bytes);
-        alpha_mode.feed(bytes);
-        double_sided.feed(bytes);
         specular.feed(bytes);
         specular_texture.feed(bytes);
         specular_color.feed(bytes);
@@ -151,8 +187,6 @@ impl Content for Material {
         transmission_texture.feed(bytes);
         volume.feed(bytes);
         metal_fresnel.feed(bytes);
-        unlit.feed(bytes);
-        priority.feed(bytes);
     }
 }
 

@@ -14,13 +14,26 @@ fn texture() -> Texture {
     }
 }
 
+fn model(base_color_texture: Option<Texture>) -> MaterialModel {
+    MaterialModel::MetallicRoughness(MetallicRoughnessMaterial {
+        base_color_texture,
+        ..MetallicRoughnessMaterial::default()
+    })
+}
+
+/// The metallic-roughness model of the material.
+fn glossy(d: &mut Description) -> &mut MetallicRoughnessMaterial {
+    let MaterialModel::MetallicRoughness(model) = &mut d.materials[0].model else { panic!("another model") };
+    model
+}
+
 fn description() -> Description {
     let primitive =
         Primitive { positions: vec![glam::Vec3::ZERO; 3], triangles: vec![[0, 1, 2]], ..Primitive::default() };
     Description {
         meshes: vec![Mesh { name: "mesh".into(), primitives: vec![primitive] }],
         instances: vec![Instance { name: "node".into(), mesh: 0, transform: DAffine3::IDENTITY }],
-        materials: vec![Material { base_color_texture: Some(texture()), ..Material::default() }],
+        materials: vec![Material { model: model(Some(texture())), ..Material::default() }],
         lights: vec![PunctualLight {
             name: "lamp".into(),
             kind: PunctualKind::Spot { inner: 0.1, outer: 0.2 },
@@ -58,25 +71,25 @@ fn every_rendered_field_changes_the_scene_hash() {
         ("material", |d| d.meshes[0].primitives[0].material = 1),
         ("parts of meshes", |d| d.meshes.insert(0, Mesh { name: "mesh".into(), primitives: vec![] })),
         ("place", |d| d.instances[0].transform.translation.x = 1e-9),
-        ("roughness", |d| d.materials[0].roughness = 0.5),
-        ("unlit", |d| d.materials[0].unlit = true),
+        ("roughness", |d| glossy(d).roughness = 0.5),
+        ("unlit", |d| d.materials[0].model = MaterialModel::Unlit),
         ("double sided", |d| d.materials[0].double_sided = true),
         ("alpha mode", |d| d.materials[0].alpha_mode = AlphaMode::Mask { cutoff: 0.0 }),
         ("volume", |d| {
-            d.materials[0].volume = Some(Volume { attenuation_distance: 1.0, attenuation_color: Spectrum::ONE });
+            glossy(d).volume = Some(Volume { attenuation_distance: 1.0, attenuation_color: Spectrum::ONE });
         }),
-        ("which texture", |d| d.materials[0].emission_texture = d.materials[0].base_color_texture.take()),
+        ("which texture", |d| d.materials[0].emission_texture = glossy(d).base_color_texture.take()),
+        ("alpha texture", |d| d.materials[0].alpha_texture = Some(texture())),
+        ("reflectance", |d| d.materials[0].model = Material::diffuse(Spectrum::ONE).model),
         ("texel", |d| {
             let image = Arc::new(Bitmap::new(2, 1, Texels::Rgba8(vec![[1; 4], [3; 4]].into())));
-            d.materials[0].base_color_texture = Some(Texture { image, ..texture() });
+            glossy(d).base_color_texture = Some(Texture { image, ..texture() });
         }),
         ("shape of an image", |d| {
             let image = Arc::new(Bitmap::new(1, 2, Texels::Rgba8(vec![[1; 4], [2; 4]].into())));
-            d.materials[0].base_color_texture = Some(Texture { image, ..texture() });
+            glossy(d).base_color_texture = Some(Texture { image, ..texture() });
         }),
-        ("wrap", |d| {
-            d.materials[0].base_color_texture = Some(Texture { wrap: [Wrap::Repeat, Wrap::Clamp], ..texture() })
-        }),
+        ("wrap", |d| glossy(d).base_color_texture = Some(Texture { wrap: [Wrap::Repeat, Wrap::Clamp], ..texture() })),
         ("intensity", |d| d.lights[0].intensity = Spectrum::ZERO),
         ("cone", |d| d.lights[0].kind = PunctualKind::Spot { inner: 0.1, outer: 0.3 }),
         ("projection", |d| d.cameras[0].projection = Projection::Orthographic { xmag: 1.0, ymag: 1.0 }),
@@ -97,7 +110,7 @@ fn names_and_notes_do_not_change_the_scene_hash() {
         ("a node's name", |d| d.instances[0].name = "other".into()),
         ("a lamp's name", |d| d.lights[0].name = "other".into()),
         ("warnings", |d| d.warnings.push("doubtful".into())),
-        ("another copy of an image", |d| d.materials[0].base_color_texture = Some(texture())),
+        ("another copy of an image", |d| glossy(d).base_color_texture = Some(texture())),
     ];
     for (what, change) in kept {
         assert!(!changes(*change), "{what}");

@@ -1,9 +1,14 @@
 //! A scene as loaded: plain data in file units, before rebasing and construction.
 
 pub(in crate::scene) mod hash;
+mod material;
+
+pub use material::{
+    AlphaMode, DiffuseMaterial, Material, MaterialModel, MetalFresnel, MetallicRoughnessMaterial, Volume,
+};
 
 use crate::spectrum::Spectrum;
-use crate::texture::{Bitmap, RadianceMap, Texture};
+use crate::texture::{Bitmap, RadianceMap};
 use glam::{DAffine3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
@@ -93,122 +98,6 @@ pub struct Instance {
     pub mesh: usize,
     /// Object to world.
     pub transform: DAffine3,
-}
-
-/// Interpretation of alpha.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum AlphaMode {
-    /// Alpha is ignored.
-    #[default]
-    Opaque,
-    /// The surface exists where alpha reaches the cutoff.
-    Mask {
-        /// The cutoff.
-        cutoff: f32,
-    },
-    /// The surface exists with probability alpha.
-    Blend,
-}
-
-/// Fresnel reflectance of metals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MetalFresnel {
-    /// Schlick's approximation, rising to white at grazing angles, as specified by glTF.
-    #[default]
-    Schlick,
-    /// The base colour at every angle (`extras.etendue.fresnel = "constant"`).
-    Constant,
-}
-
-/// Attenuation inside a solid (KHR_materials_volume).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Volume {
-    /// Distance at which white light takes the attenuation colour, in file units; infinite without attenuation.
-    pub attenuation_distance: f64,
-    /// The attenuation colour.
-    pub attenuation_color: Spectrum,
-}
-
-/// A metallic-roughness material with its extensions. Each texture multiplies its factor.
-#[derive(Debug, Clone)]
-pub struct Material {
-    /// Name, generated if the file has none.
-    pub name: String,
-    /// Base colour factor, linear.
-    pub base_color: Spectrum,
-    /// Alpha factor.
-    pub alpha: f32,
-    /// Base colour (sRGB) and alpha texture.
-    pub base_color_texture: Option<Texture>,
-    /// Metalness, 0 to 1.
-    pub metallic: f32,
-    /// Perceptual roughness, 0 to 1: α is its square.
-    pub roughness: f32,
-    /// Roughness in green, metalness in blue.
-    pub metallic_roughness_texture: Option<Texture>,
-    /// Tangent-space normals, and their scale.
-    pub normal_texture: Option<(Texture, f32)>,
-    /// Emitted radiance, strength included.
-    pub emission: Spectrum,
-    /// Emission (sRGB) texture.
-    pub emission_texture: Option<Texture>,
-    /// Interpretation of alpha.
-    pub alpha_mode: AlphaMode,
-    /// Whether the back emits and is visible to the camera; both sides always scatter.
-    pub double_sided: bool,
-    /// Strength of KHR_materials_specular; 0 is exactly Lambertian.
-    pub specular: f32,
-    /// Strength in the texture's alpha channel.
-    pub specular_texture: Option<Texture>,
-    /// Colour of KHR_materials_specular at normal incidence.
-    pub specular_color: Spectrum,
-    /// Specular colour (sRGB) texture.
-    pub specular_color_texture: Option<Texture>,
-    /// Refractive index, at least 1; or 0, for which Schlick's formula gives reflectance 1 (KHR_materials_ior).
-    pub ior: f32,
-    /// Transmitted fraction of light (KHR_materials_transmission).
-    pub transmission: f32,
-    /// Transmitted fraction in the texture's red channel.
-    pub transmission_texture: Option<Texture>,
-    /// `Some` for solid glass (KHR_materials_volume with a thickness above 0), `None` for a thin wall.
-    pub volume: Option<Volume>,
-    /// Precedence of overlapping bodies: higher priority first (`extras.etendue.priority`), then smaller bodies.
-    pub priority: i32,
-    /// Fresnel reflectance of the metallic part.
-    pub metal_fresnel: MetalFresnel,
-    /// KHR_materials_unlit: emits its base colour and does not scatter.
-    pub unlit: bool,
-}
-
-impl Default for Material {
-    /// The default material of glTF.
-    fn default() -> Self {
-        Material {
-            name: "default".into(),
-            base_color: Spectrum::ONE,
-            alpha: 1.0,
-            base_color_texture: None,
-            metallic: 1.0,
-            roughness: 1.0,
-            metallic_roughness_texture: None,
-            normal_texture: None,
-            emission: Spectrum::ZERO,
-            emission_texture: None,
-            alpha_mode: AlphaMode::Opaque,
-            double_sided: false,
-            specular: 1.0,
-            specular_texture: None,
-            specular_color: Spectrum::ONE,
-            specular_color_texture: None,
-            ior: 1.5,
-            transmission: 0.0,
-            transmission_texture: None,
-            volume: None,
-            priority: 0,
-            metal_fresnel: MetalFresnel::Schlick,
-            unlit: false,
-        }
-    }
 }
 
 /// Type of a punctual light; it shines along −z of its transform.

@@ -1,22 +1,33 @@
 //! Parts of scenes for tests: materials, meshes, cameras, lights.
 
 use etendue::scene::description::{
-    CameraDescription, Description, Instance, Material, Mesh, MetalFresnel, Primitive, Projection, PunctualKind,
-    PunctualLight, Volume,
+    CameraDescription, Description, Instance, Material, MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial,
+    Primitive, Projection, PunctualKind, PunctualLight, Volume,
 };
 use etendue::spectrum::Spectrum;
 use glam::{DAffine3, DVec3, Vec3};
 use std::collections::HashMap;
 
+/// `material` with changed parameters of its metallic-roughness model.
+///
+/// # Panics
+/// If it has another model.
+pub fn with_model(mut material: Material, change: impl FnOnce(&mut MetallicRoughnessMaterial)) -> Material {
+    let MaterialModel::MetallicRoughness(model) = &mut material.model else { panic!("another model") };
+    change(model);
+    material
+}
+
 /// A Lambertian material.
 pub fn matte(reflectance: f32, emission: f32) -> Material {
     Material {
-        base_color: Spectrum::splat(reflectance),
         emission: Spectrum::splat(emission),
-        metallic: 0.0,
-        specular: 0.0,
         double_sided: true,
-        ..Material::default()
+        ..with_model(Material::default(), |m| {
+            m.base_color = Spectrum::splat(reflectance);
+            m.metallic = 0.0;
+            m.specular = 0.0;
+        })
     }
 }
 
@@ -84,13 +95,23 @@ pub fn narrow(camera: CameraDescription, yfov: f64) -> CameraDescription {
 /// A perfect reflector of `reflectance` at every angle, of perceptual roughness `roughness` (α is its square).
 pub fn metal(reflectance: f32, roughness: f32) -> Material {
     let base = matte(reflectance, 0.0);
-    Material { metallic: 1.0, specular: 1.0, roughness, metal_fresnel: MetalFresnel::Constant, ..base }
+    with_model(base, |m| {
+        m.metallic = 1.0;
+        m.specular = 1.0;
+        m.roughness = roughness;
+        m.metal_fresnel = MetalFresnel::Constant;
+    })
 }
 
 /// Clear solid glass of index 1.5 and perceptual roughness `roughness`.
 pub fn glass(roughness: f32) -> Material {
     let volume = Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: Spectrum::ONE });
-    Material { specular: 1.0, transmission: 1.0, roughness, volume, ..matte(1.0, 0.0) }
+    with_model(matte(1.0, 0.0), |m| {
+        m.specular = 1.0;
+        m.transmission = 1.0;
+        m.roughness = roughness;
+        m.volume = volume;
+    })
 }
 
 /// A polyhedron inscribed in a sphere around the origin, fronts outward.

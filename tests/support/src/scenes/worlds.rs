@@ -1,6 +1,6 @@
 //! Scenes that together have every kind of vertex and edge that a path can have.
 
-use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, point_light};
+use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, point_light, with_model};
 use etendue::accel::Backend;
 use etendue::scene::description::{
     CameraDescription, Description, EnvironmentDescription, Lens, Material, PunctualKind, PunctualLight, Volume,
@@ -40,7 +40,7 @@ fn lamp(scene: &mut Description, double_sided: bool) {
 
 fn room() -> Description {
     let mut scene = Description::default();
-    add_room(&mut scene, &Material { base_color: Spectrum([0.7, 0.5, 0.8]), ..matte(0.7, 0.0) });
+    add_room(&mut scene, &with_model(matte(0.7, 0.0), |m| m.base_color = Spectrum([0.7, 0.5, 0.8])));
     lamp(&mut scene, false);
     scene
 }
@@ -55,7 +55,11 @@ fn smooth_ball(scene: &mut Description, centre: DVec3, radius: f32, material: Ma
 
 /// Gloss over a diffuse base, of perceptual roughness `roughness`.
 fn lacquer(roughness: f32) -> Material {
-    Material { base_color: Spectrum([0.2, 0.5, 0.7]), specular: 1.0, roughness, ..matte(0.5, 0.0) }
+    with_model(matte(0.5, 0.0), |m| {
+        m.base_color = Spectrum([0.2, 0.5, 0.7]);
+        m.specular = 1.0;
+        m.roughness = roughness;
+    })
 }
 
 /// Everything smooth.
@@ -73,10 +77,18 @@ fn dirac() -> World {
     Ball::new(3, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), metal(0.9, 0.0));
     Ball::new(3, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), glass(0.0));
     Ball::new(1, 0.25).add(&mut scene, DVec3::new(0.1, -0.1, -0.5), lacquer(0.0));
-    Ball::new(2, 0.2).add(&mut scene, DVec3::new(-0.6, 0.2, 0.1), Material { transmission: 0.5, ..glass(0.0) });
-    let window = Material { specular: 1.0, transmission: 1.0, roughness: 0.0, ..matte(0.8, 0.0) };
+    Ball::new(2, 0.2).add(&mut scene, DVec3::new(-0.6, 0.2, 0.1), with_model(glass(0.0), |m| m.transmission = 0.5));
+    let window = with_model(matte(0.8, 0.0), |m| {
+        m.specular = 1.0;
+        m.transmission = 1.0;
+        m.roughness = 0.0;
+    });
     add_square(&mut scene, Vec3::new(0.6, 0.3, 0.2), Vec3::new(0.2, 0.0, 0.1), Vec3::Y * 0.3, window);
-    let pane = Material { specular: 1.0, transmission: 0.4, roughness: 0.0, ..matte(0.8, 0.0) };
+    let pane = with_model(matte(0.8, 0.0), |m| {
+        m.specular = 1.0;
+        m.transmission = 0.4;
+        m.roughness = 0.0;
+    });
     add_square(&mut scene, Vec3::new(-0.1, 0.5, -0.2), Vec3::X * 0.2, Vec3::Z * 0.3, pane);
     build("dirac", 1.0, scene)
 }
@@ -135,9 +147,16 @@ fn open() -> World {
 fn tinted() -> World {
     let mut scene = room();
     let volume = Some(Volume { attenuation_distance: 0.3, attenuation_color: Spectrum([0.9, 0.4, 0.6]) });
-    Ball::new(3, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), Material { volume, ..glass(0.0) });
-    Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), Material { volume, ..glass(0.6) });
-    Ball::new(2, 0.2).add(&mut scene, DVec3::new(0.0, 0.2, -0.4), Material { volume, transmission: 0.5, ..glass(0.5) });
+    Ball::new(3, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), with_model(glass(0.0), |m| m.volume = volume));
+    Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), with_model(glass(0.6), |m| m.volume = volume));
+    Ball::new(2, 0.2).add(
+        &mut scene,
+        DVec3::new(0.0, 0.2, -0.4),
+        with_model(glass(0.5), |m| {
+            m.volume = volume;
+            m.transmission = 0.5;
+        }),
+    );
     let by = DAffine3::from_scale_rotation_translation(
         DVec3::splat(300.0),
         glam::DQuat::from_rotation_y(0.4),
@@ -152,17 +171,23 @@ fn tinted() -> World {
 /// Bodies in bodies, a lamp and a camera in different ones, and a window before the lamp.
 fn nested() -> World {
     let mut scene = room();
-    let inside = |ior, distance, color| Material {
-        ior,
-        volume: Some(Volume { attenuation_distance: distance, attenuation_color: Spectrum(color) }),
-        ..glass(0.0)
+    let inside = |ior, distance, color| {
+        with_model(glass(0.0), |m| {
+            m.ior = ior;
+            m.volume = Some(Volume { attenuation_distance: distance, attenuation_color: Spectrum(color) });
+        })
     };
     add_box(&mut scene, Vec3::new(0.0, -0.3, 0.0), Vec3::new(0.9, 0.6, 0.9), inside(1.33, 2.0, [0.5, 0.8, 0.9]));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(-0.3, -0.5, -0.2), inside(1.5, 0.5, [0.9, 0.4, 0.6]));
     Ball::new(2, 0.15).add(&mut scene, DVec3::new(-0.3, -0.5, -0.2), inside(1.0, f64::INFINITY, [1.0; 3]));
     Ball::new(2, 0.25).add(&mut scene, DVec3::new(0.4, -0.5, 0.1), inside(1.33, 1.0, [0.3, 0.9, 0.3]));
-    let pane =
-        |transmission| Material { transmission, roughness: 0.0, base_color: Spectrum([0.9, 0.8, 0.5]), ..lacquer(0.0) };
+    let pane = |transmission| {
+        with_model(lacquer(0.0), |m| {
+            m.transmission = transmission;
+            m.roughness = 0.0;
+            m.base_color = Spectrum([0.9, 0.8, 0.5]);
+        })
+    };
     add_square(&mut scene, Vec3::new(0.0, 0.6, 0.0), Vec3::X * 0.6, Vec3::Z * 0.6, pane(1.0));
     add_square(&mut scene, Vec3::new(0.5, 0.5, -0.5), Vec3::X * 0.3, Vec3::Z * 0.3, pane(0.5));
     scene.cameras.push(camera(DVec3::new(0.1, -0.1, 0.8), DVec3::new(-0.05, -0.2, -0.3)));

@@ -1,5 +1,5 @@
-//! glTF's metallic-roughness surface with specular, ior and transmission, for parameters that no plain model covers:
-//! one GGX reflection, a diffuse base under its dielectric share, and a transmitted share.
+//! A mixture of metal and dielectric, for parameters of [`super::MetallicRoughness`] that no plain model covers: one GGX
+//! reflection, a diffuse base under its dielectric share, and a transmitted share.
 //!
 //! Schlick's Fresnel is linear in f0 and f90, so that metal and dielectric mixed by `metallic` form a single
 //! reflection. The base is coupled to the layer by base (1 − E(wi)) (1 − E(wo)) / (π (1 − Ē)), with E the directional
@@ -26,7 +26,7 @@ use std::f32::consts::FRAC_1_PI;
 
 /// A metallic-roughness surface, created by [`super::MetallicRoughness::surface`].
 #[derive(Debug, Clone, Copy)]
-pub struct Gltf {
+pub struct Mixture {
     pub(super) ggx: Ggx,
     pub(super) base: Spectrum,
     /// Fresnel parameters of the whole reflection.
@@ -65,11 +65,11 @@ struct Choice<T> {
 /// Terms that depend on one direction alone.
 struct DirectionTerms<T> {
     choice: Choice<T>,
-    /// See [`Gltf::below`].
+    /// See [`Mixture::below`].
     below: Spectrum<T>,
 }
 
-impl Gltf {
+impl Mixture {
     /// See [`super::Surface::refracts`].
     #[inline]
     pub(super) fn refracts(&self) -> bool {
@@ -87,7 +87,7 @@ impl Gltf {
 
     /// Returns the surface without transmission.
     pub(super) fn opaque(&self) -> Self {
-        Gltf { transmission: Transmission::None, ..*self }
+        Mixture { transmission: Transmission::None, ..*self }
     }
 
     /// Returns the selection probabilities for `known`, by the albedo of each part; `None` for a black surface.
@@ -263,7 +263,7 @@ impl Gltf {
     }
 }
 
-impl Bsdf for Gltf {
+impl Bsdf for Mixture {
     #[inline]
     fn eval<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, lobes: Lobes) -> Spectrum<T> {
         let same = wi.same_side(wo);
