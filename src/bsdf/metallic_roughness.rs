@@ -2,7 +2,7 @@
 //! exactly.
 
 use super::albedo::Albedo;
-use super::mixture::{Mixture, Schlick, Transmission};
+use super::metal_dielectric::{MetalDielectric, Schlick, Transmission};
 use super::{Conductor, Dielectric, Fresnel, Ggx, Lambert, Surface, Thin};
 use crate::spectrum::Spectrum;
 
@@ -42,7 +42,8 @@ pub struct MetallicRoughness {
 }
 
 impl MetallicRoughness {
-    /// Returns the surface with these parameters: a plain model if one is equivalent, [`Surface::Mixture`] for mixtures.
+    /// Returns the surface with these parameters: a plain model if one is equivalent, [`Surface::MetalDielectric`] for
+    /// mixtures.
     pub fn surface(&self) -> Surface {
         let ggx = Ggx::new(self.roughness * self.roughness);
         if self.metallic >= 1.0 {
@@ -64,10 +65,10 @@ impl MetallicRoughness {
         if self.metallic <= 0.0 && self.transmission <= 0.0 && self.specular <= 0.0 {
             return if self.base.is_black() { Surface::Black } else { Surface::Lambert(Lambert { albedo: self.base }) };
         }
-        Surface::Mixture(self.mixture(ggx, layer))
+        Surface::MetalDielectric(self.mixture(ggx, layer))
     }
 
-    fn mixture(&self, ggx: Ggx, layer: Schlick) -> Mixture {
+    fn mixture(&self, ggx: Ggx, layer: Schlick) -> MetalDielectric {
         let (metal, dielectric) = (self.metallic, 1.0 - self.metallic);
         let transmitting = dielectric * self.transmission;
         let (transmission, schlick_share) = match self.glass(transmitting) {
@@ -77,7 +78,7 @@ impl MetallicRoughness {
         };
         let albedo = Albedo::of(ggx);
         let passed = Spectrum::ONE - albedo.mean(layer.f0, layer.f90);
-        Mixture {
+        MetalDielectric {
             ggx,
             base: self.base,
             specular: Schlick {

@@ -24,7 +24,7 @@ impl Surface {
         match self {
             Surface::Thin(wall) => wall.ggx.is_dirac(),
             Surface::Dielectric(glass) => glass.is_matched(),
-            Surface::Mixture(mixture) => mixture.passes_straight(),
+            Surface::MetalDielectric(mixture) => mixture.passes_straight(),
             Surface::Black | Surface::Lambert(_) | Surface::Conductor(_) => false,
         }
     }
@@ -37,7 +37,9 @@ impl Surface {
                 Surface::Conductor(Conductor { ggx: wall.ggx, fresnel: wall.fresnel })
             }
             Surface::Dielectric(glass) if glass.is_matched() => Surface::Black,
-            Surface::Mixture(mixture) if mixture.passes_straight() => Surface::Mixture(mixture.opaque()),
+            Surface::MetalDielectric(mixture) if mixture.passes_straight() => {
+                Surface::MetalDielectric(mixture.opaque())
+            }
             other => other,
         }
     }

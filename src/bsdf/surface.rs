@@ -1,6 +1,6 @@
 //! The closed set of scattering models, dispatched by `match`.
 
-use super::{Bsdf, BsdfSample, Conductor, Dielectric, Lambert, Lobes, Mixture, Thin};
+use super::{Bsdf, BsdfSample, Conductor, Dielectric, Lambert, Lobes, MetalDielectric, Thin};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
@@ -20,7 +20,7 @@ pub enum Surface {
     /// A thin transparent wall.
     Thin(Thin),
     /// A mixture of metal and dielectric.
-    Mixture(Mixture),
+    MetalDielectric(MetalDielectric),
 }
 
 impl Surface {
@@ -35,7 +35,7 @@ impl Surface {
     pub fn refracts(&self) -> bool {
         match self {
             Surface::Dielectric(_) => true,
-            Surface::Mixture(b) => b.refracts(),
+            Surface::MetalDielectric(b) => b.refracts(),
             Surface::Black | Surface::Lambert(_) | Surface::Conductor(_) | Surface::Thin(_) => false,
         }
     }
@@ -48,7 +48,7 @@ impl Surface {
             Surface::Conductor(b) => b.fresnel.reflectance(1.0),
             Surface::Dielectric(b) => b.transmit,
             Surface::Thin(b) => b.transmit,
-            Surface::Mixture(b) => b.base,
+            Surface::MetalDielectric(b) => b.base,
         }
     }
 }
@@ -61,7 +61,7 @@ macro_rules! dispatch {
             Surface::Conductor($model) => $call,
             Surface::Dielectric($model) => $call,
             Surface::Thin($model) => $call,
-            Surface::Mixture($model) => $call,
+            Surface::MetalDielectric($model) => $call,
         }
     };
 }

@@ -83,7 +83,7 @@ pub(super) fn run(args: Args) -> Result<()> {
     let threads = startup::start_threads(args.threads)?;
     let stage = job.load(&args.scene.scene, threads)?;
     let provenance = job.fitted(&stage)?.provenance(&stage);
-    task::warn(console, &provenance);
+    task::warnings(&provenance).iter().for_each(|text| console.warn(text));
     if args.strict.strict {
         stage.refuse_ignored()?;
     }

@@ -10,6 +10,7 @@ use crate::session::{
     Checkpoint, Ended, ExistingOutput, LoadedScene, Outputs, PassPlan, PassSelection, Provenance, RenderReport,
     Rendered, Session,
 };
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -96,15 +97,14 @@ impl Task {
     }
 }
 
-/// Warns about everything unexpected in the picture.
-pub(super) fn warn(console: Console, provenance: &Provenance) {
+/// Returns warnings about everything unexpected in the picture, each once.
+pub(super) fn warnings(provenance: &Provenance) -> Vec<String> {
     let scene = &provenance.scene;
-    scene.warnings.iter().for_each(|text| console.warn(text));
-    scene.ignored.iter().for_each(|text| console.warn(&format!("ignored: {text}")));
-    scene.blind_spots.iter().for_each(|text| console.warn(text));
-    if let Some(limit) = provenance.settings.clamp {
-        console.warn(&format!("--clamp {limit}: the image is biased, and says so"));
-    }
+    let ignored = scene.ignored.iter().map(|text| format!("ignored: {text}"));
+    let clamped = provenance.settings.clamp.map(|limit| format!("--clamp {limit}: the image is biased, and says so"));
+    let mut told = HashSet::new();
+    let all = scene.warnings.iter().cloned().chain(ignored).chain(scene.blind_spots.iter().cloned()).chain(clamped);
+    all.filter(|text| told.insert(text.clone())).collect()
 }
 
 /// Notes that the number of samples per pixel was rounded up from the `asked` one.

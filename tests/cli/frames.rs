@@ -84,6 +84,19 @@ fn frames_past_the_end_and_of_nothing_are_warned_of() {
 }
 
 #[test]
+fn warnings_that_all_frames_share_are_printed_once() {
+    let place = place();
+    let text = std::fs::read_to_string(place.path("s.gltf")).unwrap();
+    let text = text.replacen('{', r#"{"extensionsUsed":["EXT_of_nobody"],"#, 1);
+    std::fs::write(place.path("s.gltf"), text).unwrap();
+    let ran = place.run(&format!("{LINE} --frames 28-30 -o {{frame}}.exr"));
+    assert_eq!(ran.code(), 0, "{}", ran.stderr());
+    let stderr = ran.stderr();
+    assert_eq!(stderr.matches("EXT_of_nobody").count(), 1, "{stderr}");
+    assert_eq!(stderr.matches("is past the end").count(), 3, "{stderr}");
+}
+
+#[test]
 fn frames_that_make_no_sense_are_refused() {
     let place = place();
     for (more, what) in [

@@ -41,7 +41,7 @@ pub(crate) fn models(alpha: f32) -> Vec<Model> {
         name: format!("{name}, alpha {alpha}"),
         surface,
         eta,
-        base: if matches!(surface, Surface::Mixture(_)) { std::f64::consts::FRAC_1_PI } else { 0.0 },
+        base: if matches!(surface, Surface::MetalDielectric(_)) { std::f64::consts::FRAC_1_PI } else { 0.0 },
     };
     vec![
         model("Lambert", Surface::Lambert(Lambert { albedo: ruby }), 1.0),

@@ -7,13 +7,14 @@ use super::args::{StrictArgs, ThreadArgs};
 use super::progress::ProgressArgs;
 use super::settings_args::SettingsArgs;
 use super::signals::Signals;
-use super::task::{Task, warn};
+use super::task::{Task, warnings};
 use super::{Console, startup};
 use crate::batch::{Job, JobPicture, SceneCache, SceneKey};
 use crate::error::{Error, Kind, Result};
 use crate::session::checkpoint::INTERVAL;
 use crate::session::{Ended, Outputs, PassSelection, RenderJob, Rendered};
 use rows::{Entry, Outcome, WriterQueue};
+use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -105,7 +106,8 @@ pub(super) fn render_all(pictures: &[JobPicture], means: BatchOptions) -> Result
         pictures.iter().zip(&jobs).map(|(picture, job)| SceneKey::of(&picture.scene, job, threads)).collect();
     let signals = Signals::heed()?;
     let begun = Instant::now();
-    let mut batch = Batch { means, signals: &signals, stages: SceneCache::default(), written: WriterQueue::default() };
+    let (stages, written, told) = (SceneCache::default(), WriterQueue::default(), HashSet::new());
+    let mut batch = Batch { means, signals: &signals, stages, written, told };
     for (index, (picture, job)) in pictures.iter().zip(jobs).enumerate() {
         let next = wanted[index + 1..].iter().find(|next| **next != wanted[index]);
         means.console.note(&format!("{} of {}: {}", index + 1, pictures.len(), picture.output.display()));
@@ -120,6 +122,8 @@ struct Batch<'a> {
     signals: &'a Signals,
     stages: SceneCache,
     written: WriterQueue,
+    /// Scenes and the warnings that were printed for them, which are not repeated.
+    told: HashSet<(PathBuf, String)>,
 }
 
 /// Result of rendering a picture.
@@ -171,7 +175,8 @@ impl Batch<'_> {
             stage.refuse_ignored()?;
         }
         let provenance = job.provenance(stage);
-        warn(task.console, &provenance);
+        let is_new = |text: &String| self.told.insert((picture.scene.clone(), text.clone()));
+        warnings(&provenance).into_iter().filter(is_new).for_each(|text| self.means.console.warn(&text));
         let begun = match task.begin(stage, provenance.clone()) {
             // The previous picture occupies memory until it is written.
             Err(error) if error.kind == Kind::Memory && self.written.wait() => task.begin(stage, provenance),

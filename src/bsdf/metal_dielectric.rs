@@ -26,7 +26,7 @@ use std::f32::consts::FRAC_1_PI;
 
 /// A metallic-roughness surface, created by [`super::MetallicRoughness::surface`].
 #[derive(Debug, Clone, Copy)]
-pub struct Mixture {
+pub struct MetalDielectric {
     pub(super) ggx: Ggx,
     pub(super) base: Spectrum,
     /// Fresnel parameters of the whole reflection.
@@ -65,11 +65,11 @@ struct Choice<T> {
 /// Terms that depend on one direction alone.
 struct DirectionTerms<T> {
     choice: Choice<T>,
-    /// See [`Mixture::below`].
+    /// See [`MetalDielectric::below`].
     below: Spectrum<T>,
 }
 
-impl Mixture {
+impl MetalDielectric {
     /// See [`super::Surface::refracts`].
     #[inline]
     pub(super) fn refracts(&self) -> bool {
@@ -87,7 +87,7 @@ impl Mixture {
 
     /// Returns the surface without transmission.
     pub(super) fn opaque(&self) -> Self {
-        Mixture { transmission: Transmission::None, ..*self }
+        MetalDielectric { transmission: Transmission::None, ..*self }
     }
 
     /// Returns the selection probabilities for `known`, by the albedo of each part; `None` for a black surface.
@@ -263,7 +263,7 @@ impl Mixture {
     }
 }
 
-impl Bsdf for Mixture {
+impl Bsdf for MetalDielectric {
     #[inline]
     fn eval<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, lobes: Lobes) -> Spectrum<T> {
         let same = wi.same_side(wo);
