@@ -155,9 +155,10 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
             return Spectrum::ZERO;
         };
         let u = sampler.u2(walk.bounce, Slot::LightPoint);
-        let Some(sample) = lights.all()[index].sample_li(&receiver, u) else { return Spectrum::ZERO };
-        let Some(scattering) = shading.scattering(sample.wi) else { return Spectrum::ZERO };
-        let weight = Self::light_weight(&scattering, &sample, pmf);
+        // Borrowed, not moved out of the options: a copy of what was just written stalls.
+        let Some(sample) = &lights.all()[index].sample_li(&receiver, u) else { return Spectrum::ZERO };
+        let Some(scattering) = &shading.scattering(sample.wi) else { return Spectrum::ZERO };
+        let weight = Self::light_weight(scattering, sample, pmf);
         let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(sample.end));
         let through = self.scene.transmittance(&edge, sampler, walk.bounce, &mut tally.shadows);
         walk.beta * scattering.f_cos * sample.radiance * through * weight
@@ -195,12 +196,12 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
             }
             let surface = self.scene.surface(&mut point, walk.ray.state.bodies);
             let wo = -walk.ray.direction;
-            let Some(shading) = Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return total };
+            let Some(shading) = &Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return total };
             if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
-                total += self.direct(&shading, &walk, sampler, tally);
+                total += self.direct(shading, &walk, sampler, tally);
             }
-            let Some(scatter) = S::scatter(&shading, walk.scattering_numbers(&surface, sampler)) else { return total };
-            walk.depart(&point, &scatter);
+            let Some(scatter) = &S::scatter(shading, walk.scattering_numbers(&surface, sampler)) else { return total };
+            walk.depart(&point, scatter);
             if !walk.survives(sampler, tally) {
                 return total;
             }
