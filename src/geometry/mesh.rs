@@ -40,6 +40,8 @@ pub struct TriangleMesh {
     /// Padded by one element: backends read 16 bytes at the last 12-byte position.
     padded_positions: HugeVec<Vec3>,
     triangles: HugeVec<[u32; 3]>,
+    /// Vertices of each triangle side by side: a hit reads one or two cache lines in place of four.
+    corners: HugeVec<[Vec3; 3]>,
     attributes: Attributes,
 }
 
@@ -76,8 +78,15 @@ impl TriangleMesh {
         if let Some((what, length)) = attributes.lengths().find(|&(_, length)| length != count) {
             return fail(format!("has {length} {what} for {count} vertices"));
         }
+        let corners: Vec<_> = triangles.iter().map(|t| t.map(|i| positions[i as usize])).collect();
         positions.push(Vec3::ZERO);
-        Ok(TriangleMesh { name, padded_positions: positions.into(), triangles: triangles.into(), attributes })
+        Ok(TriangleMesh {
+            name,
+            padded_positions: positions.into(),
+            triangles: triangles.into(),
+            corners: corners.into(),
+            attributes,
+        })
     }
 
     /// Returns its name in the scene file.
@@ -102,6 +111,12 @@ impl TriangleMesh {
         &self.triangles
     }
 
+    /// Returns the vertices of triangle `primitive`.
+    #[inline]
+    pub fn corners(&self, primitive: u32) -> [Vec3; 3] {
+        self.corners[primitive as usize]
+    }
+
     /// Returns the per-vertex data besides positions.
     #[inline]
     pub fn attributes(&self) -> &Attributes {
@@ -118,6 +133,7 @@ impl TriangleMesh {
         let a = &self.attributes;
         size_of_val(self.padded_positions())
             + size_of_val(self.triangles())
+            + size_of_val(&*self.corners)
             + a.normals.as_deref().map_or(0, size_of_val)
             + a.tangents.as_deref().map_or(0, size_of_val)
             + a.uvs.iter().map(|uv| uv.as_deref().map_or(0, size_of_val)).sum::<usize>()

@@ -36,8 +36,7 @@ impl Geometry {
     pub fn triangle(&self, hit: Hit) -> Triangle {
         let object = &self.objects[hit.object as usize];
         let mesh = &self.meshes[object.mesh as usize];
-        let positions = mesh.positions();
-        let [a, b, c] = mesh.triangles()[hit.primitive as usize].map(|i| positions[i as usize]);
+        let [a, b, c] = mesh.corners(hit.primitive);
         match &object.placement {
             None => Triangle::new(a, b, c),
             Some(m) => Triangle::placed(m, a, b, c),

@@ -59,15 +59,16 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
         let per_walk = (self.options.pixels() as f32).recip();
         let mut tally = TraceStats::default();
         for (i, values) in out.chunks_exact_mut(channels).enumerate() {
-            let Sample { pixel, index, camera, mut numbers } = self.samples.of_pixel(layout, first + i, &sampler);
-            let (mut valid, mut key) = (true, address.with(index));
+            // Borrowed, since a copy of what was just written stalls.
+            let Sample { pixel, index, camera, numbers } = &mut self.samples.of_pixel(layout, first + i, &sampler);
+            let (mut valid, mut key) = (true, address.with(*index));
             let mut splat = |film: [f32; 2], light: Spectrum| {
                 let light = self.limited(light * per_walk, &mut valid, &mut report.guards);
                 key = key.with(0);
                 splats.add(self.options.filter, film, light, key.bits(0));
             };
-            let light = || Samples::of_light(index, &sampler);
-            let color = self.method.radiance(&camera, &mut numbers, light, &mut splat, &mut tally);
+            let light = || Samples::of_light(*index, &sampler);
+            let color = self.method.radiance(camera, numbers, light, &mut splat, &mut tally);
             let color = self.limited(color, &mut valid, &mut report.guards);
             if !valid {
                 report.drop_sample(InvalidSample { pass, x: pixel[0], y: pixel[1] });
@@ -77,7 +78,7 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
             }
             values[..LANES].copy_from_slice(&color.to_rgb());
             if layout.planes().len() > 1 {
-                super::features::record(self.scene, &camera, &mut numbers, layout, values, &mut tally);
+                super::features::record(self.scene, camera, numbers, layout, values, &mut tally);
             }
         }
         report.add_tally(&tally);

@@ -68,8 +68,7 @@ fn factors_and_extensions_are_read() {
     assert_eq!((m.name.as_str(), m.double_sided, m.alpha_mode), ("all", true, AlphaMode::Mask { cutoff: 0.25 }));
     assert_eq!((m.alpha, m.emission.to_rgb()), (0.75, [8.0, 4.0, 0.0]));
     let m = model(&m);
-    assert_eq!((m.base_color.to_rgb(), m.metallic, m.roughness), ([0.125, 0.25, 0.5], 0.5, 0.375));
-    assert_eq!(m.ior, 1.25);
+    assert_eq!((m.base_color.to_rgb(), m.metallic, m.roughness, m.ior), ([0.125, 0.25, 0.5], 0.5, 0.375, 1.25));
     assert_eq!((m.specular, m.specular_color.to_rgb(), m.transmission), (0.5, [2.0, 1.0, 0.0], 0.625));
     let volume = m.volume.expect("a volume");
     assert_eq!((volume.attenuation_distance, volume.attenuation_color.to_rgb()), (2.0, [0.5, 1.0, 1.0]));
@@ -95,7 +94,7 @@ fn unlit_materials_emit_their_base_colour_alone() {
         "extensions": { "KHR_materials_unlit": {}, "KHR_materials_transmission": { "transmissionFactor": 1 } }
     }));
     assert!(unlit.is_unlit() && unlit.normal_texture.is_none());
-    assert_eq!(unlit.emission.to_rgb(), [0.5, 1.0, 0.25]);
+    assert_eq!(unlit.emission, Spectrum::from_rgb([0.5, 1.0, 0.25]));
     // Texture 0 repeats, texture 1 does not.
     assert_eq!(unlit.emission_texture.expect("the base colour").wrap, [Wrap::Repeat; 2]);
 }
