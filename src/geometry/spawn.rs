@@ -50,6 +50,7 @@ pub fn spawn_segment(p: Vec3, error: f32, ng: Vec3, to: Vec3, to_error: f32, to_
 
 /// Returns the segment between two points, of which at least one lies on a surface that touches another. `left` and
 /// `end` name these surfaces; the segment has no offset there. See [`clear_of`].
+#[cold]
 pub(super) fn touching_segment(p: Vec3, left: Hit, error: f32, ng: Vec3, to: (Vec3, f32, Vec3), end: Hit) -> Ray {
     let (to, to_error, to_ng) = to;
     let toward = to - p;

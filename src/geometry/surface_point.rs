@@ -1,7 +1,7 @@
 //! Surface points for shading.
 
 use super::spawn::touching_segment;
-use crate::geometry::{Frame, Geometry, Hit, Ray, TriangleHit, leave, spawn_segment};
+use crate::geometry::{Frame, Geometry, Hit, Ray, RayState, TriangleHit, leave, spawn_segment};
 use glam::Vec3;
 
 /// Intersection of a ray with a surface. Normals have unit length and are on the side of the triangle's
@@ -61,13 +61,15 @@ impl SurfacePoint {
         leave(self.p, self.error, self.ng, self.touched(), direction)
     }
 
-    /// Returns the open segment to a point `to` on a surface of normal `to_ng`, known within `to_error` (0 for a point
-    /// in space). `touched` is the primitive at `to` if another one touches it, or [`Hit::NONE`].
+    /// Returns the open segment, in `state`, to a point `to` on a surface of normal `to_ng`, known within `to_error` (0
+    /// for a point in space). `touched` is the primitive at `to` if another one touches it, or [`Hit::NONE`].
     #[inline]
-    pub fn segment(&self, to: Vec3, to_error: f32, to_ng: Vec3, touched: Hit) -> Ray {
+    pub fn segment(&self, to: Vec3, to_error: f32, to_ng: Vec3, touched: Hit, state: RayState) -> Ray {
         match (self.touched(), touched) {
-            (Hit::NONE, Hit::NONE) => spawn_segment(self.p, self.error, self.ng, to, to_error, to_ng),
-            (left, end) => touching_segment(self.p, left, self.error, self.ng, (to, to_error, to_ng), end),
+            (Hit::NONE, Hit::NONE) => spawn_segment(self.p, self.error, self.ng, to, to_error, to_ng).carrying(state),
+            (left, end) => {
+                touching_segment(self.p, left, self.error, self.ng, (to, to_error, to_ng), end).carrying(state)
+            }
         }
     }
 }

@@ -76,10 +76,8 @@ impl Edge {
             }
             EdgeEnd::Surface(other) => (other.p, other.error, other.ng, other.touched()),
         };
-        // The state is set in place: a copy of the ray just written stalls.
-        let mut edge = Edge { ray: point.segment(p, error, ng, touched), to_camera: matches!(end, EdgeEnd::Camera(_)) };
-        edge.ray.state = state;
-        edge
+        let ray = point.segment(p, error, ng, touched, state);
+        Edge { ray, to_camera: matches!(end, EdgeEnd::Camera(_)) }
     }
 
     /// Returns its ray: up to the parameter 1, or free to infinity.
