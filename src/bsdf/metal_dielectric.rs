@@ -1,5 +1,5 @@
-//! A mixture of metal and dielectric, for parameters of [`super::MetallicRoughness`] that no plain model covers: one GGX
-//! reflection, a diffuse base under its dielectric share, and a transmitted share.
+//! A mixture of metal and dielectric, for parameters of [`super::MetallicRoughness`] that no plain model covers: one
+//! GGX reflection, a diffuse base under its dielectric share, and a transmitted share.
 //!
 //! Schlick's Fresnel is linear in f0 and f90, so that metal and dielectric mixed by `metallic` form a single
 //! reflection. The base is coupled to the layer by base (1 − E(wi)) (1 − E(wo)) / (π (1 − Ē)), with E the directional

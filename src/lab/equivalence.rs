@@ -104,7 +104,7 @@ impl Met {
 /// Returns the world-space vertices of a triangle, and the placement error of a coordinate.
 fn vertices(geometry: &Geometry, hit: Hit) -> ([DVec3; 3], f64) {
     let mesh = geometry.mesh_of(hit.object);
-    let corners = mesh.triangles()[hit.primitive as usize].map(|i| mesh.positions()[i as usize]);
+    let corners = mesh.corners(hit.primitive);
     match &geometry.objects[hit.object as usize].placement {
         None => (corners.map(|p| p.as_dvec3()), 0.0),
         Some(m) => {

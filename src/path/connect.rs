@@ -63,7 +63,7 @@ pub fn next_event<'v>(
     let (index, pmf) = scene.lights().choose(&receiver, sampler.u1(bounce, Slot::LightPick))?;
     let light = &scene.lights().all()[index];
     let sample = light.sample_li(&receiver, sampler.u2(bounce, Slot::LightPoint))?;
-    let &Some(Scattering { f_cos, pdf }) = &shading.scattering(sample.wi) else { return None };
+    let Scattering { f_cos, pdf } = shading.scattering(sample.wi)?;
     let pmf = f64::from(pmf.value());
     let emission = light.ray_density(scene.ball(), -sample.wi);
     let ratio = f64::from(scene.lights().emitter_pmf(index).value()) / pmf;

@@ -68,9 +68,10 @@ impl Edge {
     pub fn new(scene: &Scene, point: &SurfacePoint, state: RayState, w: Vec3, end: EdgeEnd) -> Self {
         let state = scene.state_toward(point, state, w);
         let (p, error, ng, touched) = match end {
-            EdgeEnd::Camera(eye) => (eye.p, 0.0, point.ng, Hit::NONE),
             EdgeEnd::Light(EmitterPoint::Surface { p, error, ng, touched }) => (p, error, ng, touched),
-            EdgeEnd::Light(EmitterPoint::Point(p)) => (p, 0.0, point.ng, Hit::NONE),
+            EdgeEnd::Camera(CameraPoint { p, .. }) | EdgeEnd::Light(EmitterPoint::Point(p)) => {
+                (p, 0.0, point.ng, Hit::NONE)
+            }
             EdgeEnd::Light(EmitterPoint::Distant) => {
                 return Edge { ray: point.spawn(w).carrying(state), to_camera: false };
             }

@@ -88,6 +88,7 @@ fn pose(document: &Document, options: &ReadOptions, notes: &mut Notes) -> Result
 
 /// Bytes of one placed mesh primitive: an object and an instance in the acceleration structure.
 const BYTES_A_PART: usize = 128;
+
 /// Materials in the order of their first use; `None` is glTF's default material.
 #[derive(Default)]
 struct Materials {

@@ -196,7 +196,7 @@ impl Material {
         })
     }
 
-    /// Bytes of images, counted once per image in `seen`.
+    /// Returns all its textures.
     pub(super) fn images(&self) -> impl Iterator<Item = &Texture> {
         let m = &self.source;
         let normal = m.normal_texture.as_ref().map(|(t, _)| t);
