@@ -2,6 +2,7 @@
 //! lanes. Only texture upload and the film may depend on it.
 
 use crate::numeric::Scalar;
+use etendue_lanes::Float;
 use std::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Sub};
 
 /// Number of lanes of a spectrum.
@@ -12,29 +13,34 @@ pub const LANES: usize = 3;
 #[serde(transparent)]
 pub struct Spectrum<T = f32>(pub [T; LANES]);
 
-impl<T: Scalar> Spectrum<T> {
-    /// No light.
-    pub const ZERO: Self = Spectrum([T::ZERO; LANES]);
-    /// One in every lane.
-    pub const ONE: Self = Spectrum([T::ONE; LANES]);
-
+impl<T: Copy> Spectrum<T> {
     /// The same value in every lane.
     #[inline]
     pub fn splat(x: T) -> Self {
         Spectrum([x; LANES])
     }
 
+    // Written out, since `std::array::map` is not always inlined.
     /// Applies `f` to each lane.
-    #[inline]
-    pub fn map<U: Scalar>(self, f: impl FnMut(T) -> U) -> Spectrum<U> {
-        Spectrum(self.0.map(f))
+    #[inline(always)]
+    pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Spectrum<U> {
+        let [a, b, c] = self.0;
+        Spectrum([f(a), f(b), f(c)])
     }
 
     /// Applies `f` to the lanes of two spectra.
-    #[inline]
+    #[inline(always)]
     pub fn zip(self, other: Self, mut f: impl FnMut(T, T) -> T) -> Self {
-        Spectrum(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Spectrum([f(a, x), f(b, y), f(c, z)])
     }
+}
+
+impl<T: Scalar> Spectrum<T> {
+    /// No light.
+    pub const ZERO: Self = Spectrum([T::ZERO; LANES]);
+    /// One in every lane.
+    pub const ONE: Self = Spectrum([T::ONE; LANES]);
 
     /// Returns the largest lane.
     #[inline]
@@ -100,6 +106,55 @@ impl Spectrum {
     }
 }
 
+/// Spectra over lanes.
+impl<F: Float> Spectrum<F> {
+    /// The same spectrum in every lane.
+    #[inline(always)]
+    pub fn in_lanes(of: Spectrum) -> Self {
+        of.map(|x| F::splat(x))
+    }
+
+    /// Returns the spectrum of `lane`.
+    #[inline(always)]
+    pub fn lane(self, lane: usize) -> Spectrum {
+        self.map(|x| x.lane(lane))
+    }
+
+    /// Returns the largest value of each lane.
+    #[inline(always)]
+    pub fn greatest(self) -> F {
+        let [r, g, b] = self.0;
+        r.max(g).max(b)
+    }
+
+    /// Returns the lanes that are not [`Spectrum::is_black`].
+    #[inline(always)]
+    pub fn is_lit(self) -> F::Mask {
+        let [r, g, b] = self.0;
+        let is_zero = |x: F| x.equals(F::splat(0.0));
+        !(is_zero(r) & is_zero(g) & is_zero(b))
+    }
+
+    /// Returns `yes` in the lanes of `mask`, else `no`.
+    #[inline(always)]
+    pub fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        yes.zip(no, |yes, no| F::select(mask, yes, no))
+    }
+
+    /// See [`etendue_lanes::Vec3::load`].
+    #[inline(always)]
+    pub fn load(from: &[Vec<f32>; LANES], at: usize) -> Self {
+        let [r, g, b] = from;
+        Spectrum([F::load(r, at), F::load(g, at), F::load(b, at)])
+    }
+
+    /// See [`etendue_lanes::Int::pack`].
+    #[inline(always)]
+    pub fn pack(self, mask: F::Mask, to: &mut [Vec<f32>; LANES], at: usize) {
+        self.0.into_iter().zip(to).for_each(|(x, to)| x.pack(mask, to, at));
+    }
+}
+
 impl<T> Index<usize> for Spectrum<T> {
     type Output = T;
     #[inline]
@@ -108,7 +163,7 @@ impl<T> Index<usize> for Spectrum<T> {
     }
 }
 
-impl<T: Scalar> Add for Spectrum<T> {
+impl<T: Copy + Add<Output = T>> Add for Spectrum<T> {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
@@ -123,7 +178,7 @@ impl<T: Scalar> AddAssign for Spectrum<T> {
     }
 }
 
-impl<T: Scalar> Sub for Spectrum<T> {
+impl<T: Copy + Sub<Output = T>> Sub for Spectrum<T> {
     type Output = Self;
     #[inline]
     fn sub(self, other: Self) -> Self {
@@ -131,7 +186,7 @@ impl<T: Scalar> Sub for Spectrum<T> {
     }
 }
 
-impl<T: Scalar> Mul for Spectrum<T> {
+impl<T: Copy + Mul<Output = T>> Mul for Spectrum<T> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
@@ -146,7 +201,7 @@ impl<T: Scalar> MulAssign for Spectrum<T> {
     }
 }
 
-impl<T: Scalar> Mul<T> for Spectrum<T> {
+impl<T: Copy + Mul<Output = T>> Mul<T> for Spectrum<T> {
     type Output = Self;
     #[inline]
     fn mul(self, k: T) -> Self {

@@ -12,7 +12,7 @@ pub use custom::{CustomIntersector, FilterFn, HitFilter};
 pub use ray_class::RayClass;
 
 use crate::error::Result;
-use crate::geometry::{AnyHit, Geometry, Hit, Ray};
+use crate::geometry::{AnyHit, Geometry, Hit, Hits, Ray, Rays};
 
 /// Ray queries against committed geometry.
 pub trait Intersector: Send + Sync {
@@ -20,6 +20,24 @@ pub trait Intersector: Send + Sync {
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit>;
     /// Returns whether the ray has any hit that `any` accepts.
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool;
+    /// Writes the first hits of `rays` that `any` accepts to `hits`. A backend may trace rays together.
+    fn closest_all(&self, rays: &Rays, _coherence: Coherence, any: &impl AnyHit, hits: &mut Hits) {
+        (0..rays.len()).for_each(|at| hits.set(at, self.closest(&rays.ray(at), any)));
+    }
+    /// Writes to `occluded` which of `rays` have any hit that `any` accepts. A backend may trace rays together, and
+    /// overwrite what follows.
+    fn occluded_all(&self, rays: &Rays, _coherence: Coherence, any: &impl AnyHit, occluded: &mut [bool]) {
+        (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any));
+    }
+}
+
+/// Whether consecutive rays of a batch take similar ways: a hint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coherence {
+    /// Camera rays, and shadow rays of their hits.
+    Coherent,
+    /// All others.
+    Incoherent,
 }
 
 /// Build quality of the acceleration structure.
@@ -184,6 +202,24 @@ impl Intersector for Accel {
             Accel::Embree(scene) => scene.occluded(ray, any),
             Accel::Obvhs(scene) => scene.occluded(ray, any),
             Accel::Custom(scene) => custom::with_filter(any, |filter| scene.occluded(ray, filter)),
+        }
+    }
+
+    fn closest_all(&self, rays: &Rays, coherence: Coherence, any: &impl AnyHit, hits: &mut Hits) {
+        match self {
+            #[cfg(feature = "embree")]
+            Accel::Embree(scene) => scene.closest_all(rays, coherence, any, hits),
+            Accel::Obvhs(scene) => scene.closest_all(rays, coherence, any, hits),
+            Accel::Custom(_) => (0..rays.len()).for_each(|at| hits.set(at, self.closest(&rays.ray(at), any))),
+        }
+    }
+
+    fn occluded_all(&self, rays: &Rays, coherence: Coherence, any: &impl AnyHit, occluded: &mut [bool]) {
+        match self {
+            #[cfg(feature = "embree")]
+            Accel::Embree(scene) => scene.occluded_all(rays, coherence, any, occluded),
+            Accel::Obvhs(scene) => scene.occluded_all(rays, coherence, any, occluded),
+            Accel::Custom(_) => (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any)),
         }
     }
 }

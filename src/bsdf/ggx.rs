@@ -8,8 +8,8 @@
 
 use crate::geometry::Local;
 use crate::numeric::Scalar;
+use crate::sampling::lanes;
 use crate::sampling::warp::{into_unit, turn};
-use std::f32::consts::TAU;
 
 /// Below this α a surface is treated as a perfect mirror. Directions in f32 (rounded to 6e-8) resolve the lobe to 0.2 %
 /// at this α, and no better below.
@@ -79,8 +79,7 @@ impl Ggx {
     /// Samples a unit normal visible from `w` (above the surface) with two random numbers [Dupuy23].
     #[inline]
     pub fn sample_normal(self, w: Local, u: [f32; 2]) -> Local {
-        let (sin, cos) = (TAU * u[0]).sin_cos();
-        self.cap_normal(w, [cos, sin], u[1])
+        self.cap_normal(w, lanes::circle(u[0]), u[1])
     }
 
     /// Returns the random numbers that [`Ggx::sample_normal`] maps to the unit normal `h`.

@@ -96,10 +96,10 @@ impl MetalDielectric {
         let moments = self.albedo.at(known.z.abs());
         let below = self.passed(&moments);
         let specular = moments.albedo(self.specular.f0, self.specular.f90).mean();
-        let diffuse = (self.diffuse.cast() * below).mean();
+        let diffuse = (self.diffuse.cast::<T>() * below).mean();
         let transmission = match &self.transmission {
             Transmission::None => T::ZERO,
-            Transmission::Thin(transmit) => (transmit.cast() * below).mean(),
+            Transmission::Thin(transmit) => (transmit.cast::<T>() * below).mean(),
             Transmission::Solid(glass) => glass.throughput(known),
         };
         let total = specular + diffuse + transmission;
@@ -123,7 +123,7 @@ impl MetalDielectric {
 
     #[inline]
     fn reflected<T: Scalar>(&self, wi: Local<T>, wo: Local<T>, below: Spectrum<T>) -> Spectrum<T> {
-        let diffuse = (self.diffuse * self.coupling * FRAC_1_PI).cast() * below;
+        let diffuse = (self.diffuse * self.coupling * FRAC_1_PI).cast::<T>() * below;
         if self.ggx.is_dirac() {
             return diffuse;
         }
@@ -136,7 +136,7 @@ impl MetalDielectric {
         let lit = through(wi);
         let h = half(lit, wo);
         let passed = Spectrum::ONE - schlick(self.layer.f0, self.layer.f90, wo.dot(h));
-        transmit.cast() * passed * self.ggx.reflection(lit, wo, h)
+        transmit.cast::<T>() * passed * self.ggx.reflection(lit, wo, h)
     }
 
     /// Returns the Dirac component `lobe`, combined over all parts; `end` belongs to `known`.

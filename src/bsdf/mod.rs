@@ -12,6 +12,7 @@ mod dielectric;
 pub mod fresnel;
 pub mod ggx;
 mod lambert;
+pub mod lanes;
 mod metal_dielectric;
 mod metallic_roughness;
 pub mod shading;

@@ -9,6 +9,7 @@ pub use pinhole::Pinhole;
 pub use thin_lens::{ApertureShape, ThinLens};
 
 use crate::geometry::{Bodies, Bounds, Ray};
+use etendue_lanes::{self as lanes, Float};
 use glam::{Vec2, Vec3};
 
 /// A camera for an image of given size.
@@ -122,6 +123,16 @@ impl Camera {
         };
         ray.state.time = time;
         CameraSample { film, lens, ray, medium }
+    }
+
+    /// Returns origins and directions of the rays through raster positions in lanes, and the bodies that contain the
+    /// camera: see [`CameraSample::medium`]. `None` for cameras other than the pinhole.
+    #[inline(always)]
+    pub fn pinhole_rays<F: Float>(&self, film: [F; 2]) -> Option<([lanes::Vec3<F>; 2], Option<Bodies>)> {
+        match self {
+            Camera::Pinhole(camera) => Some((camera.rays(film), camera.medium())),
+            Camera::ThinLens(_) | Camera::Orthographic(_) => None,
+        }
     }
 
     /// Returns the ray through the centre of the lens and a raster position at time 0.

@@ -2,6 +2,7 @@
 
 use super::{CameraPoint, LensPoint, Pose, WiSample};
 use crate::geometry::{Bodies, Bounds, Ray};
+use etendue_lanes::{self as lanes, Float};
 use glam::{Vec2, Vec3};
 
 /// Perspective projection through a point.
@@ -56,6 +57,17 @@ impl Pinhole {
     #[inline]
     pub(super) fn ray(&self, film: [f32; 2]) -> Ray {
         Ray::new(self.pose.position, self.direction(film, Vec2::ZERO))
+    }
+
+    /// Does [`Pinhole::ray`] in every lane; returns origins and directions.
+    #[inline(always)]
+    pub(super) fn rays<F: Float>(&self, [x, y]: [F; 2]) -> [lanes::Vec3<F>; 2] {
+        let Pose { position, right, up, backward } = self.pose;
+        let vector = |v: Vec3| lanes::Vec3::splat(v.to_array());
+        let x = x * F::splat(self.scale.x) + F::splat(self.corner.x);
+        let y = y * F::splat(self.scale.y) + F::splat(self.corner.y);
+        let direction = vector(right) * x + vector(up) * y - vector(backward);
+        [vector(position), direction.normalize()]
     }
 
     /// Returns the point that lies `offset` to the right and upward of the camera.

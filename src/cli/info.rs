@@ -4,7 +4,8 @@ use super::args::{SceneArgs, ThreadArgs};
 use super::{Console, startup};
 use crate::error::Result;
 use crate::film::Film;
-use crate::integrator;
+use crate::integrator::{self, Execution};
+use crate::named::Named;
 use crate::scene::SceneInfo;
 use crate::session::{RenderSettings, megabytes};
 use serde::Serialize;
@@ -28,6 +29,8 @@ struct Document {
     info: SceneInfo,
     cameras: Vec<String>,
     blind_spots: Vec<String>,
+    /// How `path` is executed.
+    execution: Execution,
     settings: RenderSettings,
     memory: Memory,
     load_seconds: f64,
@@ -55,6 +58,7 @@ pub(super) fn run(args: Args) -> Result<()> {
         hash: stage.scene.hash().to_owned(),
         cameras: stage.scene.cameras(),
         blind_spots: integrator::missing_light(settings.method.kind(), &stage.scene),
+        execution: Execution::chosen(settings.execution, &stage.scene),
         memory: Memory::estimate(&settings, &stage.info),
         settings,
         load_seconds: stage.preparation.load_seconds,
@@ -91,6 +95,7 @@ impl Document {
             format!("cameras    {}", list(&self.cameras)),
             format!("animations {}", list(&info.animations)),
             format!("features   {}", list(&info.features)),
+            format!("execution  {} for path", self.execution.name()),
             format!("extent     centre {:?}, scale {}", info.centre.to_array(), info.scale),
             format!(
                 "memory     {} in all: film {} ({}x{}, {} replicates), geometry {}, ray tracing {}, textures {}",

@@ -1,6 +1,7 @@
 //! Pixel filters, applied by filter importance sampling [Ernst06]: film positions are drawn from the filter, so that
 //! every sample has weight 1 and belongs to one pixel. This requires nonnegative filters.
 
+use etendue_lanes::{Float, Int};
 use statrs::function::erf::erf;
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
@@ -129,27 +130,30 @@ impl FilterSampler {
 
     /// Returns the offset for `u` in [0, 1)²; monotone in each dimension.
     #[inline]
-    pub fn sample(&self, u: [f32; 2]) -> [f32; 2] {
+    pub fn sample<F: Float>(&self, [u, v]: [F; 2]) -> [F; 2] {
+        let one = F::splat(1.0);
         match &self.shape {
-            Shape::Box => u.map(|u| u - 0.5),
-            Shape::Tent => u.map(|u| mirrored(u, |v| 1.0 - (1.0 - v).sqrt())),
-            Shape::Table(table) => u.map(|u| mirrored(u, |v| interpolate(table, v))),
+            Shape::Box => [u - F::splat(0.5), v - F::splat(0.5)],
+            Shape::Tent => [u, v].map(|u| mirrored(u, |v| one - (one - v).sqrt())),
+            Shape::Table(table) => [u, v].map(|u| mirrored(u, |v| interpolate(table, v))),
         }
     }
 }
 
 /// Applies the inverse half CDF on both sides of the centre.
-#[inline]
-fn mirrored(u: f32, half: impl Fn(f32) -> f32) -> f32 {
-    let v = 2.0 * u - 1.0;
+#[inline(always)]
+fn mirrored<F: Float>(u: F, half: impl Fn(F) -> F) -> F {
+    let v = F::splat(2.0) * u - F::splat(1.0);
     half(v.abs()).copysign(v)
 }
 
-#[inline]
-fn interpolate(table: &[f32], v: f32) -> f32 {
-    let at = (1.0 - v).sqrt() * INTERVALS as f32;
-    let i = (at as usize).min(INTERVALS - 1);
-    table[i] + (at - i as f32) * (table[i + 1] - table[i])
+#[inline(always)]
+fn interpolate<F: Float>(table: &[f32], v: F) -> F {
+    let at = (F::splat(1.0) - v).sqrt() * F::splat(INTERVALS as f32);
+    let i = at.min(F::splat((INTERVALS - 1) as f32)).to_int();
+    let low = F::from_fn(|lane| table[i.lane(lane) as usize]);
+    let high = F::from_fn(|lane| table[i.lane(lane) as usize + 1]);
+    low + (at - F::from_int(i)) * (high - low)
 }
 
 /// Tabulates the inverse by bisection to f64 precision.
@@ -231,7 +235,7 @@ mod tests {
             let (mut worst, mut last) = (0.0_f64, f32::NEG_INFINITY);
             for i in 0..1_000_000 {
                 let u = i as f32 / 1e6;
-                let x = sampler.sample([u, 0.5])[0];
+                let x: f32 = sampler.sample([u, 0.5])[0];
                 assert!(x >= last && f64::from(x.abs()) <= filter.radius());
                 last = x;
                 let cdf = 0.5 + 0.5 * filter.half_cdf(f64::from(x.abs())).copysign(f64::from(x));

@@ -99,6 +99,19 @@ impl Layout {
         self.crop.pixels()
     }
 
+    /// Enumerates columns and rows in the full image of the rendered pixels from number `first` on.
+    pub fn pixels_from(&self, first: usize) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let mut next = self.pixel(first);
+        std::iter::from_fn(move || {
+            let pixel = next;
+            next[0] += 1;
+            if next[0] == self.crop.x1 {
+                next = [self.crop.x0, next[1] + 1];
+            }
+            (pixel[1] < self.crop.y1).then_some(pixel)
+        })
+    }
+
     /// Returns column and row in the full image of the rendered pixel `index` (row by row inside the crop).
     #[inline]
     pub fn pixel(&self, index: usize) -> [u32; 2] {

@@ -1,6 +1,7 @@
 //! Orthonormal frames and directions expressed in them.
 
 use crate::numeric::Scalar;
+use etendue_lanes::{self as lanes, Float};
 use glam::Vec3;
 
 /// A direction in a local frame whose z axis is the shading normal.
@@ -93,14 +94,8 @@ impl Frame {
     /// Returns an arbitrary frame around the unit normal `n` [Duff17].
     #[inline]
     pub fn around(n: Vec3) -> Self {
-        let sign = 1.0f32.copysign(n.z);
-        let a = -1.0 / (sign + n.z);
-        let b = n.x * n.y * a;
-        Frame {
-            s: Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
-            t: Vec3::new(b, sign + n.y * n.y * a, -n.y),
-            n,
-        }
+        let [s, t] = tangents(lanes::Vec3::from(n)).map(Vec3::from);
+        Frame { s, t, n }
     }
 
     /// Converts `w` to this frame.
@@ -114,4 +109,17 @@ impl Frame {
     pub fn to_world(&self, l: Local) -> Vec3 {
         self.s * l.x + self.t * l.y + self.n * l.z
     }
+}
+
+/// Returns two unit vectors that make a right-handed basis with the unit normals `n` [Duff17].
+#[inline(always)]
+pub fn tangents<F: Float>(n: lanes::Vec3<F>) -> [lanes::Vec3<F>; 2] {
+    let one = F::splat(1.0);
+    let sign = one.copysign(n.z);
+    let a = -one / (sign + n.z);
+    let b = n.x * n.y * a;
+    [
+        lanes::Vec3::new(one + sign * n.x * n.x * a, sign * b, -sign * n.x),
+        lanes::Vec3::new(b, sign + n.y * n.y * a, -n.y),
+    ]
 }

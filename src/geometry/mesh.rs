@@ -117,6 +117,12 @@ impl TriangleMesh {
         self.corners[primitive as usize]
     }
 
+    /// Returns the coordinates of the vertices of all triangles, nine a triangle.
+    #[inline]
+    pub fn corner_rows(&self) -> &[[f32; 9]] {
+        bytemuck::cast_slice(&self.corners)
+    }
+
     /// Returns the per-vertex data besides positions.
     #[inline]
     pub fn attributes(&self) -> &Attributes {

@@ -2,6 +2,7 @@
 //! that reported the hit.
 
 use crate::geometry::Ray;
+use etendue_lanes::{self as lanes, Double, Float};
 use glam::{Affine3A, DVec3, Vec3};
 
 /// Half an ulp of 1 in f32.
@@ -65,22 +66,22 @@ impl Triangle {
     /// that the point always lies on the triangle. `None` only for a triangle without area or a ray in its plane.
     #[inline]
     pub fn meet(&self, ray: &Ray) -> Option<TriangleHit> {
-        let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
-        let d = ray.direction.as_dvec3();
-        let (e1, e2, s) = (b - a, c - a, ray.origin.as_dvec3() - a);
-        let normal = e1.cross(e2);
-        let det = -d.dot(normal);
-        let inverse = det.recip();
+        let meeting = Meeting::new(
+            self.vertices.map(|v| v.as_dvec3().into()),
+            ray.origin.as_dvec3().into(),
+            ray.direction.as_dvec3().into(),
+        );
+        let Meeting { u, v, t, normal, inverse, .. } = meeting;
         if !inverse.is_finite() {
             return None;
         }
-        let r = s.cross(d);
-        let (u, v, t) = (e2.dot(r) * inverse, -e1.dot(r) * inverse, s.dot(normal) * inverse);
-        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-        let consistent = inside || outside_by(u, v) <= self.backend_slack(s, e1, e2) * d.length() * inverse.abs();
-        let u = u.clamp(0.0, 1.0);
-        let v = v.clamp(0.0, 1.0 - u);
-        Some(TriangleHit { barycentric: [u as f32, v as f32], t: t as f32, normal, consistent })
+        let consistent = meeting.outside_by() <= 0.0 || {
+            let [s, e1, e2] = meeting.offsets.map(DVec3::from);
+            let bound = self.backend_slack(s, e1, e2) * ray.direction.as_dvec3().length() * inverse.abs();
+            meeting.outside_by() <= bound
+        };
+        let [u, v] = clamped([u, v]).map(|x| x as f32);
+        Some(TriangleHit { barycentric: [u, v], t: t as f32, normal: normal.into(), consistent })
     }
 
     /// Error bound of a backend's edge functions, without the factors |d| and 1 / det: 8 roundings of products of
@@ -99,19 +100,14 @@ impl Triangle {
     /// relative to the distance to the farthest vertex, which is at most the sum of the edges.
     #[inline]
     pub fn point(&self, barycentric: [f32; 2]) -> (Vec3, f32) {
-        let [a, b, c] = self.vertices;
-        let [u, v] = barycentric;
-        let (e1, e2) = (b - a, c - a);
-        let p = a + (e1 * u + e2 * v);
+        let p = point_at(self.vertices.map(Into::into), barycentric).into();
         (p, self.error_at(p))
     }
 
     /// Returns the offset of [`Triangle::point`] for its point `p`.
     #[inline]
     pub fn error_at(&self, p: Vec3) -> f32 {
-        let [a, b, c] = self.vertices;
-        let reach = ((b - a).abs() + (c - a).abs()).max_element();
-        HALF_ULP * (4.0 * p.abs().max_element() + 12.0 * reach) + self.placement_error
+        rounding_at(self.vertices.map(Into::into), p.into()) + self.placement_error
     }
 
     /// Returns the maximum of [`Triangle::error_at`] over the triangle.
@@ -126,9 +122,61 @@ impl Triangle {
     }
 }
 
-/// Barycentric distance outside the triangle.
-fn outside_by(u: f64, v: f64) -> f64 {
-    (-u).max(-v).max(u + v - 1.0)
+/// Intersections of rays with the planes of triangles, one of each a lane.
+#[derive(Debug, Clone, Copy)]
+pub struct Meeting<D> {
+    /// Barycentric weight of the second vertex.
+    pub u: D,
+    /// Barycentric weight of the third vertex.
+    pub v: D,
+    /// Ray parameter.
+    pub t: D,
+    /// Geometric normal of the winding, with a length of twice the area.
+    pub normal: lanes::Vec3<D>,
+    /// 1 / det: not finite for a triangle without area or a ray in its plane.
+    pub inverse: D,
+    /// From the first vertex to the origin of the ray and to the other vertices.
+    offsets: [lanes::Vec3<D>; 3],
+}
+
+impl<D: Double> Meeting<D> {
+    /// Returns the intersections of rays with the triangles of these vertices.
+    #[inline(always)]
+    pub fn new([a, b, c]: [lanes::Vec3<D>; 3], origin: lanes::Vec3<D>, direction: lanes::Vec3<D>) -> Self {
+        let (e1, e2, s) = (b - a, c - a, origin - a);
+        let normal = e1.cross(e2);
+        let inverse = D::splat(1.0) / -direction.dot(normal);
+        let r = s.cross(direction);
+        let (u, v, t) = (e2.dot(r) * inverse, -e1.dot(r) * inverse, s.dot(normal) * inverse);
+        Meeting { u, v, t, normal, inverse, offsets: [s, e1, e2] }
+    }
+
+    /// Returns the barycentric distance outside the triangle; not positive inside.
+    #[inline(always)]
+    pub fn outside_by(&self) -> D {
+        (-self.u).max(-self.v).max(self.u + self.v - D::splat(1.0))
+    }
+}
+
+/// Moves barycentric weights into the triangle.
+#[inline(always)]
+pub fn clamped<D: Double>([u, v]: [D; 2]) -> [D; 2] {
+    let (zero, one) = (D::splat(0.0), D::splat(1.0));
+    let u = u.max(zero).min(one);
+    [u, v.max(zero).min(one - u)]
+}
+
+/// Returns the points of triangles with these vertices at `barycentric`.
+#[inline(always)]
+pub fn point_at<F: Float>([a, b, c]: [lanes::Vec3<F>; 3], [u, v]: [F; 2]) -> lanes::Vec3<F> {
+    a + ((b - a) * u + (c - a) * v)
+}
+
+/// Returns the offset of [`Triangle::point`] for the points `p` of triangles in world space.
+#[inline(always)]
+pub fn rounding_at<F: Float>([a, b, c]: [lanes::Vec3<F>; 3], p: lanes::Vec3<F>) -> F {
+    let reach = ((b - a).abs() + (c - a).abs()).max_element();
+    F::splat(HALF_ULP) * (F::splat(4.0) * p.abs().max_element() + F::splat(12.0) * reach)
 }
 
 /// Error bound of placement by `m` for a coordinate of a point whose own coordinates are at most `most`. The transform

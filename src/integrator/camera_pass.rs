@@ -1,7 +1,7 @@
 //! One pass: one sample for every pixel, and splats at arbitrary raster positions. The integration method evaluates the
 //! samples.
 
-use super::samples::{Sample, Samples, Work};
+use super::samples::{PassNumbers, Sample, Samples, Work};
 use super::{Guards, Integrator, IntegratorConfig, InvalidSample, PassReport, RayCounts};
 use crate::camera::{Camera, CameraSample};
 use crate::film::{Layout, PassFilm, Plane, Splats};
@@ -44,55 +44,96 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
     }
 
     /// Renders consecutive pixels from `first` on.
-    fn chunk<P: Sampler>(
+    fn chunk(
         &self,
         pass: u64,
         layout: &Layout,
         (first, out): (usize, &mut [f32]),
         splats: &Splats,
-        sampler: impl Fn(u64) -> P,
+        numbers: impl PassNumbers,
     ) -> PassReport {
-        let channels = layout.channels();
-        let mut report = PassReport::default();
+        let mut record = SampleRecord::new(self.scene, &self.options, layout, pass);
         let address = Address::new(self.options.seed).with(pass);
         // A pass has as many light subpaths as pixels.
         let per_walk = (self.options.pixels() as f32).recip();
-        let mut tally = TraceStats::default();
-        for (i, values) in out.chunks_exact_mut(channels).enumerate() {
+        for (i, values) in out.chunks_exact_mut(layout.channels()).enumerate() {
             // Borrowed, since a copy of what was just written stalls.
-            let Sample { pixel, index, camera, numbers } = &mut self.samples.of_pixel(layout, first + i, &sampler);
-            let (mut valid, mut key) = (true, address.with(*index));
+            let sample = &mut self.samples.of_pixel(layout, first + i, numbers);
+            let (mut valid, mut key) = (true, address.with(sample.index));
             let mut splat = |film: [f32; 2], light: Spectrum| {
-                let light = self.limited(light * per_walk, &mut valid, &mut report.guards);
+                let light = limited(&self.options, light * per_walk, &mut valid, &mut record.report.guards);
                 key = key.with(0);
                 splats.add(self.options.filter, film, light, key.bits(0));
             };
-            let light = || Samples::of_light(*index, &sampler);
-            let color = self.method.radiance(camera, numbers, light, &mut splat, &mut tally);
-            let color = self.limited(color, &mut valid, &mut report.guards);
-            if !valid {
-                report.drop_sample(InvalidSample { pass, x: pixel[0], y: pixel[1] });
-                if let Some(at) = layout.offset(Plane::Invalid) {
-                    values[at] = 1.0;
-                }
-            }
-            values[..LANES].copy_from_slice(&color.to_rgb());
-            if layout.planes().len() > 1 {
-                super::features::record(self.scene, camera, numbers, layout, values, &mut tally);
-            }
+            let light = || numbers.of_light(sample.index);
+            let tally = &mut record.tally;
+            let color = self.method.radiance(&sample.camera, &mut sample.numbers, light, &mut splat, tally);
+            record.put(sample.pixel, color, valid, values);
+            record.features(sample, values);
         }
-        report.add_tally(&tally);
-        report
+        record.finish()
+    }
+}
+
+/// Records the samples of a part of a pass in the planes of their pixels.
+pub(super) struct SampleRecord<'p> {
+    scene: &'p Scene,
+    options: &'p IntegratorConfig,
+    layout: &'p Layout,
+    pass: u64,
+    report: PassReport,
+    /// Counters of the random walks.
+    pub(super) tally: TraceStats,
+}
+
+impl<'p> SampleRecord<'p> {
+    pub(super) fn new(scene: &'p Scene, options: &'p IntegratorConfig, layout: &'p Layout, pass: u64) -> Self {
+        SampleRecord { scene, options, layout, pass, report: PassReport::default(), tally: TraceStats::default() }
     }
 
-    /// Replaces a nonfinite `color` by black and sets `valid` to false. Clamps other values to the limit, if any.
-    fn limited(&self, color: Spectrum, valid: &mut bool, guards: &mut Guards) -> Spectrum {
-        if !color.is_finite() {
-            *valid = false;
-            return Spectrum::ZERO;
+    /// Writes the `color` of a sample of `pixel` to the `values` of the pixel. A sample that is not `valid` or not finite
+    /// counts as black.
+    #[inline]
+    pub(super) fn put(&mut self, pixel: [u32; 2], color: Spectrum, mut valid: bool, values: &mut [f32]) {
+        let color = limited(self.options, color, &mut valid, &mut self.report.guards);
+        if !valid {
+            self.report.drop_sample(InvalidSample { pass: self.pass, x: pixel[0], y: pixel[1] });
+            if let Some(at) = self.layout.offset(Plane::Invalid) {
+                values[at] = 1.0;
+            }
         }
-        self.options.clamp.map_or(color, |most| clamp(color, most, guards))
+        values[..LANES].copy_from_slice(&color.to_rgb());
     }
+
+    /// Whether there are planes besides colour.
+    #[inline]
+    pub(super) fn has_features(&self) -> bool {
+        self.layout.planes().len() > 1
+    }
+
+    /// Writes the feature planes of `sample`, if there are any, to the `values` of its pixel.
+    #[inline]
+    pub(super) fn features<P: Sampler>(&mut self, sample: &mut Sample<P>, values: &mut [f32]) {
+        if self.has_features() {
+            let Sample { camera, numbers, .. } = sample;
+            super::features::record(self.scene, camera, numbers, self.layout, values, &mut self.tally);
+        }
+    }
+
+    /// Returns the report of all samples.
+    pub(super) fn finish(mut self) -> PassReport {
+        self.report.add_tally(&self.tally);
+        self.report
+    }
+}
+
+/// Replaces a nonfinite `color` by black and sets `valid` to false. Clamps other values to the limit, if any.
+fn limited(options: &IntegratorConfig, color: Spectrum, valid: &mut bool, guards: &mut Guards) -> Spectrum {
+    if !color.is_finite() {
+        *valid = false;
+        return Spectrum::ZERO;
+    }
+    options.clamp.map_or(color, |most| clamp(color, most, guards))
 }
 
 impl<M: Radiance> Integrator for CameraPass<'_, M> {
@@ -112,12 +153,12 @@ struct Pass<'p, 'a, M: Radiance> {
 impl<M: Radiance> Work for Pass<'_, '_, M> {
     type Output = Option<PassReport>;
 
-    fn run<P: Sampler>(self, source: impl Fn(u64) -> P + Sync) -> Option<PassReport> {
+    fn run(self, numbers: impl PassNumbers) -> Option<PassReport> {
         let Pass { all, pass, cancel, out } = self;
         let layout = out.layout().clone();
         let (chunks, splats) = out.par_chunks_and_splats(CHUNK);
         let report =
-            gather(chunks.map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, splats, &source))));
+            gather(chunks.map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, splats, numbers))));
         out.fold_splats();
         report
     }

@@ -3,6 +3,7 @@
 
 mod bidirectional;
 mod camera_pass;
+mod execution;
 mod features;
 mod film_renderer;
 mod ids;
@@ -15,6 +16,13 @@ mod prior;
 mod samples;
 mod technique_images;
 
+// Compiled here once more: the scenes of `etendue_testing` are of types of another compilation of this library.
+#[cfg(test)]
+#[allow(dead_code, unreachable_pub)]
+#[path = "../../tests/support/src/scenes/mod.rs"]
+mod scenes;
+
+pub use execution::Execution;
 pub use film_renderer::FilmRenderer;
 pub use ids::ids;
 pub use method::Method;
@@ -31,9 +39,10 @@ use crate::sampling::SamplerKind;
 use crate::scene::Scene;
 use bidirectional::Bidirectional;
 use camera_pass::CameraPass;
-use path::{Combined, Naive, NextEvent, PathTracer};
+use etendue_lanes::Native;
+use path::{BatchedPath, Combined, Naive, NextEvent, PathTracer};
 
-/// Parameters of an integrator. All of them change pixels, so that all are part of the settings hash.
+/// Parameters of an integrator. All of them but the execution change pixels, so that they are part of the settings hash.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntegratorConfig {
     /// The method with its own parameters.
@@ -54,6 +63,8 @@ pub struct IntegratorConfig {
     pub transparent: bool,
     /// Rendered part of the image.
     pub crop: Crop,
+    /// Execution of `path`; `None` for the faster one. It changes no pixel.
+    pub execution: Option<Execution>,
 }
 
 impl IntegratorConfig {
@@ -70,6 +81,7 @@ impl IntegratorConfig {
             replicates: method.kind().replicates(),
             transparent: false,
             crop: layout.crop,
+            execution: None,
         }
     }
 
@@ -95,6 +107,9 @@ pub fn build<'a>(
         MethodConfig::PathNee => {
             let tracer = PathTracer::<NextEvent>::new(scene, depth, transparent);
             Box::new(CameraPass::new(tracer, scene, camera, options))
+        }
+        MethodConfig::Path if Execution::chosen(options.execution, scene) == Execution::Batched => {
+            Box::new(BatchedPath::<Native>::new(scene, camera, options))
         }
         MethodConfig::Path => {
             let tracer = PathTracer::<Combined>::new(scene, depth, transparent);

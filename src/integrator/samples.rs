@@ -3,7 +3,9 @@
 use super::IntegratorConfig;
 use crate::camera::{Camera, CameraSample};
 use crate::film::{FilterSampler, Layout};
+use crate::geometry::Bodies;
 use crate::sampling::{Address, IndependentSampler, Sampler, SamplerKind, Slot, Sobol};
+use etendue_lanes::{Float, Long, Vec3};
 
 /// Separates the random numbers of light subpaths from those of the pixel.
 const LIGHT_STREAM: u64 = 1 << 63;
@@ -31,8 +33,60 @@ pub(super) struct Sample<P> {
 pub(super) trait Work {
     /// Result.
     type Output;
-    /// Runs the computation. `source` returns the sampler of each pixel and of its light subpath.
-    fn run<P: Sampler>(self, source: impl Fn(u64) -> P + Sync) -> Self::Output;
+    /// Runs the computation.
+    fn run(self, numbers: impl PassNumbers) -> Self::Output;
+}
+
+/// Random numbers of a pass: samplers for all pixels and their light subpaths, by index.
+pub(super) trait PassNumbers: Copy + Send + Sync {
+    /// Sampler of the indices in the lanes of a group.
+    type Sampler<L: Long>: Sampler<L::Float>;
+    /// Returns the keys of indices.
+    fn keys<L: Long>(self, indices: L) -> L;
+    /// Returns the sampler with these keys.
+    fn of_keys<L: Long>(self, keys: L) -> Self::Sampler<L>;
+    /// Returns the sampler of `index`.
+    #[inline]
+    fn of(self, index: u64) -> Self::Sampler<u64> {
+        self.of_keys(self.keys(index))
+    }
+    /// Returns the sampler of the light subpath of pixel number `index`.
+    #[inline]
+    fn of_light(self, index: u64) -> Self::Sampler<u64> {
+        self.of(index | LIGHT_STREAM)
+    }
+}
+
+/// Independent random numbers of a pass.
+#[derive(Clone, Copy)]
+struct Independent(Address);
+
+impl PassNumbers for Independent {
+    type Sampler<L: Long> = IndependentSampler<L>;
+    #[inline]
+    fn keys<L: Long>(self, indices: L) -> L {
+        self.0.in_lanes::<L>().with(indices).key()
+    }
+    #[inline]
+    fn of_keys<L: Long>(self, keys: L) -> IndependentSampler<L> {
+        IndependentSampler::new(Address::from_key(keys))
+    }
+}
+
+/// Points of a number of the sequences of a replicate.
+#[derive(Clone, Copy)]
+struct SobolPoint(Address, u32);
+
+impl PassNumbers for SobolPoint {
+    type Sampler<L: Long> = Sobol<L>;
+    #[inline]
+    fn keys<L: Long>(self, indices: L) -> L {
+        self.0.in_lanes::<L>().with(indices).key()
+    }
+    #[inline]
+    fn of_keys<L: Long>(self, keys: L) -> Sobol<L> {
+        Sobol::new(Address::from_key(keys), self.1)
+    }
 }
 
 /// Samples the lens of `camera` for the raster position `film`, with the numbers of bounce 0.
@@ -50,32 +104,35 @@ impl Samples {
     pub(super) fn of_pass<W: Work>(&self, pass: u64, work: W) -> W::Output {
         let seed = Address::new(self.options.seed);
         match self.options.sampler {
-            SamplerKind::Independent => {
-                let of_pass = seed.with(pass);
-                work.run(|pixel| IndependentSampler::new(of_pass.with(pixel)))
-            }
+            SamplerKind::Independent => work.run(Independent(seed.with(pass))),
             SamplerKind::Sobol => {
                 let replicates = u64::from(self.options.replicates);
-                let (of_replicate, index) = (seed.with(pass % replicates), (pass / replicates) as u32);
-                work.run(|pixel| Sobol::new(of_replicate.with(pixel), index))
+                work.run(SobolPoint(seed.with(pass % replicates), (pass / replicates) as u32))
             }
         }
     }
 
     /// Returns the sample of the rendered pixel number `at` of `layout`.
     #[inline]
-    pub(super) fn of_pixel<P: Sampler>(&self, layout: &Layout, at: usize, source: impl Fn(u64) -> P) -> Sample<P> {
+    pub(super) fn of_pixel<N: PassNumbers>(&self, layout: &Layout, at: usize, numbers: N) -> Sample<N::Sampler<u64>> {
         let pixel = layout.pixel(at);
         let index = u64::from(pixel[1]) * u64::from(layout.width) + u64::from(pixel[0]);
-        let mut numbers = source(index);
+        let mut numbers = numbers.of(index);
         let camera = self.camera_sample(pixel, &mut numbers);
         Sample { pixel, index, camera, numbers }
     }
 
-    /// Returns the sampler of the light subpath of pixel number `index`.
-    #[inline]
-    pub(super) fn of_light<P: Sampler>(index: u64, source: impl Fn(u64) -> P) -> P {
-        source(index | LIGHT_STREAM)
+    /// Samples camera rays of the pixels with these columns and rows in lanes: origins and directions, and the bodies
+    /// that contain the camera, as [`Samples::of_pixel`] does. `None` for cameras whose rays have no kernel.
+    #[inline(always)]
+    pub(super) fn camera_rays<F: Float>(
+        &self,
+        pixel: [F; 2],
+        sampler: &mut impl Sampler<F>,
+    ) -> Option<([Vec3<F>; 2], Option<Bodies>)> {
+        let ([x, y], [dx, dy]) = (pixel, self.filter.sample(sampler.u2(0, Slot::Film)));
+        let half = F::splat(0.5);
+        self.camera.pinhole_rays([x + half + dx, y + half + dy])
     }
 
     /// Samples the position within a pixel, by the filter, and the lens.

@@ -11,13 +11,13 @@
 
 use super::bidirectional::{Bidirectional, Sink, TechniqueSample};
 use super::camera_pass::{CHUNK, gather};
-use super::samples::{Sample, Samples, Work};
+use super::samples::{PassNumbers, Sample, Samples, Work};
 use super::{IntegratorConfig, InvalidSample, PassReport, PilotEstimate, pilot};
 use crate::camera::Camera;
 use crate::film::{Film, Filter, Layout, PassFilm};
 use crate::parallel::Cancel;
 use crate::path::TraceStats;
-use crate::sampling::{Address, Sampler};
+use crate::sampling::Address;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use rayon::prelude::*;
@@ -157,25 +157,25 @@ struct Pass<'p, 'a> {
 impl Work for Pass<'_, '_> {
     type Output = Option<PassReport>;
 
-    fn run<P: Sampler>(self, source: impl Fn(u64) -> P + Sync) -> Option<PassReport> {
+    fn run(self, numbers: impl PassNumbers) -> Option<PassReport> {
         let pixels = self.all.layout.pixels();
         let chunk = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(pixels);
         let chunks = (0..pixels.div_ceil(CHUNK)).into_par_iter();
-        gather(chunks.map(|at| (!self.cancel.requested()).then(|| self.chunk(chunk(at), &source))))
+        gather(chunks.map(|at| (!self.cancel.requested()).then(|| self.chunk(chunk(at), numbers))))
     }
 }
 
 impl Pass<'_, '_> {
     /// Renders the pixels of a range.
-    fn chunk<P: Sampler>(&self, pixels: std::ops::Range<usize>, source: &impl Fn(u64) -> P) -> PassReport {
+    fn chunk<N: PassNumbers>(&self, pixels: std::ops::Range<usize>, of: N) -> PassReport {
         let Recorder { samples, method, layout, options } = self.all;
         let (mut report, mut tally) = (PassReport::default(), TraceStats::default());
         let address = Address::new(options.seed).with(self.pass);
         for at in pixels {
-            let Sample { pixel, index, camera, mut numbers } = samples.of_pixel(layout, at, source);
+            let Sample { pixel, index, camera, mut numbers } = samples.of_pixel(layout, at, of);
             let centre = pixel.map(|x| x as f32 + 0.5);
             let mut sink = Recording { shelf: self.shelf, options, centre, key: address.with(index), valid: true };
-            method.sample(&camera, &mut numbers, || Samples::of_light(index, source), &mut sink, &mut tally);
+            method.sample(&camera, &mut numbers, || of.of_light(index), &mut sink, &mut tally);
             if !sink.valid {
                 report.drop_sample(InvalidSample { pass: self.pass, x: pixel[0], y: pixel[1] });
             }

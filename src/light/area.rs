@@ -1,10 +1,12 @@
 //! Emitting triangles with constant or textured radiance.
 
 use super::{EmitterPoint, LeRandom, LeSample, LightSample};
+use crate::geometry::lanes::{point_at, rounding_at};
 use crate::geometry::{Bounds, Frame, Hit, Local, Triangle, leave};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
 use crate::texture::Texture;
+use etendue_lanes::{self as lanes, Float, ROW};
 use glam::{Vec2, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -147,9 +149,8 @@ impl AreaLight {
     pub fn sample_li(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let barycentric = warp::uniform_triangle(u);
         let (q, error) = self.triangle.point(barycentric);
-        let to = q - p;
-        let d2 = to.length_squared();
-        let wi = to / d2.sqrt();
+        let (wi, d2) = toward(q.into(), p.into());
+        let wi = Vec3::from(wi);
         let coverage = self.emission.coverage.as_ref().map_or(1.0, |c| c.at(barycentric));
         let radiance = self.radiance(barycentric, -wi) * coverage;
         let pdf = self.pdf_li(d2, wi);
@@ -162,6 +163,20 @@ impl AreaLight {
             density: Density::Smooth(pdf),
             end: EmitterPoint::Surface { p: q, error, ng: self.ng, touched: self.touched },
         })
+    }
+
+    /// Returns the light as a row of a table for [`AreaLightSamples`]; `None` if its emission varies over the triangle,
+    /// does not illuminate or leaves the back, or if another surface touches it.
+    pub fn row(&self) -> Option<AreaLightRow> {
+        let Emission { radiance, texture, corners, two_sided, only_seen, coverage } = &self.emission;
+        let varies = texture.is_some() || corners.is_some() || coverage.is_some();
+        if varies || *two_sided || *only_seen || self.touched != Hit::NONE || self.density.value() <= 0.0 {
+            return None;
+        }
+        let [a, b, c] = self.triangle.vertices;
+        let ng = self.ng;
+        let [r, g, b_] = radiance.0;
+        Some([[a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y], [c.z, ng.x, ng.y, ng.z, r, g, b_, self.density.value()]])
     }
 
     /// See [`super::Light::sample_le`].
@@ -225,4 +240,52 @@ impl AreaLight {
         let sides = if self.emission.two_sided { 2.0 } else { 1.0 };
         sides * PI * self.triangle.area() * f64::from(self.mean_radiance.mean())
     }
+}
+
+/// Vertices, normal, radiance and density of an emitter: see [`AreaLight::row`].
+pub type AreaLightRow = [[f32; ROW]; 2];
+
+/// Light samples over lanes.
+#[derive(Debug, Clone, Copy)]
+pub struct AreaLightSamples<F: Float> {
+    /// Unit direction from the receiver to the light.
+    pub wi: lanes::Vec3<F>,
+    /// Radiance along it.
+    pub radiance: Spectrum<F>,
+    /// Density of the direction, per solid angle.
+    pub pdf: F,
+    /// The point on the light.
+    pub p: lanes::Vec3<F>,
+    /// See [`EmitterPoint::Surface`].
+    pub error: F,
+    /// Normal at the point.
+    pub ng: lanes::Vec3<F>,
+    /// Lanes in which the light shines on the receiver.
+    pub valid: F::Mask,
+}
+
+impl<F: Float> AreaLightSamples<F> {
+    /// Does [`AreaLight::sample_li`] for the receivers `at`, with the light of `row(lane)` in each lane.
+    #[inline(always)]
+    pub fn new<'a>(row: impl Fn(usize) -> &'a AreaLightRow, at: lanes::Vec3<F>, u: [F; 2]) -> Self {
+        let [ax, ay, az, bx, by, bz, cx, cy] = F::rows(|lane| &row(lane)[0]);
+        let [cz, nx, ny, nz, r, g, b, density] = F::rows(|lane| &row(lane)[1]);
+        let vertices = [lanes::Vec3::new(ax, ay, az), lanes::Vec3::new(bx, by, bz), lanes::Vec3::new(cx, cy, cz)];
+        let ng = lanes::Vec3::new(nx, ny, nz);
+        let p = point_at(vertices, crate::sampling::lanes::uniform_triangle(u));
+        let (wi, d2) = toward(p, at);
+        let cos = -wi.dot(ng);
+        let pdf = (density * d2 / cos.abs()).min(F::splat(f32::MAX));
+        let valid = cos.above(F::splat(0.0)) & pdf.above(F::splat(0.0)) & d2.above(F::splat(0.0));
+        AreaLightSamples { wi, radiance: Spectrum([r, g, b]), pdf, p, error: rounding_at(vertices, p), ng, valid }
+    }
+}
+
+/// Returns the unit directions to the points `q` from the points `p`, and the squared distances.
+#[inline(always)]
+fn toward<F: Float>(q: lanes::Vec3<F>, p: lanes::Vec3<F>) -> (lanes::Vec3<F>, F) {
+    let to = q - p;
+    let d2 = to.length_squared();
+    let distance = d2.sqrt();
+    (to.map(|x| x / distance), d2)
 }

@@ -2,6 +2,7 @@
 
 use super::{EmitterPoint, Environment, Light, LightSampleContext};
 use crate::sampling::{Discrete, Distribution, Pdf};
+use etendue_lanes::Float;
 use glam::Vec3;
 
 /// Uniform share of the selection among lights with nonzero power. It keeps a nearby weak lamp sampled beside a strong
@@ -45,6 +46,12 @@ impl Lights {
     #[inline]
     pub fn choose(&self, _at: &LightSampleContext, u: f32) -> Option<(usize, Pdf<Discrete>)> {
         Some(self.by_power.as_ref()?.sample(u))
+    }
+
+    /// Does [`Lights::choose`] in every lane.
+    #[inline(always)]
+    pub fn choose_lanes<F: Float>(&self, u: F) -> Option<(F::Int, F)> {
+        Some(self.by_power.as_ref()?.sample_lanes(u))
     }
 
     /// Selects a light for emission. Returns its index and selection probability; `None` if there is no light.

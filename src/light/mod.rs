@@ -11,7 +11,7 @@ mod lat_long;
 mod punctual;
 mod sky;
 
-pub use area::{AreaLight, Coverage, Emission};
+pub use area::{AreaLight, AreaLightRow, AreaLightSamples, Coverage, Emission};
 pub use choose::Lights;
 pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
 pub use environment::Environment;

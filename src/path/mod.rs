@@ -15,7 +15,7 @@ pub use full::{Densities, Evaluation, FullPath, PathVertex, VertexPdfs};
 pub use mis::{MisStrategy, PartialMis, Technique, Techniques};
 pub use subpath::{Arrival, Subpath, SubpathVertex};
 pub use vertex::{MediumVertex, SurfaceVertex, Vertex};
-pub use walk::{PreviousVertex, RandomWalk, TraceStats};
+pub use walk::{LONGEST, PreviousVertex, ROULETTE_FROM, RandomWalk, TraceStats, survival_probability};
 
 #[doc = include_str!("notation.md")]
 pub mod notation {}

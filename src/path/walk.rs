@@ -15,16 +15,17 @@ use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::{Passage, Scene};
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
+use etendue_lanes::Float;
 
 /// Limit of scattering and null events of a path. Longer paths are cut and reported as a defect of the scene.
-const LONGEST: u32 = 1 << 14;
+pub const LONGEST: u32 = 1 << 14;
 
 /// Number of scattering events before roulette by depth begins. Only paths trapped by total reflection still carry
 /// significant light at this depth.
 const LASTING_FROM: u32 = 256;
 
 /// Number of scattering events before Russian roulette begins.
-const ROULETTE_FROM: u32 = 2;
+pub const ROULETTE_FROM: u32 = 2;
 
 /// Gain on the throughput in the survival probability of roulette. relMSE × rays on the Cornell box at 1, 2, 3, 4, 6,
 /// 10 is .95, .68, .66, .66, .68, .71: terminating paths as soon as their throughput falls adds more noise than it
@@ -113,6 +114,27 @@ impl<'a> RandomWalk<'a> {
         }
     }
 
+    /// Continues a camera walk along `ray`, after `depth` scattering events, with the fields of an earlier
+    /// [`RandomWalk`] as given.
+    #[inline]
+    pub fn resumed(
+        scene: &'a Scene,
+        ray: Ray,
+        beta: Spectrum,
+        departure: PreviousVertex,
+        depth: u32,
+        (straight, scale): (bool, f32),
+    ) -> Self {
+        let mode = TransportMode::Radiance;
+        RandomWalk { scene, mode, ray, beta, departure, depth, bounce: depth, survival: 1.0, straight, scale }
+    }
+
+    /// Returns the factor that normalises the throughput for roulette.
+    #[inline]
+    pub fn scale(&self) -> f32 {
+        self.scale
+    }
+
     /// Starts a walk along a ray emitted with `power`, which is not black, in the bodies given by the ray.
     pub fn from_light(scene: &'a Scene, ray: Ray, power: Spectrum) -> Self {
         let (departure, scale) = (PreviousVertex::Light, power.max_lane().recip());
@@ -135,7 +157,18 @@ impl<'a> RandomWalk<'a> {
     /// the camera culls.
     #[inline(always)] // a call would copy the point through memory: a tenth of the time of a simple scene
     pub fn arrive(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Option<SurfacePoint> {
-        let mut point = self.trace(tally);
+        let point = self.trace(tally);
+        self.arrived(point, sampler, tally)
+    }
+
+    /// [`RandomWalk::arrive`] after the first surface on the edge was found.
+    #[inline(always)] // see `arrive`
+    pub fn arrived(
+        &mut self,
+        mut point: Option<SurfacePoint>,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Option<SurfacePoint> {
         if let Some(first) = &point {
             if self.scene.features().content() && self.scene.may_pass(first, self.ray.state.bodies)
                 || self.unseen(first)
@@ -251,8 +284,7 @@ impl<'a> RandomWalk<'a> {
         if self.depth < ROULETTE_FROM {
             return !self.beta.is_black();
         }
-        let share = (ROULETTE_GAIN * self.beta.max_lane() * self.scale).min(1.0);
-        let q = share.min(lasting(self.depth));
+        let q = survival_probability(self.beta, self.scale, self.depth);
         if q < 1.0 {
             if sampler.u1(self.bounce, Slot::Roulette) >= q {
                 return false;
@@ -262,6 +294,14 @@ impl<'a> RandomWalk<'a> {
         }
         true
     }
+}
+
+/// Returns the probabilities with which roulette lets walks of throughput `beta`, normalised by `scale`, survive the
+/// event `depth`.
+#[inline(always)]
+pub fn survival_probability<F: Float>(beta: Spectrum<F>, scale: F, depth: u32) -> F {
+    let share = (F::splat(ROULETTE_GAIN) * beta.greatest() * scale).min(F::splat(1.0));
+    share.min(F::splat(lasting(depth)))
 }
 
 /// Survival probability of event `depth`, independent of the throughput. A path reaches event n with probability

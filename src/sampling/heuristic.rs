@@ -1,5 +1,7 @@
 //! MIS weights, from density *ratios*: squares of densities may overflow where their ratio does not.
 
+use etendue_lanes::Float;
+
 /// MIS heuristic for two techniques.
 #[derive(
     Debug,
@@ -30,9 +32,9 @@ pub enum Heuristic {
 /// Returns the power heuristic's weight (exponent 2) of a sample with density `p`, and density `other` under the other
 /// technique.
 #[inline]
-pub fn power(p: f32, other: f32) -> f32 {
+pub fn power<F: Float>(p: F, other: F) -> F {
     let ratio = other / p;
-    1.0 / (1.0 + ratio * ratio)
+    (F::splat(1.0) + ratio * ratio).recip()
 }
 
 #[cfg(test)]
@@ -42,7 +44,7 @@ mod tests {
     #[test]
     fn power_heuristic_weights_sum_to_one_at_any_scale() {
         for (p, q) in [(1.0, 3.0), (1e-30, 2e-30), (1e30, 5e-30), (0.5, 0.0), (1e20, 1e21)] {
-            let sum = power(p, q) + if q > 0.0 { power(q, p) } else { 0.0 };
+            let sum: f32 = power(p, q) + if q > 0.0 { power(q, p) } else { 0.0 };
             assert!((sum - 1.0).abs() <= 2.0 * f32::EPSILON, "{p} {q}: {sum}");
         }
     }

@@ -1,31 +1,32 @@
 //! Independent uniform random numbers: the reference for all other samplers.
 
 use super::{Address, Sampler, Slot, unit_f32};
+use etendue_lanes::Long;
 
 /// Hashes each address; all random numbers are independent.
 #[derive(Debug, Clone, Copy)]
-pub struct IndependentSampler {
-    address: Address,
+pub struct IndependentSampler<L = u64> {
+    address: Address<L>,
 }
 
-impl IndependentSampler {
+impl<L: Long> IndependentSampler<L> {
     /// Returns the sampler of the sample with key `address`.
     #[inline]
-    pub fn new(address: Address) -> Self {
+    pub fn new(address: Address<L>) -> Self {
         IndependentSampler { address }
     }
 }
 
-impl Sampler for IndependentSampler {
+impl<L: Long> Sampler<L::Float> for IndependentSampler<L> {
     #[inline]
-    fn u1(&mut self, bounce: u32, slot: Slot) -> f32 {
-        unit_f32((self.address.slot_bits(bounce, slot) >> 32) as u32)
+    fn u1(&mut self, bounce: u32, slot: Slot) -> L::Float {
+        unit_f32(self.address.slot_bits(bounce, slot).high())
     }
 
     #[inline]
-    fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2] {
+    fn u2(&mut self, bounce: u32, slot: Slot) -> [L::Float; 2] {
         let bits = self.address.slot_bits(bounce, slot);
-        [unit_f32((bits >> 32) as u32), unit_f32(bits as u32)]
+        [unit_f32(bits.high()), unit_f32(bits.low())]
     }
 }
 

@@ -4,6 +4,7 @@
 mod hash;
 mod heuristic;
 mod independent;
+pub mod lanes;
 mod pdf;
 mod sobol;
 mod table;
@@ -78,12 +79,12 @@ pub enum SamplerKind {
     Sobol,
 }
 
-/// A source of random numbers in [0, 1), each a pure function of its address.
-pub trait Sampler {
+/// A source of random numbers in [0, 1), each a pure function of its address; in each lane of `F` one of its own.
+pub trait Sampler<F = f32> {
     /// Returns one random number.
-    fn u1(&mut self, bounce: u32, slot: Slot) -> f32;
+    fn u1(&mut self, bounce: u32, slot: Slot) -> F;
     /// Returns two random numbers, jointly stratified if the sampler stratifies.
-    fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2];
+    fn u2(&mut self, bounce: u32, slot: Slot) -> [F; 2];
 }
 
 #[cfg(test)]

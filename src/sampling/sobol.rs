@@ -8,25 +8,26 @@
 
 use super::hash::mix64;
 use super::{Address, IndependentSampler, Sampler, Slot, unit_f32};
+use etendue_lanes::{Int, Long};
 
 /// Bounces from this one on use independent random numbers. relMSE on the Cornell box is the same for 3, 4 and 8, and 8
 /// % higher for 2.
 const PADDED_BOUNCES: u32 = 4;
 
-/// Point `index` of the sequence of one pixel in one replicate.
+/// Point `index` of the sequence of one pixel in one replicate; in each lane of the pixel of its own.
 #[derive(Debug, Clone, Copy)]
-pub struct Sobol {
+pub struct Sobol<L = u64> {
     /// Key of (seed, replicate, pixel).
-    sequence: Address,
+    sequence: Address<L>,
     index: u32,
-    deep: IndependentSampler,
+    deep: IndependentSampler<L>,
 }
 
-impl Sobol {
+impl<L: Long> Sobol<L> {
     /// Returns point `index` of the sequence with key `sequence`.
     #[inline]
-    pub fn new(sequence: Address, index: u32) -> Self {
-        let deep = IndependentSampler::new(sequence.with(u64::from(index)));
+    pub fn new(sequence: Address<L>, index: u32) -> Self {
+        let deep = IndependentSampler::new(sequence.with(L::splat(u64::from(index))));
         Sobol { sequence, index, deep }
     }
 
@@ -36,51 +37,50 @@ impl Sobol {
     /// neighbours then fall into opposite halves of the domain in *every* slot at once. Integrands that are products
     /// over slots expose this correlation.
     #[inline]
-    fn shuffled(&self, key: u64) -> u32 {
+    fn shuffled(&self, key: L) -> L::Int {
         if self.index < 2 {
-            return self.index;
+            return L::Int::splat(self.index);
         }
         let bits = self.index.ilog2();
         let block = 1 << bits;
-        block | permute(self.index ^ block, bits, key)
+        permute(L::Int::splat(self.index ^ block), bits, key) | L::Int::splat(block)
     }
 }
 
-impl Sampler for Sobol {
+impl<L: Long> Sampler<L::Float> for Sobol<L> {
     #[inline]
-    fn u1(&mut self, bounce: u32, slot: Slot) -> f32 {
+    fn u1(&mut self, bounce: u32, slot: Slot) -> L::Float {
         if bounce >= PADDED_BOUNCES {
             return self.deep.u1(bounce, slot);
         }
         let keys = self.sequence.slot_bits(bounce, slot);
         let index = self.shuffled(keys);
-        unit_f32(scramble_reversed(index, mix64(keys) as u32).reverse_bits())
+        unit_f32(scramble_reversed(index, mix64(keys).low()).reverse_bits())
     }
 
     #[inline]
-    fn u2(&mut self, bounce: u32, slot: Slot) -> [f32; 2] {
+    fn u2(&mut self, bounce: u32, slot: Slot) -> [L::Float; 2] {
         if bounce >= PADDED_BOUNCES {
             return self.deep.u2(bounce, slot);
         }
         let keys = self.sequence.slot_bits(bounce, slot);
         let index = self.shuffled(keys);
         let scrambling = mix64(keys);
-        let (kx, ky) = ((scrambling >> 32) as u32, scrambling as u32);
-        let x = scramble_reversed(index, kx).reverse_bits();
-        let y = scramble_reversed(second_dimension_reversed(index), ky).reverse_bits();
+        let x = scramble_reversed(index, scrambling.high()).reverse_bits();
+        let y = scramble_reversed(second_dimension_reversed(index), scrambling.low()).reverse_bits();
         [unit_f32(x), unit_f32(y)]
     }
 }
 
 /// Permutes the integers of `bits` > 0 bits: multiplication by odd integers, addition and xor-shifts are bijections.
 #[inline]
-fn permute(mut i: u32, bits: u32, key: u64) -> u32 {
-    let mask = (1u32 << bits) - 1;
+fn permute<L: Long>(mut i: L::Int, bits: u32, key: L) -> L::Int {
+    let mask = L::Int::splat((1u32 << bits) - 1);
     let shift = bits.div_ceil(2);
     for round in 0..3 {
-        let k = (key >> (21 * round)) as u32;
-        i = i.wrapping_mul((k << 1) | 1).wrapping_add(k >> 8) & mask;
-        i ^= i >> shift;
+        let k = (key >> (21 * round)).low();
+        i = i.wrapping_mul((k << 1) | L::Int::splat(1)).wrapping_add(k >> 8) & mask;
+        i = i ^ (i >> shift);
     }
     i
 }
@@ -89,24 +89,23 @@ fn permute(mut i: u32, bits: u32, key: u64) -> u32 {
 /// it. Multiplication by even integers and addition have this property [Burley20 §3]; constants as improved by N.
 /// Vegdahl.
 #[inline]
-fn scramble_reversed(mut x: u32, key: u32) -> u32 {
-    x ^= x.wrapping_mul(0x3d20_adea);
+fn scramble_reversed<I: Int>(mut x: I, key: I) -> I {
+    x = x ^ x.wrapping_mul(I::splat(0x3d20_adea));
     x = x.wrapping_add(key);
-    x = x.wrapping_mul((key >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^ x.wrapping_mul(0x53a2_2864)
+    x = x.wrapping_mul((key >> 16) | I::splat(1));
+    x = x ^ x.wrapping_mul(I::splat(0x0552_6c56));
+    x ^ x.wrapping_mul(I::splat(0x53a2_2864))
 }
 
 /// Returns the second Sobol' coordinate of `index`, bit-reversed. Its generator matrix is Pascal's triangle modulo 2, a
 /// product of five sparse factors.
 #[inline]
-fn second_dimension_reversed(index: u32) -> u32 {
-    let mut x = index;
-    x ^= x >> 16;
-    x ^= (x & 0xff00_ff00) >> 8;
-    x ^= (x & 0xf0f0_f0f0) >> 4;
-    x ^= (x & 0xcccc_cccc) >> 2;
-    x ^ ((x & 0xaaaa_aaaa) >> 1)
+fn second_dimension_reversed<I: Int>(index: I) -> I {
+    let mut x = index ^ (index >> 16);
+    x = x ^ ((x & I::splat(0xff00_ff00)) >> 8);
+    x = x ^ ((x & I::splat(0xf0f0_f0f0)) >> 4);
+    x = x ^ ((x & I::splat(0xcccc_cccc)) >> 2);
+    x ^ ((x & I::splat(0xaaaa_aaaa)) >> 1)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::{Discrete, Pdf};
 use crate::numeric::BELOW_ONE;
+use etendue_lanes::{Float, Int};
 
 /// Samples an index with probability proportional to its weight, by monotone inversion of the CDF. Unlike alias tables,
 /// this preserves stratification.
@@ -10,6 +11,12 @@ pub struct Distribution {
     /// CDF at the upper end of each index, rounded to f32 so that samples and probabilities agree exactly.
     upper: Vec<f32>,
 }
+
+/// Number of indices up to which all are compared.
+const FEW: usize = 8;
+
+/// Largest number of lanes.
+const MOST_LANES: usize = 16;
 
 impl Distribution {
     /// Returns the distribution of `weights` (finite, not negative), or `None` if all are zero or there are none.
@@ -56,6 +63,26 @@ impl Distribution {
     pub fn sample(&self, u: f32) -> (usize, Pdf<Discrete>) {
         let i = self.upper.partition_point(|&c| c <= u);
         (i, self.pmf(i))
+    }
+
+    /// Does [`Distribution::sample`] in every lane. Few indices are compared with all at once, which saves branches.
+    #[inline(always)]
+    pub fn sample_lanes<F: Float>(&self, u: F) -> (F::Int, F) {
+        if self.upper.len() > FEW {
+            let chosen: [(usize, Pdf<Discrete>); MOST_LANES] =
+                std::array::from_fn(
+                    |lane| if lane < F::LANES { self.sample(u.lane(lane)) } else { (0, Pdf::new(0.0)) },
+                );
+            return (F::Int::from_fn(|lane| chosen[lane].0 as u32), F::from_fn(|lane| chosen[lane].1.value()));
+        }
+        let (mut index, mut lower, mut upper) = (F::splat(0.0), F::splat(0.0), F::splat(self.upper[0]));
+        for pair in self.upper.windows(2) {
+            let beyond = !u.below(F::splat(pair[0]));
+            index = index + F::select(beyond, F::splat(1.0), F::splat(0.0));
+            lower = F::select(beyond, F::splat(pair[0]), lower);
+            upper = F::select(beyond, F::splat(pair[1]), upper);
+        }
+        (index.to_int(), upper - lower)
     }
 
     /// Samples the index at `u` in [0, 1); returns it with the rescaled `u`, which is uniform in [0, 1) again.

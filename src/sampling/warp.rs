@@ -2,7 +2,7 @@
 //! interval to a linear density. All are continuous and measure-preserving, so that stratified and Metropolis samples
 //! keep their structure. Disks use the concentric map [Shirley97], triangles fold the square [Heitz19].
 
-use super::{Pdf, SolidAngle};
+use super::{Pdf, SolidAngle, lanes};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_4, TAU};
 
@@ -12,8 +12,8 @@ pub use crate::numeric::BELOW_ONE;
 /// Maps `u` to the unit disk by the concentric map. Density per area: 1 / π.
 #[inline]
 pub fn concentric_disk(u: [f32; 2]) -> Vec2 {
-    let (radius, direction) = concentric_polar(u);
-    direction * radius
+    let (radius, direction) = lanes::concentric_polar(u);
+    Vec2::from(direction) * radius
 }
 
 /// Inverse of [`concentric_disk`].
@@ -35,9 +35,7 @@ pub fn concentric_disk_inverse(p: Vec2) -> [f32; 2] {
 /// Samples a direction around +z with density proportional to its cosine.
 #[inline]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
-    let (radius, direction) = concentric_polar(u);
-    let disk = direction * radius;
-    disk.extend(((1.0 - radius) * (1.0 + radius)).max(0.0).sqrt())
+    lanes::cosine_hemisphere(u).into()
 }
 
 /// Inverse of [`cosine_hemisphere`].
@@ -89,13 +87,7 @@ pub fn uniform_sphere_inverse(w: Vec3) -> [f32; 2] {
 /// [Heitz19].
 #[inline]
 pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
-    if u[0] < u[1] {
-        let b = 0.5 * u[0];
-        [b, u[1] - b]
-    } else {
-        let b = 0.5 * u[1];
-        [u[0] - b, b]
-    }
+    lanes::uniform_triangle(u)
 }
 
 /// Inverse of [`uniform_triangle`] at the weights `b`.
@@ -128,58 +120,15 @@ pub fn into_unit(u: f32) -> f32 {
     u.clamp(0.0, BELOW_ONE)
 }
 
-/// Signed radius and unit direction of the concentric map, which takes centred squares to circles [Shirley97].
-#[inline]
-fn concentric_polar(u: [f32; 2]) -> (f32, Vec2) {
-    let [a, b] = u.map(|x| 2.0 * x - 1.0);
-    if a.abs() > b.abs() {
-        let (sin, cos) = sin_cos_eighth(b / a);
-        (a, Vec2::new(cos, sin))
-    } else if b.abs() > 0.0 {
-        let (sin, cos) = sin_cos_eighth(a / b);
-        (b, Vec2::new(sin, cos))
-    } else {
-        (0.0, Vec2::X)
-    }
-}
-
-/// Sine and cosine of π/4 `t` for `t` in [−1, 1], by polynomial interpolation at Chebyshev points, with an error of
-/// 3e-9. The library functions are calls, which spill all registers and cost a path tracer 2 % of its time.
-#[inline]
-fn sin_cos_eighth(t: f32) -> (f32, f32) {
-    const SIN: [f32; 4] = [-3.595_429e-5, 2.490_006_8e-3, -8.074_543_5e-2, FRAC_PI_4];
-    const COS: [f32; 5] = [3.529_797e-6, -3.259_386e-4, 1.585_432_5e-2, -0.308_425_14, 1.0];
-    let z = t * t;
-    let horner = |coefficients: &[f32]| coefficients.iter().fold(0.0, |sum, c| sum * z + c);
-    (t * horner(&SIN), horner(&COS))
-}
-
 /// Returns the direction at azimuth `turn` (in turns) around +z with cosine 1 − `height`; the sine is computed without
 /// cancellation. Uniform over the cap of height h if `height` is uniform in [0, h].
 #[inline]
 pub fn cap(height: f32, turn: f32) -> Vec3 {
-    (Vec2::from_angle(TAU * turn) * (height * (2.0 - height)).max(0.0).sqrt()).extend(1.0 - height)
+    lanes::cap(height, turn).into()
 }
 
 /// Returns the density of uniform directions over a cap of `height`, above 0.
 #[inline]
 pub fn cap_pdf(height: f32) -> Pdf<SolidAngle> {
     Pdf::new((TAU * height).recip())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Four roundings of sums near 1, the last coefficients' own, and the 3e-9 of the interpolation.
-    #[test]
-    fn sine_and_cosine_of_an_eighth_are_as_close_as_f32_can_say() {
-        const BOUND: f64 = 2.5 * f32::EPSILON as f64 * 0.5;
-        for i in -100_000..=100_000 {
-            let t = i as f32 / 100_000.0;
-            let ((sin, cos), exact) = (sin_cos_eighth(t), (std::f64::consts::FRAC_PI_4 * f64::from(t)).sin_cos());
-            let error = (f64::from(sin) - exact.0).abs().max((f64::from(cos) - exact.1).abs());
-            assert!(error < BOUND, "{t}: {error}");
-        }
-    }
 }

@@ -3,9 +3,9 @@
 use super::description::AlphaMode;
 use super::material::{Coordinates, Material};
 use super::{ObjectInfo, Scene};
-use crate::accel::Intersector;
+use crate::accel::{Coherence, Intersector};
 use crate::bsdf::Surface;
-use crate::geometry::{AnyHit, Bodies, Frame, Hit, Opaque, Ray, SurfacePoint};
+use crate::geometry::{AnyHit, Bodies, Frame, Hit, Hits, Opaque, Ray, Rays, SurfacePoint};
 use crate::light::Light;
 use crate::texture::Texture;
 use glam::Vec3;
@@ -164,9 +164,52 @@ impl Scene {
     /// Returns the light on the primitive at `point` and its index, if it emits.
     #[inline]
     pub fn light_at(&self, point: &SurfacePoint) -> Option<(usize, &Light)> {
-        let first = self.objects[point.hit.object as usize].first_light?;
-        let index = (first + point.hit.primitive) as usize;
+        self.light_of(point.hit)
+    }
+
+    /// Returns the light on the primitive `hit` and its index, if it emits.
+    #[inline]
+    pub fn light_of(&self, hit: Hit) -> Option<(usize, &Light)> {
+        let first = self.objects[hit.object as usize].first_light?;
+        let index = (first + hit.primitive) as usize;
         Some((index, &self.lights.all()[index]))
+    }
+
+    /// Returns whether the triangles of object number `object` emit.
+    pub fn emits(&self, object: usize) -> bool {
+        self.objects[object].first_light.is_some()
+    }
+
+    /// Returns whether the camera does not see the back of object number `object`: see [`Scene::culled`].
+    pub fn may_be_culled(&self, object: usize) -> bool {
+        self.materials[self.objects[object].material as usize].is_culled()
+    }
+
+    /// Returns the surface of object number `object` if it is the same everywhere and in every medium, with the
+    /// geometric normal as its shading normal, on a mesh in world space.
+    pub fn flat_surface(&self, object: usize) -> Option<&Surface> {
+        let (info, placed) = (&self.objects[object], &self.geometry.objects[object]);
+        let [_, rest] = self.materials[info.material as usize].constant()?;
+        let normals = &self.geometry.meshes[placed.mesh as usize].attributes().normals;
+        (info.plain && placed.placement.is_none() && normals.is_none()).then_some(rest)
+    }
+
+    /// Finds the first hits of `rays` in a scene without contacts: see [`Scene::intersect`].
+    pub fn intersect_all(&self, rays: &Rays, coherence: Coherence, hits: &mut Hits) {
+        if self.features.masks {
+            self.accel.closest_all(rays, coherence, &Mask(self), hits);
+        } else {
+            self.accel.closest_all(rays, coherence, &Opaque, hits);
+        }
+    }
+
+    /// Finds which of `rays` hit anything in a scene without contacts, and without surfaces that light may pass.
+    pub fn occluded_all(&self, rays: &Rays, coherence: Coherence, occluded: &mut [bool]) {
+        if self.features.masks {
+            self.accel.occluded_all(rays, coherence, &Mask(self), occluded);
+        } else {
+            self.accel.occluded_all(rays, coherence, &Opaque, occluded);
+        }
     }
 
     /// Returns the instance index in file order and the material index at `point`.

@@ -3,7 +3,7 @@
 use super::{Aov, Aperture, Budget, EnvironmentChoice, Focus, Size, Window};
 use crate::accel::{Backend, Build};
 use crate::film::Filter;
-use crate::integrator::{Method, Mutations};
+use crate::integrator::{Execution, Method, Mutations};
 use crate::io::png::ToneCurve;
 use crate::named::Named;
 use crate::path::Technique;
@@ -60,7 +60,7 @@ macro_rules! named {
     };
 }
 
-named!(Aov, Backend, Build, Filter, Heuristic, Method, SamplerKind, Technique, ToneCurve);
+named!(Aov, Backend, Build, Execution, Filter, Heuristic, Method, SamplerKind, Technique, ToneCurve);
 
 /// Parses the name of a value.
 fn named<T: Named>(text: &str) -> Result<T, String> {

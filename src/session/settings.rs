@@ -6,7 +6,7 @@ use crate::accel::{Backend, Build};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::film::{Crop, Filter, Layout, Plane};
-use crate::integrator::{IntegratorConfig, MethodConfig};
+use crate::integrator::{Execution, IntegratorConfig, MethodConfig};
 use crate::sampling::SamplerKind;
 use crate::scene::description::Lens;
 use crate::scene::{BuildOptions, Scene};
@@ -50,6 +50,9 @@ pub struct RenderSettings {
     pub backend: Backend,
     /// Build of the acceleration structure. It decides ties between surfaces.
     pub build: Build,
+    /// Execution of `path`. It changes no pixel, so that no hash or file knows it.
+    #[serde(skip)]
+    pub execution: Option<Execution>,
     /// AOVs, sorted.
     pub aovs: Vec<Aov>,
     /// Clamp of a sample's radiance.
@@ -102,6 +105,7 @@ impl RenderSettings {
             replicates: self.replicates,
             transparent: self.transparent,
             crop: self.layout().crop,
+            execution: self.execution,
         }
     }
 

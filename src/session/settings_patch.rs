@@ -11,7 +11,7 @@ use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
 use crate::integrator::{
-    BdptConfig, ChainsConfig, Method, MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig,
+    BdptConfig, ChainsConfig, Execution, Method, MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig,
 };
 use crate::io::png::ToneCurve;
 use crate::path::{Technique, Techniques};
@@ -144,6 +144,8 @@ settings! {
     "backend" => backend: Backend { value: "BACKEND", example: r#""obvhs""# }
     /// Build of the acceleration structure [default: robust]
     "build" => build: Build { value: "BUILD", example: r#""robust""# }
+    /// Execution of path: one path after the other, or many together; the pixels are the same [default: the faster one]
+    "execution" => execution: Execution { value: "EXECUTION", example: r#""batched""# }
     /// Extra layers of the EXR image, separated by commas
     "aov" => aovs: Vec<Aov> { value: "LAYERS", example: r#"["albedo", "normal"]"# }
     /// Clamp each sample to this radiance: less noise, but the image is biased (darker)
@@ -261,6 +263,7 @@ impl SettingsPatch {
             replicates: in_range("replicates", self.replicates(), 256)?,
             backend: self.backend.unwrap_or_default(),
             build: self.build.unwrap_or_default(),
+            execution: self.execution,
             aovs,
             clamp: self.clamp.map(positive).transpose()?,
             transparent: self.transparent.unwrap_or(false),

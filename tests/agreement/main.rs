@@ -5,6 +5,7 @@
 
 #[cfg(feature = "embree")]
 mod backends;
+mod batches;
 mod bidirectional;
 mod bodies;
 mod chains;

@@ -71,7 +71,8 @@ struct Sky {
 
 impl<'a> Studio<'a> {
     fn walk(&self, mut path: Subpath<'a>, mut from: EmitterPoint, sampler: &mut IndependentSampler) -> SubpathEnd<'a> {
-        let (mut steps, mut tally, mut through) = (Vec::<Step>::new(), TraceStats::default(), Spectrum::ONE);
+        let (mut steps, mut tally) = (Vec::<Step>::new(), TraceStats::default());
+        let mut through: Spectrum = Spectrum::ONE;
         loop {
             let vertex = match path.arrive(self.camera, sampler, &mut tally) {
                 Arrival::Vertex(vertex) => vertex,

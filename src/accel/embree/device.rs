@@ -1,6 +1,6 @@
 //! An Embree device: library state, threads and memory.
 
-use super::error;
+use super::{Packet, error};
 use crate::error::{Error, Kind, Result};
 use embree4_sys::{
     RTC_VERSION, RTCDevice, RTCDeviceProperty, rtcGetDeviceProperty, rtcNewDevice, rtcReleaseDevice,
@@ -67,6 +67,17 @@ impl Device {
     pub fn version(&self) -> String {
         let version = self.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_VERSION);
         format!("{}.{}.{}", version / 10000, version / 100 % 100, version % 100)
+    }
+
+    /// Returns the widest packet for which the processor has registers.
+    pub fn native_packet(&self) -> Packet {
+        if self.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0 {
+            Packet::Sixteen
+        } else if self.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0 {
+            Packet::Eight
+        } else {
+            Packet::One
+        }
     }
 
     fn property(&self, property: RTCDeviceProperty) -> isize {

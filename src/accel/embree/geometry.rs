@@ -4,7 +4,7 @@
 use super::device::Device;
 use super::filter::Filter;
 use crate::error::Result;
-use crate::geometry::{AnyHit, TriangleMesh};
+use crate::geometry::{AnyHit, Ray, TriangleMesh};
 use embree4_sys::{
     RTCBufferType, RTCFeatureFlags, RTCFormat, RTCGeometry, RTCGeometryType, RTCIntersectArguments,
     RTCOccludedArguments, RTCRay, RTCRayHit, RTCRayQueryFlags, RTCScene, rtcCommitGeometry, rtcIntersect1,
@@ -139,7 +139,7 @@ impl Committed {
 
     /// Writes the closest hit that `filter` accepts into `query`.
     #[inline]
-    pub(super) fn intersect<A: AnyHit>(&self, query: &mut RTCRayHit, filter: Option<&mut Filter<'_, A>>) {
+    pub(super) fn intersect<A: AnyHit>(&self, query: &mut RTCRayHit, filter: Option<&mut Filter<'_, A, Ray>>) {
         let Some(filter) = filter else {
             // SAFETY: the scene is committed, the query is laid out and aligned as Embree's headers say; null is the
             // default.
@@ -149,16 +149,16 @@ impl Committed {
             flags: RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
             feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
             context: filter.context(),
-            filter: Filter::<A>::CALLBACK,
+            filter: Filter::<A, Ray>::CALLBACK,
             intersect: None,
         };
-        // SAFETY: as above; the context is that of a `Filter<A>` that outlives the call, as the callback requires.
+        // SAFETY: as above; the context is that of a `Filter<A, Ray>` that outlives the call, as the callback requires.
         unsafe { rtcIntersect1(self.handle.0, query, &raw mut arguments) }
     }
 
     /// Sets the last parameter of `query` to −∞ if there is a hit that `filter` accepts.
     #[inline]
-    pub(super) fn occluded<A: AnyHit>(&self, query: &mut RTCRay, filter: Option<&mut Filter<'_, A>>) {
+    pub(super) fn occluded<A: AnyHit>(&self, query: &mut RTCRay, filter: Option<&mut Filter<'_, A, Ray>>) {
         let Some(filter) = filter else {
             // SAFETY: the scene is committed, the query is laid out and aligned as Embree's headers say; null is the
             // default.
@@ -168,10 +168,10 @@ impl Committed {
             flags: RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
             feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
             context: filter.context(),
-            filter: Filter::<A>::CALLBACK,
+            filter: Filter::<A, Ray>::CALLBACK,
             occluded: None,
         };
-        // SAFETY: as above; the context is that of a `Filter<A>` that outlives the call, as the callback requires.
+        // SAFETY: as above; the context is that of a `Filter<A, Ray>` that outlives the call, as the callback requires.
         unsafe { rtcOccluded1(self.handle.0, query, &raw mut arguments) }
     }
 }

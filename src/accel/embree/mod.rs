@@ -17,13 +17,14 @@ mod device;
 mod error;
 mod filter;
 mod geometry;
+mod packet;
 mod ray;
 mod scene;
 
-use crate::accel::{Build, Intersector, placed};
+use crate::accel::{Build, Coherence, Intersector, placed};
 use crate::error::Result;
-use crate::geometry::{AnyHit, Geometry, Hit, Ray};
-use filter::Filter;
+use crate::geometry::{AnyHit, Geometry, Hit, Hits, Ray, Rays};
+use filter::{Filter, Source};
 use geometry::Committed;
 use scene::SceneBuilder;
 use std::sync::Arc;
@@ -36,6 +37,7 @@ pub struct EmbreeScene {
     /// By object: whether the filter applies.
     filtered: Box<[bool]>,
     any_filtered: bool,
+    packet: Packet,
     device: Arc<Device>,
 }
 
@@ -66,7 +68,8 @@ impl EmbreeScene {
         }
         let filtered: Box<[bool]> = geometry.objects.iter().map(|object| object.filtered).collect();
         let any_filtered = filtered.contains(&true);
-        Ok(EmbreeScene { top: top.commit(build)?, filtered, any_filtered, device })
+        let packet = device.native_packet();
+        Ok(EmbreeScene { top: top.commit(build)?, filtered, any_filtered, packet, device })
     }
 
     /// Returns the memory of Embree's acceleration structures in bytes, without the meshes.
@@ -79,10 +82,21 @@ impl EmbreeScene {
         self.device.version()
     }
 
+    /// Returns the width of packets, which is that of the processor's registers.
+    pub fn packet(&self) -> Packet {
+        self.packet
+    }
+
+    /// Sets the width of packets, for tests and measurements.
+    #[must_use]
+    pub fn with_packet(self, packet: Packet) -> Self {
+        EmbreeScene { packet, ..self }
+    }
+
     /// Returns the filter of a query; `None` if it has no effect.
     #[inline]
-    fn filter<'a, A: AnyHit>(&'a self, ray: &'a Ray, any: &'a A) -> Option<Filter<'a, A>> {
-        (A::FILTERS && self.any_filtered).then(|| Filter::new(ray, any, &self.filtered))
+    fn filter<'a, A: AnyHit, S: Source>(&'a self, rays: &'a S, any: &'a A) -> Option<Filter<'a, A, S>> {
+        (A::FILTERS && self.any_filtered).then(|| Filter::new(rays, any, &self.filtered))
     }
 }
 
@@ -115,6 +129,37 @@ impl Intersector for EmbreeScene {
         // Embree marks an occluded ray by a last parameter of −∞.
         query.tfar < ray.t_max
     }
+
+    /// Rays go in packets as wide as the processor's registers.
+    fn closest_all(&self, rays: &Rays, coherence: Coherence, any: &impl AnyHit, hits: &mut Hits) {
+        let filter = self.filter(rays, any);
+        match self.packet {
+            Packet::Sixteen => packet::closest16(&self.top, rays, coherence, filter, hits),
+            Packet::Eight => packet::closest8(&self.top, rays, coherence, filter, hits),
+            Packet::One => (0..rays.len()).for_each(|at| hits.set(at, self.closest(&rays.ray(at), any))),
+        }
+    }
+
+    /// As for `closest_all`.
+    fn occluded_all(&self, rays: &Rays, coherence: Coherence, any: &impl AnyHit, occluded: &mut [bool]) {
+        let filter = self.filter(rays, any);
+        match self.packet {
+            Packet::Sixteen => packet::occluded16(&self.top, rays, coherence, filter, occluded),
+            Packet::Eight => packet::occluded8(&self.top, rays, coherence, filter, occluded),
+            Packet::One => (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any)),
+        }
+    }
+}
+
+/// Number of rays in a query of many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Packet {
+    /// Single rays.
+    One,
+    /// Eight, with AVX.
+    Eight,
+    /// Sixteen, with AVX-512.
+    Sixteen,
 }
 
 /// Returns the scene that is instanced by every placed object of mesh `index`.

@@ -11,19 +11,14 @@ use super::{ChainContext, ChainsConfig, ImageState, MarkovMethod, MltConfig, Mml
 use crate::film::{Crop, Filter, Layout};
 use crate::integrator::IntegratorConfig;
 use crate::integrator::MethodConfig;
+pub(super) use crate::integrator::scenes::worlds;
 use crate::mcmc::{Chain, Mixture, Numbers, stratified};
 use crate::path::TraceStats;
 use crate::sampling::Address;
 use crate::stats::Moments;
 use etendue_testing::deep;
 use rayon::prelude::*;
-pub(super) use scenes::worlds;
 use worlds::World;
-
-// Compiled here once more: the scenes of `etendue_testing` are of types of another compilation of this library.
-#[allow(dead_code, unreachable_pub)]
-#[path = "../../../tests/support/src/scenes/mod.rs"]
-mod scenes;
 
 pub(super) const SIDE: u32 = 64;
 /// Samples per chain. Weights from small pools are skewed, and z is then not normal.

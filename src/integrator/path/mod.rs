@@ -7,16 +7,21 @@
 //!
 //! Caustics from small lights and light through ajar doors converge slowly in all three.
 
+mod batch;
+
+pub(super) use batch::{BatchedPath, batches_pay, knows};
+
 use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::camera::CameraSample;
-use crate::geometry::{Local, SurfacePoint};
+use crate::geometry::{Hit, Local};
 use crate::light::{Light, LightSample, LightSampleContext};
 use crate::path::{PreviousVertex, RandomWalk, TraceStats};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
 use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
+use glam::Vec3;
 
 /// Sampling of directions and lights in a path tracer, and the MIS weights of both techniques.
 pub(super) trait Strategy: Send + Sync {
@@ -113,16 +118,17 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         }
     }
 
-    /// Returns the weighted emission of the surface at `point` toward the walk.
+    /// Returns the weighted emission toward the walk of the primitive `hit` at the point `p` with these barycentric
+    /// weights.
     #[inline]
-    fn emitted(&self, walk: &RandomWalk, point: &SurfacePoint) -> Spectrum {
-        let Some((index, Light::Area(light))) = self.scene.light_at(point) else { return Spectrum::ZERO };
+    fn emitted(&self, walk: &RandomWalk, hit: Hit, p: Vec3, barycentric: [f32; 2]) -> Spectrum {
+        let Some((index, Light::Area(light))) = self.scene.light_of(hit) else { return Spectrum::ZERO };
         let wi = walk.ray.direction;
-        let radiance = light.radiance(point.barycentric, -wi);
+        let radiance = light.radiance(barycentric, -wi);
         if radiance.is_black() || !walk.sees(light) {
             return Spectrum::ZERO;
         }
-        let pdf = |from: &LightSampleContext| light.pdf_li((point.p - from.p).length_squared(), wi).value();
+        let pdf = |from: &LightSampleContext| light.pdf_li((p - from.p).length_squared(), wi).value();
         let share = match &walk.departure {
             PreviousVertex::Surface(from, _) => self.mis_weight_bsdf(&walk.departure, index, || pdf(from)),
             PreviousVertex::Camera | PreviousVertex::Light => 1.0,
@@ -141,7 +147,27 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         walk.beta * radiance * self.mis_weight_bsdf(&walk.departure, index, || pdf.value())
     }
 
-    /// Next-event estimation at `point` with one light sample.
+    /// Samples a light for next-event estimation. Returns the edge to it and the contribution of the sample if nothing
+    /// blocks the edge.
+    #[inline]
+    fn light_sample(
+        &self,
+        shading: &Shading,
+        walk: &RandomWalk,
+        sampler: &mut impl Sampler,
+    ) -> Option<(Edge, Spectrum)> {
+        let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(shading.point));
+        let (index, pmf) = lights.choose(&receiver, sampler.u1(walk.bounce, Slot::LightPick))?;
+        let u = sampler.u2(walk.bounce, Slot::LightPoint);
+        // Borrowed, not moved out of the options: a copy of what was just written stalls.
+        let Some(sample) = &lights.all()[index].sample_li(&receiver, u) else { return None };
+        let Some(scattering) = &shading.scattering(sample.wi) else { return None };
+        let weight = Self::light_weight(scattering, sample, pmf);
+        let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(sample.end));
+        Some((edge, walk.beta * scattering.f_cos * sample.radiance * weight))
+    }
+
+    /// Next-event estimation at a vertex with one light sample.
     #[inline]
     fn direct(
         &self,
@@ -150,18 +176,9 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,
     ) -> Spectrum {
-        let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(shading.point));
-        let Some((index, pmf)) = lights.choose(&receiver, sampler.u1(walk.bounce, Slot::LightPick)) else {
-            return Spectrum::ZERO;
-        };
-        let u = sampler.u2(walk.bounce, Slot::LightPoint);
-        // Borrowed, not moved out of the options: a copy of what was just written stalls.
-        let Some(sample) = &lights.all()[index].sample_li(&receiver, u) else { return Spectrum::ZERO };
-        let Some(scattering) = &shading.scattering(sample.wi) else { return Spectrum::ZERO };
-        let weight = Self::light_weight(scattering, sample, pmf);
-        let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(sample.end));
-        let through = self.scene.transmittance(&edge, sampler, walk.bounce, &mut tally.shadows);
-        walk.beta * scattering.f_cos * sample.radiance * through * weight
+        let Some((edge, light)) = &self.light_sample(shading, walk, sampler) else { return Spectrum::ZERO };
+        let through = self.scene.transmittance(edge, sampler, walk.bounce, &mut tally.shadows);
+        if through.is_black() { Spectrum::ZERO } else { *light * through }
     }
 
     /// Returns the MIS weight of a light sample divided by its density.
@@ -190,7 +207,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         let mut total = Spectrum::ZERO;
         loop {
             let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
-            total += self.emitted(&walk, &point);
+            total += self.emitted(&walk, point.hit, point.p, point.barycentric);
             if walk.depth >= self.max_depth {
                 return total;
             }

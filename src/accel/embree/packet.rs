@@ -1,0 +1,110 @@
+//! Packets of rays, as wide as the processor's registers.
+
+use super::filter::{Filter, resume_panic};
+use super::geometry::Committed;
+use crate::accel::Coherence;
+use crate::geometry::{AnyHit, Hits, Rays};
+use embree4_sys::{
+    RTC_INVALID_GEOMETRY_ID, RTCFeatureFlags, RTCIntersectArguments, RTCOccludedArguments, RTCRay8, RTCRay16,
+    RTCRayHit8, RTCRayHit16, RTCRayQueryFlags, rtcIntersect8, rtcIntersect16, rtcOccluded8, rtcOccluded16,
+};
+use std::mem::zeroed;
+use std::ptr::null_mut;
+
+/// Lanes of a packet that hold a ray: −1, else 0. Aligned as the widest packet wants.
+#[repr(C, align(64))]
+struct Valid<const N: usize>([i32; N]);
+
+fn flags(coherence: Coherence) -> RTCRayQueryFlags {
+    match coherence {
+        Coherence::Coherent => RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_COHERENT,
+        Coherence::Incoherent => RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
+    }
+}
+
+/// Loads the rays from `at` on into a packet.
+macro_rules! fill {
+    ($n:literal, $query:expr, $rays:ident, $at:ident) => {
+        $query.org_x.copy_from_slice(&$rays.origin[0][$at..$at + $n]);
+        $query.org_y.copy_from_slice(&$rays.origin[1][$at..$at + $n]);
+        $query.org_z.copy_from_slice(&$rays.origin[2][$at..$at + $n]);
+        $query.dir_x.copy_from_slice(&$rays.direction[0][$at..$at + $n]);
+        $query.dir_y.copy_from_slice(&$rays.direction[1][$at..$at + $n]);
+        $query.dir_z.copy_from_slice(&$rays.direction[2][$at..$at + $n]);
+        $query.tfar.copy_from_slice(&$rays.t_max[$at..$at + $n]);
+        $query.mask = [u32::MAX; $n];
+        $query.id = std::array::from_fn(|lane| ($at + lane) as u32);
+    };
+}
+
+macro_rules! packets {
+    ($n:literal, $closest:ident $intersect:ident $rayhit:ident, $occluded:ident $occlude:ident $ray:ident) => {
+        /// Finds the hits of `rays` that the filter accepts.
+        pub(super) fn $closest<A: AnyHit>(
+            scene: &Committed,
+            rays: &Rays,
+            coherence: Coherence,
+            mut filter: Option<Filter<'_, A, Rays>>,
+            hits: &mut Hits,
+        ) {
+            let mut arguments = RTCIntersectArguments {
+                flags: flags(coherence),
+                feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
+                context: filter.as_mut().map_or(null_mut(), Filter::context),
+                filter: filter.as_ref().and(Filter::<A, Rays>::CALLBACK),
+                intersect: None,
+            };
+            // SAFETY: plain numbers, for which zeros are values.
+            let mut query: $rayhit = unsafe { zeroed() };
+            for at in (0..rays.len()).step_by($n) {
+                let valid = Valid::<$n>(std::array::from_fn(|lane| -i32::from(at + lane < rays.len())));
+                fill!($n, query.ray, rays, at);
+                query.hit.geomID = [RTC_INVALID_GEOMETRY_ID; $n];
+                query.hit.primID = [RTC_INVALID_GEOMETRY_ID; $n];
+                query.hit.instID[0] = [RTC_INVALID_GEOMETRY_ID; $n];
+                // SAFETY: the scene is committed, mask and query are laid out and aligned as Embree's headers say; the
+                // context is null or that of a `Filter<A, Rays>` that outlives the call, as its callback requires.
+                unsafe { $intersect(valid.0.as_ptr(), scene.raw(), &raw mut query, &raw mut arguments) };
+                let (geometry, instance) = (query.hit.geomID, query.hit.instID[0]);
+                let object = |lane: usize| {
+                    if instance[lane] == RTC_INVALID_GEOMETRY_ID { geometry[lane] } else { instance[lane] }
+                };
+                let objects: [u32; $n] = std::array::from_fn(object);
+                hits.objects[at..at + $n].copy_from_slice(&objects);
+                hits.primitives[at..at + $n].copy_from_slice(&query.hit.primID);
+            }
+            resume_panic(filter);
+        }
+
+        /// Finds which of `rays` have a hit that the filter accepts.
+        pub(super) fn $occluded<A: AnyHit>(
+            scene: &Committed,
+            rays: &Rays,
+            coherence: Coherence,
+            mut filter: Option<Filter<'_, A, Rays>>,
+            occluded: &mut [bool],
+        ) {
+            let mut arguments = RTCOccludedArguments {
+                flags: flags(coherence),
+                feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
+                context: filter.as_mut().map_or(null_mut(), Filter::context),
+                filter: filter.as_ref().and(Filter::<A, Rays>::CALLBACK),
+                occluded: None,
+            };
+            // SAFETY: plain numbers, for which zeros are values.
+            let mut query: $ray = unsafe { zeroed() };
+            for at in (0..rays.len()).step_by($n) {
+                let valid = Valid::<$n>(std::array::from_fn(|lane| -i32::from(at + lane < rays.len())));
+                fill!($n, query, rays, at);
+                // SAFETY: as for the closest hit.
+                unsafe { $occlude(valid.0.as_ptr(), scene.raw(), &raw mut query, &raw mut arguments) };
+                let marked: [bool; $n] = std::array::from_fn(|lane| query.tfar[lane] < rays.t_max[at + lane]);
+                occluded[at..at + $n].copy_from_slice(&marked);
+            }
+            resume_panic(filter);
+        }
+    };
+}
+
+packets!(16, closest16 rtcIntersect16 RTCRayHit16, occluded16 rtcOccluded16 RTCRay16);
+packets!(8, closest8 rtcIntersect8 RTCRayHit8, occluded8 rtcOccluded8 RTCRay8);

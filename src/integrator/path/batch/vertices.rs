@@ -1,0 +1,435 @@
+//! The vertices of one bounce: what each path of a batch meets, the light that it gets there, and where it goes on.
+//!
+//! Kernels work on groups of lanes. They leave to the code of single paths, lane by lane, what has no kernel: surfaces
+//! of other models, culled backs, and directions that rounding moves to the wrong side of a surface.
+
+use super::lights::LightSamples;
+use super::objects::{ObjectRow, Shader};
+use super::paths::{Paths, Rare, Shadows};
+use super::{Batch, BatchedPath};
+use crate::bsdf::lanes::{LaneConductor, LaneLambert, LaneModel, LanePoint, LaneSample, LaneScatter};
+use crate::bsdf::{Lobes, Shading};
+use crate::geometry::lanes::{Meeting, clamped, offset, point_at, rounding_at};
+use crate::geometry::{Hit, Hits, SurfacePoint};
+use crate::integrator::samples::PassNumbers;
+use crate::path::{LONGEST, ROULETTE_FROM, TraceStats, survival_probability};
+use crate::sampling::{Sampler, Slot, power};
+use crate::spectrum::Spectrum;
+use crate::transport::TransportMode;
+use etendue_lanes::{Double, Float, Int, Long, Mask, ROW, Vec3, for_each_bit};
+
+/// A group of consecutive paths.
+struct Group<F: Float> {
+    /// Number of the first.
+    at: usize,
+    direction: Vec3<F>,
+    beta: Spectrum<F>,
+    keys: F::Long,
+    pixels: F::Int,
+}
+
+/// Points where the paths of a group meet triangles.
+struct Points<F: Float> {
+    p: Vec3<F>,
+    /// See [`SurfacePoint::error`].
+    error: F,
+    ng: Vec3<F>,
+    barycentric: [F; 2],
+    /// Lanes with a point; without one a triangle has no area, or lies in the plane of the ray.
+    valid: F::Mask,
+    /// Lanes in which the ray passes beside the triangle, so that the backend's hit must be judged.
+    outside: F::Mask,
+}
+
+/// Lanes of a group by what happens there, as bits.
+#[derive(Default)]
+struct Lanes {
+    /// With a kernel for the hit point.
+    flat: u32,
+    /// That emit, of these.
+    lit: u32,
+    /// That may be culled, of these.
+    may_be_culled: u32,
+    lambert: u32,
+    conductor: u32,
+    /// Without a kernel.
+    single: u32,
+}
+
+impl Lanes {
+    fn new<F: Float>(objects: &[ObjectRow], hits: &Hits, at: usize, hit: F::Mask) -> Self {
+        let mut lanes = Lanes::default();
+        for_each_bit(hit.bits(), |lane| {
+            let (object, bit) = (&objects[hits.objects[at + lane] as usize], 1 << lane);
+            lanes.flat |= bit;
+            match object.shader {
+                Shader::Kernel(LaneModel::Lambert) => lanes.lambert |= bit,
+                Shader::Kernel(LaneModel::Conductor) => lanes.conductor |= bit,
+                Shader::Black => {}
+                Shader::Single => {
+                    lanes.single |= bit;
+                    lanes.flat &= !bit;
+                    return;
+                }
+            }
+            lanes.lit |= u32::from(object.emits) << lane;
+            lanes.may_be_culled |= u32::from(object.may_be_culled) << lane;
+        });
+        lanes
+    }
+}
+
+impl<F: Float> Points<F> {
+    /// Recomputes the hits of a group from the triangles, as [`SurfacePoint::new`] does. Lanes that are not `flat` get
+    /// any values.
+    #[inline(always)]
+    fn new(objects: &[ObjectRow], hits: &Hits, origin: Vec3<F>, group: &Group<F>, flat: u32) -> Self {
+        let some = group.at + flat.trailing_zeros() as usize;
+        let corners = |lane: usize| {
+            let at = if flat >> lane & 1 == 1 { group.at + lane } else { some };
+            &objects[hits.objects[at] as usize].corners[hits.primitives[at] as usize]
+        };
+        let [ax, ay, az, bx, by, bz, cx, cy] = F::rows(|lane| first_row(corners(lane)));
+        let cz = F::from_fn(|lane| corners(lane)[8]);
+        let vertices = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
+        let (o, d) = (origin, group.direction);
+        let inputs = [ax, ay, az, bx, by, bz, cx, cy, cz, o.x, o.y, o.z, d.x, d.y, d.z];
+        let [u, v, nx, ny, nz, outside, finite] = F::in_double(inputs, meet);
+        let zero = F::splat(0.0);
+        let p = point_at(vertices, [u, v]);
+        Points {
+            p,
+            error: rounding_at(vertices, p),
+            ng: Vec3::new(nx, ny, nz),
+            barycentric: [u, v],
+            valid: finite.above(zero),
+            outside: outside.above(zero),
+        }
+    }
+}
+
+#[inline(always)]
+fn first_row(corners: &[f32; 9]) -> &[f32; ROW] {
+    match corners.first_chunk() {
+        Some(row) => row,
+        None => unreachable!("nine numbers begin with eight"),
+    }
+}
+
+/// Returns barycentric weights, unit normal, whether the intersection lies outside the triangle, and whether there is
+/// one.
+#[inline(always)]
+fn meet<D: Double>([ax, ay, az, bx, by, bz, cx, cy, cz, ox, oy, oz, dx, dy, dz]: [D; 15]) -> [D; 7] {
+    let vertices = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
+    let meeting = Meeting::new(vertices, Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+    let ng = meeting.normal * (D::splat(1.0) / meeting.normal.length());
+    let [u, v] = clamped([meeting.u, meeting.v]);
+    let inside = meeting.outside_by().at_most(D::splat(0.0));
+    let finite = meeting.inverse.abs().at_most(D::splat(f64::MAX));
+    [u, v, ng.x, ng.y, ng.z, D::splat(1.0) - inside, finite]
+}
+
+impl<F: Float> BatchedPath<'_, F> {
+    /// Takes the paths of `batch`, whose hits are found, to their next edges, and collects shadow rays. Adds emission
+    /// and the environment to the pixels.
+    pub(super) fn vertices(&self, batch: &mut Batch, depth: u32, numbers: impl PassNumbers, tally: &mut TraceStats) {
+        let Batch { paths, next, shadows, hits, colors, .. } = batch;
+        next.rays.set_len(0);
+        shadows.rays.set_len(0);
+        let mut stage = Stage { all: self, paths, next, shadows, hits, colors, depth, tally };
+        for at in (0..paths.len()).step_by(F::LANES) {
+            stage.group(at, numbers);
+        }
+    }
+}
+
+/// One bounce of a batch.
+struct Stage<'s, 'a, F: Float> {
+    all: &'s BatchedPath<'a, F>,
+    paths: &'s Paths,
+    next: &'s mut Paths,
+    shadows: &'s mut Shadows,
+    hits: &'s Hits,
+    colors: &'s mut [Spectrum],
+    /// Number of scattering events before this vertex.
+    depth: u32,
+    tally: &'s mut TraceStats,
+}
+
+impl<F: Float> Stage<'_, '_, F> {
+    fn group(&mut self, at: usize, numbers: impl PassNumbers) {
+        let live = F::first(self.paths.len() - at);
+        let missed = F::Int::load(&self.hits.objects, at).equals(F::Int::splat(Hit::NONE.object));
+        for_each_bit((live & missed).bits(), |lane| self.background(at + lane));
+        let mut lanes = Lanes::new::<F>(&self.all.objects, self.hits, at, live & !missed);
+        if lanes.flat != 0 {
+            self.flat(at, &mut lanes, numbers);
+        }
+        for_each_bit(lanes.single, |lane| self.single(at + lane, numbers));
+    }
+
+    /// The lanes of a group that hit flat surfaces. Lanes that kernels cannot finish are added to the single ones.
+    #[inline(always)]
+    fn flat(&mut self, at: usize, lanes: &mut Lanes, numbers: impl PassNumbers) {
+        let group = Group {
+            at,
+            direction: Vec3::load(&self.paths.rays.direction, at),
+            beta: Spectrum::load(&self.paths.beta, at),
+            keys: F::Long::load(&self.paths.keys, at),
+            pixels: F::Int::load(&self.paths.pixels, at),
+        };
+        let origin = Vec3::load(&self.paths.rays.origin, at);
+        let points = Points::new(&self.all.objects, self.hits, origin, &group, lanes.flat);
+        self.except(&group, &points, lanes);
+        for_each_bit(lanes.lit, |lane| self.emission(at + lane, &points, lane));
+        let scattering = lanes.lambert | lanes.conductor;
+        if self.depth < self.all.tracer.max_depth && scattering != 0 {
+            self.scatter(&group, &points, lanes, numbers);
+        }
+    }
+
+    /// Removes the lanes that cannot be finished by kernels or have no point.
+    #[inline(always)]
+    fn except(&mut self, group: &Group<F>, points: &Points<F>, lanes: &mut Lanes) {
+        let mut removed = lanes.flat & !points.valid.bits();
+        for_each_bit(removed, |lane| self.background(group.at + lane));
+        if self.depth == 0 && lanes.may_be_culled != 0 {
+            let back = group.direction.dot(points.ng).above(F::splat(0.0));
+            let culled = lanes.may_be_culled & back.bits();
+            lanes.single |= culled & !removed;
+            removed |= culled;
+        }
+        for_each_bit(lanes.flat & points.outside.bits() & !removed, |lane| self.judge(group.at + lane));
+        lanes.flat &= !removed;
+        lanes.lit &= !removed;
+        lanes.lambert &= !removed;
+        lanes.conductor &= !removed;
+    }
+
+    /// Light sampling, and the next edge, in the lanes with a model.
+    #[inline(always)]
+    fn scatter(&mut self, group: &Group<F>, points: &Points<F>, lanes: &mut Lanes, numbers: impl PassNumbers) {
+        let point = LanePoint::new(points.ng, -group.direction);
+        let mut sampler = numbers.of_keys(group.keys);
+        let pick = sampler.u1(self.depth, Slot::LightPick);
+        let u = sampler.u2(self.depth, Slot::LightPoint);
+        let scatters = F::Mask::from_bits(lanes.lambert | lanes.conductor) & point.scatters();
+        let (lights, rows) = (self.all.tracer.scene.lights(), &self.all.lights);
+        let light = LightSamples::new(lights, rows, [points.p, points.ng], scatters, (pick, u));
+        let u = sampler.u2(self.depth, Slot::Direction);
+        let (value, sample) = match (lanes.lambert != 0, lanes.conductor != 0) {
+            (true, false) => self.model::<LaneLambert<F>>(group, &point, &light, u, lanes.lambert),
+            (false, _) => self.model::<LaneConductor<F>>(group, &point, &light, u, lanes.conductor),
+            (true, true) => {
+                let a = self.model::<LaneLambert<F>>(group, &point, &light, u, lanes.lambert);
+                let b = self.model::<LaneConductor<F>>(group, &point, &light, u, lanes.conductor);
+                merged(F::Mask::from_bits(lanes.conductor), a, b)
+            }
+        };
+        let doubtful = scatters & sample.doubtful;
+        lanes.single |= doubtful.bits();
+        let kept = scatters & !doubtful;
+        self.shadow(group, points, &light, &value, kept);
+        self.depart(group, points, &sample, kept & sample.valid, sampler);
+    }
+
+    /// Scattering by one model: the contribution of the light samples, with the lanes in which there is one, and the
+    /// sampled directions.
+    #[inline(always)]
+    fn model<M: LaneScatter<F>>(
+        &self,
+        group: &Group<F>,
+        point: &LanePoint<F>,
+        light: &LightSamples<F>,
+        u: [F; 2],
+        lanes: u32,
+    ) -> (Contribution<F>, LaneSample<F>) {
+        let some = group.at + lanes.trailing_zeros() as usize;
+        let parameters = F::rows(|lane| {
+            let at = if lanes >> lane & 1 == 1 { group.at + lane } else { some };
+            &self.all.objects[self.hits.objects[at] as usize].parameters
+        });
+        let model = M::of(parameters);
+        let scattering = model.scattering(point, light.wi);
+        let one = F::splat(1.0);
+        let weight = F::select(light.dirac, one, power(light.density, scattering.pdf)) / light.density;
+        let contribution = Contribution {
+            light: group.beta * scattering.f_cos * light.radiance * weight,
+            valid: light.valid & scattering.valid,
+        };
+        (contribution, model.sampled(point, u))
+    }
+
+    /// Collects the shadow rays of the `kept` lanes.
+    #[inline(always)]
+    fn shadow(
+        &mut self,
+        group: &Group<F>,
+        points: &Points<F>,
+        light: &LightSamples<F>,
+        value: &Contribution<F>,
+        kept: F::Mask,
+    ) {
+        let mask = kept & value.valid;
+        let rays = light.rays(points.p, points.error, points.ng);
+        let shadows = &mut *self.shadows;
+        let at = shadows.rays.len();
+        rays.origin.pack(mask, &mut shadows.rays.origin, at);
+        rays.direction.pack(mask, &mut shadows.rays.direction, at);
+        rays.t_max.pack(mask, &mut shadows.rays.t_max, at);
+        value.light.pack(mask, &mut shadows.light, at);
+        group.pixels.pack(mask, &mut shadows.pixels, at);
+        shadows.rays.set_len(at + mask.bits().count_ones() as usize);
+    }
+
+    /// Sends the `kept` lanes on along the sampled directions, as far as roulette lets them.
+    #[inline(always)]
+    fn depart(
+        &mut self,
+        group: &Group<F>,
+        points: &Points<F>,
+        sample: &LaneSample<F>,
+        kept: F::Mask,
+        mut sampler: impl Sampler<F>,
+    ) {
+        let mut beta = group.beta * sample.weight;
+        let depth = self.depth + 1;
+        let mut alive = kept;
+        if depth >= LONGEST {
+            self.tally.overlong += u64::from(kept.bits().count_ones());
+            return;
+        }
+        if depth < ROULETTE_FROM {
+            alive = alive & beta.is_lit();
+        } else {
+            let q = survival_probability(beta, self.scales(group.at), depth);
+            let risky = q.below(F::splat(1.0));
+            if risky.any() {
+                let u = sampler.u1(depth, Slot::Roulette);
+                alive = alive & (!risky | u.below(q));
+                beta = Spectrum::select(risky, beta * q.recip(), beta);
+            }
+        }
+        self.pack(group, points, sample, beta, alive);
+    }
+
+    /// Returns the factors of roulette of a group.
+    #[inline(always)]
+    fn scales(&self, at: usize) -> F {
+        if self.paths.rare.is_empty() { F::splat(1.0) } else { F::from_fn(|lane| self.paths.rare[at + lane].scale) }
+    }
+
+    /// Appends the `alive` lanes to the next paths.
+    #[inline(always)]
+    fn pack(
+        &mut self,
+        group: &Group<F>,
+        points: &Points<F>,
+        sample: &LaneSample<F>,
+        beta: Spectrum<F>,
+        alive: F::Mask,
+    ) {
+        let next = &mut *self.next;
+        let at = next.len();
+        let origin = offset(points.p, points.error, points.ng, sample.direction);
+        origin.pack(alive, &mut next.rays.origin, at);
+        sample.direction.pack(alive, &mut next.rays.direction, at);
+        F::splat(f32::INFINITY).store(&mut next.rays.t_max, at);
+        beta.pack(alive, &mut next.beta, at);
+        sample.pdf.pack(alive, &mut next.pdf, at);
+        points.p.pack(alive, &mut next.from, at);
+        points.ng.pack(alive, &mut next.from_ng, at);
+        group.keys.pack(alive, &mut next.keys, at);
+        group.pixels.pack(alive, &mut next.pixels, at);
+        let mut end = at;
+        if self.paths.rare.is_empty() {
+            end += alive.bits().count_ones() as usize;
+        } else {
+            for_each_bit(alive.bits(), |lane| {
+                let Rare { scale, state, .. } = self.paths.rare[group.at + lane];
+                next.rare[end] = Rare { scale, state, ..Rare::NONE };
+                end += 1;
+            });
+        }
+        next.rays.set_len(end);
+    }
+
+    /// Adds the environment to the pixel of path number `at`, which leaves the scene.
+    fn background(&mut self, at: usize) {
+        let walk = self.paths.walk(self.all.tracer.scene, at, self.depth);
+        self.colors[self.paths.pixels[at] as usize] += self.all.tracer.background(&walk);
+    }
+
+    /// Adds the emission of the triangle that path number `at` meets, in `lane` of `points`.
+    fn emission(&mut self, at: usize, points: &Points<F>, lane: usize) {
+        let walk = self.paths.walk(self.all.tracer.scene, at, self.depth);
+        let barycentric = points.barycentric.map(|x| x.lane(lane));
+        let light = self.all.tracer.emitted(&walk, self.hits.hit(at), points.p.lane(lane).into(), barycentric);
+        self.colors[self.paths.pixels[at] as usize] += light;
+    }
+
+    /// Counts the hit of path number `at` if it is not consistent with its triangle.
+    #[cold]
+    fn judge(&mut self, at: usize) {
+        let triangle = self.all.tracer.scene.geometry().triangle(self.hits.hit(at));
+        let is_bad = triangle.meet(&self.paths.rays.ray(at)).is_some_and(|meet| !meet.consistent);
+        self.tally.bad_hits += u64::from(is_bad);
+    }
+
+    /// Takes path number `at` to its next edge by the code of single paths.
+    fn single(&mut self, at: usize, numbers: impl PassNumbers) {
+        let (tracer, key, pixel) = (&self.all.tracer, self.paths.keys[at], self.paths.pixels[at]);
+        let scene = tracer.scene;
+        let mut walk = self.paths.walk(scene, at, self.depth);
+        let sampler = &mut numbers.of_keys(key);
+        let point = SurfacePoint::new(scene.geometry(), self.hits.hit(at), &walk.ray);
+        let color = &mut self.colors[pixel as usize];
+        let Some(mut point) = walk.arrived(point, sampler, self.tally) else {
+            *color += tracer.background(&walk);
+            return;
+        };
+        *color += tracer.emitted(&walk, point.hit, point.p, point.barycentric);
+        if walk.depth >= tracer.max_depth {
+            return;
+        }
+        let surface = scene.surface(&mut point, walk.ray.state.bodies);
+        let wo = -walk.ray.direction;
+        let Some(shading) = &Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return };
+        if shading.lobes().intersects(Lobes::SMOOTH) {
+            if let Some((edge, light)) = &tracer.light_sample(shading, &walk, sampler) {
+                self.shadows.push(edge.ray(), *light, pixel);
+            }
+        }
+        let Some(scatter) = &shading.sample(walk.scattering_numbers(&surface, sampler)) else { return };
+        walk.depart(&point, scatter);
+        if walk.survives(sampler, self.tally) {
+            self.next.push(&walk, key, pixel);
+        }
+    }
+}
+
+/// What light samples contribute if nothing blocks them.
+#[derive(Clone, Copy)]
+struct Contribution<F: Float> {
+    light: Spectrum<F>,
+    valid: F::Mask,
+}
+
+/// Returns `b` in the lanes of `mask`, else `a`.
+#[inline(always)]
+fn merged<F: Float>(
+    mask: F::Mask,
+    (a, x): (Contribution<F>, LaneSample<F>),
+    (b, y): (Contribution<F>, LaneSample<F>),
+) -> (Contribution<F>, LaneSample<F>) {
+    let either = |b: F::Mask, a: F::Mask| (mask & b) | (!mask & a);
+    let light = Spectrum::select(mask, b.light, a.light);
+    let sample = LaneSample {
+        direction: Vec3::select(mask, y.direction, x.direction),
+        weight: Spectrum::select(mask, y.weight, x.weight),
+        pdf: F::select(mask, y.pdf, x.pdf),
+        valid: either(y.valid, x.valid),
+        doubtful: either(y.doubtful, x.doubtful),
+    };
+    (Contribution { light, valid: either(b.valid, a.valid) }, sample)
+}
