@@ -1,5 +1,5 @@
-//! The pure-Rust backend: trees built by obvhs (PLOC with parallel reinsertion), with a four-wide traversal and a
-//! watertight triangle test of our own. It needs no C library and is as portable as Rust. Its results equal those of
+//! The pure-Rust backend: trees built by obvhs (PLOC with parallel reinsertion) and made eight-wide, with a traversal
+//! and a watertight triangle test of our own. It needs no C library and is as portable as Rust. Its results equal those of
 //! [`super::embree`] except for ties.
 //!
 //! Objects without a placement share one tree of world-space triangles. Placed objects are leaves of a second tree; the
@@ -14,7 +14,11 @@
 
 mod block;
 mod build;
+mod collapse;
+mod lanes;
+mod node;
 mod ray;
+mod stack;
 mod tree;
 
 use crate::accel::{Build, Intersector, placed};
@@ -105,26 +109,28 @@ impl BvhScene {
     }
 
     /// Calls `block(block, ray in its space, object of an instance, reach)` for all blocks along the ray, until it
-    /// breaks.
+    /// breaks; if `ORDERED`, approximately front to back.
     #[inline]
-    fn visit(
+    fn visit<const ORDERED: bool>(
         &self,
         ray: &Ray,
         reach: &mut Nearest,
         mut block: impl FnMut(&Block, &Query, Option<u32>, &mut Nearest) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         if let Some(world) = &self.world {
-            world.visit(ray, reach, |b, query, reach| block(b, query, None, reach))?;
+            world.visit::<ORDERED>(ray, reach, |b, query, reach| block(b, query, None, reach))?;
         }
         let Some(top) = &self.top else { return Continue(()) };
-        top.visit(&Slabs::new(ray, top.extent()), reach, |leaf, reach| {
+        top.visit::<ORDERED>(&Slabs::new(ray, top.extent()), reach, |leaf, reach| {
             let instance = &self.instances[leaf];
             let local = Ray {
                 origin: instance.to_object.transform_point3(ray.origin),
                 direction: instance.to_object.transform_vector3(ray.direction),
                 ..*ray
             };
-            instance.mesh.visit(&local, reach, |b, query, reach| block(b, query, Some(instance.object), reach))
+            instance
+                .mesh
+                .visit::<ORDERED>(&local, reach, |b, query, reach| block(b, query, Some(instance.object), reach))
         })
     }
 
@@ -139,7 +145,7 @@ impl Intersector for BvhScene {
     #[inline]
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
         let mut nearest = Nearest { t: ray.t_max, hit: None };
-        let _ = self.visit(ray, &mut nearest, |block, query, instance, nearest| {
+        let _ = self.visit::<true>(ray, &mut nearest, |block, query, instance, nearest| {
             block.meet(query, nearest.t, |t, lane| {
                 let hit = block.hit(lane, instance);
                 if nearest.is_beyond(t, hit) && self.accepts(ray, hit, any) {
@@ -154,7 +160,7 @@ impl Intersector for BvhScene {
     #[inline]
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
         let mut reach = Nearest { t: ray.t_max, hit: None };
-        let walked = self.visit(ray, &mut reach, |block, query, instance, reach| {
+        let walked = self.visit::<false>(ray, &mut reach, |block, query, instance, reach| {
             block.meet(query, reach.t, |_, lane| {
                 if self.accepts(ray, block.hit(lane, instance), any) { Break(()) } else { Continue(()) }
             })
@@ -184,7 +190,7 @@ impl Mesh {
     }
 
     #[inline]
-    fn visit(
+    fn visit<const ORDERED: bool>(
         &self,
         ray: &Ray,
         reach: &mut Nearest,
@@ -192,7 +198,9 @@ impl Mesh {
     ) -> ControlFlow<()> {
         let query = Query::new(ray);
         let blocks = &*self.blocks;
-        self.tree.visit(&Slabs::new(ray, self.tree.extent()), reach, |leaf, reach| block(&blocks[leaf], &query, reach))
+        self.tree.visit::<ORDERED>(&Slabs::new(ray, self.tree.extent()), reach, |leaf, reach| {
+            block(&blocks[leaf], &query, reach)
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Blocks of four triangles, with the watertight intersection test of [Woop13].
+//! Blocks of eight triangles, with the watertight intersection test of [Woop13].
 //!
 //! Watertightness: all triangles at a vertex share its sheared coordinates, and the signs of their edge functions are
 //! exact. A difference of two rounded products has the sign of the exact difference unless the rounded products are
@@ -9,15 +9,17 @@
 //! Rays that left such triangles hit them again. If the area is small relative to reach times range of heights, the
 //! plane is therefore intersected in f64. Always doing so would cost a quarter of the rendering speed.
 
+use super::lanes::Lanes;
 use super::ray::Query;
 use crate::geometry::Hit;
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec3};
 use std::array::from_fn;
 use std::ops::ControlFlow;
+use wide::{CmpEq, CmpGe, CmpGt, CmpLe, f32x8};
 
 /// Number of triangles in a block.
-pub(super) const LANES: usize = 4;
+pub(super) const LANES: usize = 8;
 
 /// Edge functions determine the hit distance where reach × range of heights is at most this times their sum. Rounding
 /// of a coordinate is then amplified along the ray by at most 64, as on an ordinary triangle 1 / 64 off edge-on.
@@ -30,22 +32,25 @@ pub(super) struct Corners {
     pub(super) hit: Hit,
 }
 
-/// Up to four triangles; in a partial block the last one is repeated.
+/// Content of a lane without a triangle. It is never hit: comparisons with NaN are false.
+const ABSENT: Corners = Corners { vertices: [Vec3::NAN; 3], hit: Hit::NONE };
+
+/// Up to eight triangles.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Block {
     /// By vertex and axis.
-    vertices: [[Vec4; 3]; 3],
+    vertices: [[f32x8; 3]; 3],
     objects: [u32; LANES],
     primitives: [u32; LANES],
 }
 
 impl Block {
-    /// Returns a block of one to four `triangles`.
+    /// Returns a block of one to eight `triangles`.
     pub(super) fn new(triangles: &[Corners]) -> Self {
-        let lanes: [Corners; LANES] = from_fn(|lane| triangles[lane.min(triangles.len() - 1)]);
+        let lanes: [Corners; LANES] = from_fn(|lane| triangles.get(lane).copied().unwrap_or(ABSENT));
         Block {
-            vertices: from_fn(|v| from_fn(|k| Vec4::from_array(lanes.map(|c| c.vertices[v][k])))),
+            vertices: from_fn(|v| from_fn(|k| f32x8::new(lanes.map(|c| c.vertices[v][k])))),
             objects: lanes.map(|c| c.hit.object),
             primitives: lanes.map(|c| c.hit.primitive),
         }
@@ -69,39 +74,51 @@ impl Block {
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
-        let least = u.min(v).min(w);
-        let most = u.max(v).max(w);
-        let inside = (least.cmpge(Vec4::ZERO) | most.cmple(Vec4::ZERO)).bitmask();
-        if inside == 0 {
+        let least = u.fast_min(v).fast_min(w);
+        let most = u.fast_max(v).fast_max(w);
+        let inside = least.cmp_ge(f32x8::ZERO) | most.cmp_le(f32x8::ZERO);
+        if inside.none() {
             return ControlFlow::Continue(());
         }
-        let on_edge = (u.cmpeq(Vec4::ZERO) | v.cmpeq(Vec4::ZERO) | w.cmpeq(Vec4::ZERO)).bitmask();
-        let t = ((u * a[2] + v * b[2] + w * c[2]) / (u + v + w) * query.scale).to_array();
-        let reach = [b[0], b[1], c[0], c[1]].iter().fold(a[0].abs().max(a[1].abs()), |most, x| most.max(x.abs()));
-        let range = a[2].max(b[2]).max(c[2]) - a[2].min(b[2]).min(c[2]);
-        let doubtful = on_edge | (reach * range).cmpgt((u + v + w).abs() * WELL_SHAPED).bitmask();
-        let mut lanes = inside;
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
-            if on_edge >> lane & 1 != 0 && !is_inside([a, b, c], lane) {
-                continue;
+        let on_edge = u.cmp_eq(f32x8::ZERO) | v.cmp_eq(f32x8::ZERO) | w.cmp_eq(f32x8::ZERO);
+        let sum = u + v + w;
+        let t = (u * a[2] + v * b[2] + w * c[2]) / sum * query.scale;
+        let reach =
+            [b[0], b[1], c[0], c[1]].iter().fold(a[0].abs().fast_max(a[1].abs()), |most, x| most.fast_max(x.abs()));
+        let range = a[2].fast_max(b[2]).fast_max(c[2]) - a[2].fast_min(b[2]).fast_min(c[2]);
+        let doubtful = on_edge | (reach * range).cmp_gt(sum.abs() * WELL_SHAPED);
+        let within = t.cmp_gt(f32x8::splat(query.t_min)) & t.cmp_le(f32x8::splat(t_max));
+        let lanes = Lanes::of((inside & (doubtful | within)).move_mask());
+        let (t, doubtful) = (t.to_array(), Lanes::of(doubtful.move_mask()));
+        for lane in lanes {
+            let mut at = t[lane];
+            if doubtful.contains(lane) {
+                match self.judge(query, [a, b, c], lane) {
+                    Some(exact) if exact > query.t_min && exact <= t_max => at = exact,
+                    _ => continue,
+                }
             }
-            let t = if doubtful >> lane & 1 == 0 { t[lane] } else { self.parameter(query, lane) };
-            if t > query.t_min && t <= t_max {
-                found(t, lane)?;
-            }
+            found(at, lane)?;
         }
         ControlFlow::Continue(())
+    }
+
+    /// Returns the parameter of a hit whose edges or distance are in doubt in f32; `None` if the ray misses the
+    /// triangle.
+    #[cold]
+    fn judge(&self, query: &Query, vertices: [[f32x8; 3]; 3], lane: usize) -> Option<f32> {
+        is_inside(vertices, lane).then(|| self.parameter(query, lane))
     }
 
     /// Returns the parameter of the intersection with the plane of the triangle in `lane`, clamped to the range of its
     /// vertices; NaN for a ray in the plane and for a triangle without area.
     #[cold]
     fn parameter(&self, query: &Query, lane: usize) -> f32 {
-        let axis = |of: &[Vec4; 3], k: usize| f64::from(of[k][lane]);
+        let axis = |of: &[f32x8; 3], k: usize| f64::from(of[k].as_array_ref()[lane]);
         let vertex = |v: usize| {
-            DVec3::from_array(from_fn(|k| f64::from(self.vertices[v][query.axes[k]][lane]) - axis(&query.origin, k)))
+            DVec3::from_array(from_fn(|k| {
+                f64::from(self.vertices[v][query.axes[k]].as_array_ref()[lane]) - axis(&query.origin, k)
+            }))
         };
         let (a, b, c) = (vertex(0), vertex(1), vertex(2));
         let normal = (b - a).cross(c - a);
@@ -116,7 +133,7 @@ impl Block {
 
     /// Returns vertex `v` of all lanes in coordinates with the ray as z axis, z not yet scaled.
     #[inline]
-    fn sheared(&self, query: &Query, v: usize) -> [Vec4; 3] {
+    fn sheared(&self, query: &Query, v: usize) -> [f32x8; 3] {
         let [x, y, z] = from_fn(|k| self.vertices[v][query.axes[k]] - query.origin[k]);
         [x - query.shear[0] * z, y - query.shear[1] * z, z]
     }
@@ -124,8 +141,8 @@ impl Block {
 
 /// Returns whether the z axis intersects a triangle whose edges are too close to it for f32.
 #[cold]
-fn is_inside(vertices: [[Vec4; 3]; 3], lane: usize) -> bool {
-    let [a, b, c] = vertices.map(|v| v.map(|x| f64::from(x[lane])));
+fn is_inside(vertices: [[f32x8; 3]; 3], lane: usize) -> bool {
+    let [a, b, c] = vertices.map(|v| v.map(|x| f64::from(x.as_array_ref()[lane])));
     let (u, v, w) = (c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]);
     if u == 0.0 && v == 0.0 && w == 0.0 {
         // From afar, rounding may reduce a triangle to a point, or to a segment on a line through the axis: test

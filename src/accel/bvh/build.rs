@@ -1,11 +1,13 @@
-//! Tree construction: obvhs builds a binary tree, which is collapsed to a four-wide one.
+//! Tree construction: obvhs builds a binary tree, which is collapsed to an eight-wide one.
 
 use super::block::{Block, Corners, LANES};
-use super::tree::{LEAF, Node, Tree};
+use super::collapse::Collapse;
+use super::node::{LEAF, Node};
+use super::tree::Tree;
 use crate::accel::Build;
 use crate::geometry::Bounds;
 use crate::huge_vec::HugeVec;
-use glam::{Vec3A, Vec4};
+use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -16,9 +18,15 @@ use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 use obvhs::{Boundable, BvhBuildParams};
 
-/// Cost of a node's box tests relative to a block's triangle tests. It makes leaves fuller than the cost of single
-/// triangles would.
-const TRAVERSAL_COST: f32 = 3.0;
+/// Cost of a node's test in units of a triangle's, by which obvhs merges leaves. It is higher than measured: a block of
+/// eight triangles is tested at once, and full blocks take less memory, which decides the speed of large trees.
+const TRAVERSAL_COST: f32 = 5.0;
+
+/// The same for trees of at most [`CACHED`] triangles. They stay in the cache, and rays miss small leaves more often.
+const TRAVERSAL_COST_CACHED: f32 = 3.0;
+
+/// Number of triangles whose tree fits into the second-level cache of a core.
+const CACHED: usize = 10_000;
 
 /// Builds a tree over `triangles`, of which there is at least one, with its leaves.
 pub(super) fn over_triangles(triangles: &[Corners], build: Build) -> (Tree, HugeVec<Block>) {
@@ -95,14 +103,15 @@ fn binary<B: Boundable>(boxes: &[B], indices: Vec<u32>, effort: BvhBuildParams, 
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut bvh, effort.reinsertion_batch_ratio, None);
     if most_in_leaf > 1 {
-        collapse(&mut bvh, most_in_leaf, TRAVERSAL_COST);
+        let cost = if boxes.len() <= CACHED { TRAVERSAL_COST_CACHED } else { TRAVERSAL_COST };
+        collapse(&mut bvh, most_in_leaf, cost);
         let again = effort.reinsertion_batch_ratio * effort.post_collapse_reinsertion_batch_ratio_multiplier;
         optimizer.run(&mut bvh, again, None);
     }
     bvh
 }
 
-/// Collapses `bvh` to a four-wide tree; `leaf` stores the primitives of a leaf and returns its index.
+/// Collapses `bvh` to a wide tree; `leaf` stores the primitives of a leaf and returns its index.
 fn widen(bvh: &Bvh2, mut leaf: impl FnMut(&[u32]) -> usize) -> Tree {
     let mut name = |node: &Bvh2Node| {
         let first = node.first_index as usize;
@@ -113,15 +122,17 @@ fn widen(bvh: &Bvh2, mut leaf: impl FnMut(&[u32]) -> usize) -> Tree {
     if root.is_leaf() {
         return Tree::new(Vec::new(), name(root), extent);
     }
-    let mut nodes = vec![EMPTY];
-    // Binary inner nodes that become wide nodes, with their parent slots.
+    let collapse = Collapse::new(bvh);
+    let mut nodes = vec![Node::EMPTY];
+    // Binary inner nodes that become wide nodes, with their slots.
     let mut open = vec![(root, 0)];
     while let Some((binary, slot)) = open.pop() {
-        for (lane, child) in descendants(bvh, binary).into_iter().flatten().enumerate() {
+        for (lane, child) in collapse.children(binary).into_iter().enumerate() {
+            let child = &bvh.nodes[child as usize];
             let index = if child.is_leaf() {
                 name(child)
             } else {
-                nodes.push(EMPTY);
+                nodes.push(Node::EMPTY);
                 open.push((child, nodes.len() - 1));
                 nodes.len() as u32 - 1
             };
@@ -129,37 +140,4 @@ fn widen(bvh: &Bvh2, mut leaf: impl FnMut(&[u32]) -> usize) -> Tree {
         }
     }
     Tree::new(nodes, 0, extent)
-}
-
-/// Returns two to four descendants of an inner node that cover it: its children, with the largest replaced by its
-/// children in turn.
-fn descendants<'a>(bvh: &'a Bvh2, node: &Bvh2Node) -> [Option<&'a Bvh2Node>; 4] {
-    let children = |node: &Bvh2Node| [0, 1].map(|i| &bvh.nodes[node.first_index as usize + i]);
-    let [left, right] = children(node);
-    let mut found = [Some(left), Some(right), None, None];
-    for free in 2..4 {
-        let area = |i: &usize| found[*i].map_or(0.0, |n| n.aabb().half_area());
-        let inner = (0..free).filter(|&i| found[i].is_some_and(|n| !n.is_leaf()));
-        let Some(largest) = inner.max_by(|i, j| area(i).total_cmp(&area(j))) else { break };
-        let Some(opened) = found[largest] else { break };
-        let [left, right] = children(opened);
-        (found[largest], found[free]) = (Some(left), Some(right));
-    }
-    found
-}
-
-/// A node without children.
-const EMPTY: Node = {
-    let (least, most) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
-    Node { planes: [least, most, least, most, least, most], children: [LEAF; 4] }
-};
-
-impl Node {
-    fn set(&mut self, lane: usize, bounds: &Aabb, child: u32) {
-        for k in 0..3 {
-            self.planes[2 * k][lane] = bounds.min[k];
-            self.planes[2 * k + 1][lane] = bounds.max[k];
-        }
-        self.children[lane] = child;
-    }
 }

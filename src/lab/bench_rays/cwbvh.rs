@@ -1,5 +1,5 @@
 //! The eight-wide compressed tree of obvhs [Ylitie17] with its own traversal and triangle test, for comparison with our
-//! four-wide tree in `bench rays`. It is not a backend and cannot be selected for rendering:
+//! own tree in `bench rays`. It is not a backend and cannot be selected for rendering:
 //!
 //! - It is not watertight: the triangle test of [Moller97] loses rays at edges, and boxes are not widened.
 //! - Boxes that a ray leaves before the parameter 1e-4 are skipped, whatever the scale.
