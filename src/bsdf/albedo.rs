@@ -11,6 +11,7 @@ use super::ggx::{DIRAC_ALPHA, Ggx, reflect};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
+use etendue_lanes::{Float, Int};
 use std::sync::LazyLock;
 
 /// Largest error of an interpolated albedo, for f0 and f90 up to 1, α from 1e-4 to 1 and cosines from 1e-4 to 1.
@@ -51,6 +52,47 @@ pub struct AlbedoMoments<T> {
     pub schlick: T,
 }
 
+/// [`AlbedoMoments`] over lanes.
+#[derive(Debug, Clone, Copy)]
+pub struct LaneMoments<F> {
+    white: F,
+    schlick: F,
+}
+
+impl<F: Float> LaneMoments<F> {
+    /// Does [`Albedo::at`] in every lane, for the albedos that [`Albedo::place`] describes.
+    #[inline(always)]
+    pub fn new([row, weight, alpha]: [F; 3], cos: F) -> Self {
+        let one = F::splat(1.0);
+        let cos = cos.min(one);
+        let (sum, knee) = (cos + alpha, alpha * F::splat(KNEE as f32));
+        let p = (cos * (one + knee) / (cos + knee)).sqrt();
+        let x = p * F::splat(CELLS as f32);
+        let cell = x.min(F::splat((CELLS - 1) as f32)).to_int();
+        let (row, part, rest) = (row.to_int(), x - F::from_int(cell), weight);
+        let interpolated = |rows: &Rows| {
+            let corner = |down: usize, right: usize| {
+                F::from_fn(|lane| rows[row.lane(lane) as usize + down][cell.lane(lane) as usize + right])
+            };
+            let across = |right: usize| {
+                let upper = corner(0, right);
+                upper + (corner(1, right) - upper) * rest
+            };
+            let (a, b) = (across(0), across(1));
+            a + (b - a) * part
+        };
+        let table = &*TABLE;
+        let m = (one - sum * interpolated(&table.cosine)).max(F::splat(0.0));
+        LaneMoments { white: interpolated(&table.white), schlick: (m * m) * (m * m) * m }
+    }
+
+    /// See [`AlbedoMoments::albedo`].
+    #[inline(always)]
+    pub fn albedo(&self, [f0, f90]: [Spectrum<F>; 2]) -> Spectrum<F> {
+        (f0 * (F::splat(1.0) - self.schlick) + f90 * self.schlick) * self.white
+    }
+}
+
 impl<T: Scalar> AlbedoMoments<T> {
     /// Returns the albedo for reflectance `f0` at normal and `f90` at grazing incidence.
     #[inline]
@@ -62,10 +104,14 @@ impl<T: Scalar> AlbedoMoments<T> {
 impl Albedo {
     /// Returns the albedo of `ggx`.
     pub fn of(ggx: Ggx) -> Self {
-        static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
         let x = ggx.alpha().sqrt() * ROWS as f32;
         let row = (x as usize).min(ROWS - 1);
         Albedo { table: &TABLE, row, weight: x - row as f32, alpha: ggx.alpha() }
+    }
+
+    /// Returns the row of its table, the weight of the next one, and α, for [`LaneMoments::new`].
+    pub fn place(&self) -> [f32; 3] {
+        [self.row as f32, self.weight, self.alpha]
     }
 
     /// Evaluates at the cosine `cos` > 0.
@@ -81,6 +127,8 @@ impl Albedo {
         f0 * (white - grazing) + f90 * grazing
     }
 }
+
+static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
 
 type Rows = [[f32; CELLS + 1]; ROWS + 1];
 
@@ -257,7 +305,7 @@ mod tests {
 
     #[test]
     fn a_smooth_surface_reflects_by_schlick_alone() {
-        for cos in [1.0, 0.5, 0.1, 1e-3] {
+        for cos in [1.0f64, 0.5, 0.1, 1e-3] {
             let table = Albedo::of(Ggx::new(0.0)).at(cos);
             // Rounding of f32 entries, and of their fifth power.
             let tolerance = 16.0 * f64::from(f32::EPSILON);

@@ -22,6 +22,7 @@ use crate::sampling::warp::into_unit;
 use crate::sampling::{Density, Pdf};
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
+use etendue_lanes::ROW;
 use std::f32::consts::FRAC_1_PI;
 
 /// A metallic-roughness surface, created by [`super::MetallicRoughness::surface`].
@@ -83,6 +84,19 @@ impl MetalDielectric {
             Transmission::Thin(_) => self.ggx.is_dirac(),
             Transmission::Solid(glass) => glass.is_matched(),
         }
+    }
+
+    /// Returns the parameters of [`LaneMetalDielectric`](super::lanes::LaneMetalDielectric); `None` for transmission
+    /// and mirrors.
+    pub(super) fn parameters(&self) -> Option<[[f32; ROW]; 3]> {
+        if self.ggx.is_dirac() || !matches!(self.transmission, Transmission::None) {
+            return None;
+        }
+        let Schlick { f0: Spectrum([a, b, c]), f90: Spectrum([d, e, f]) } = self.specular;
+        let Schlick { f0: Spectrum([g, h, i]), f90: Spectrum([j, k, l]) } = self.layer;
+        let ([row, weight, alpha], Spectrum([m, n, o])) = (self.albedo.place(), self.diffuse);
+        let Spectrum([p, q, r]) = self.diffuse * self.coupling * FRAC_1_PI;
+        Some([[a, b, c, d, e, f, alpha, row], [g, h, i, j, k, l, weight, 0.0], [m, n, o, p, q, r, 0.0, 0.0]])
     }
 
     /// Returns the surface without transmission.

@@ -38,9 +38,15 @@ impl SurfacePoint {
         let (p, error) = triangle.point(meet.barycentric);
         let winding = geometry.winding(hit.object);
         let ng = (meet.normal * (winding / meet.normal.length())).as_vec3();
-        let ns = geometry.shading_normal(hit, meet.barycentric).map_or(ng, |n| facing(n, ng));
+        let ns = SurfacePoint::shading_normal(geometry, hit, meet.barycentric, ng);
         let TriangleHit { barycentric, t, consistent, .. } = meet;
         Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, touching: false, consistent })
+    }
+
+    /// Returns the shading normal of the primitive `hit` with the geometric normal `ng`, on the same side.
+    #[inline]
+    pub fn shading_normal(geometry: &Geometry, hit: Hit, barycentric: [f32; 2], ng: Vec3) -> Vec3 {
+        geometry.shading_normal(hit, barycentric).map_or(ng, |n| facing(n, ng))
     }
 
     /// Returns |w·ng| for the unit direction `w`.

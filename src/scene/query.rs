@@ -185,13 +185,17 @@ impl Scene {
         self.materials[self.objects[object].material as usize].is_culled()
     }
 
-    /// Returns the surface of object number `object` if it is the same everywhere and in every medium, with the
-    /// geometric normal as its shading normal, on a mesh in world space.
-    pub fn flat_surface(&self, object: usize) -> Option<&Surface> {
-        let (info, placed) = (&self.objects[object], &self.geometry.objects[object]);
-        let [_, rest] = self.materials[info.material as usize].constant()?;
-        let normals = &self.geometry.meshes[placed.mesh as usize].attributes().normals;
-        (info.plain && placed.placement.is_none() && normals.is_none()).then_some(rest)
+    /// Returns the surface of object number `object` if it is the same everywhere and in every medium, apart from the
+    /// normals of its mesh.
+    pub fn constant_surface(&self, object: usize) -> Option<&Surface> {
+        let object = &self.objects[object];
+        let [_, rest] = self.materials[object.material as usize].constant()?;
+        object.plain.then_some(rest)
+    }
+
+    /// Returns whether light may pass object number `object`.
+    pub fn transmits(&self, object: usize) -> bool {
+        self.materials[self.objects[object].material as usize].source.model.transmits()
     }
 
     /// Finds the first hits of `rays` in a scene without contacts: see [`Scene::intersect`].

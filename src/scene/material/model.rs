@@ -81,7 +81,7 @@ impl MaterialModel {
     }
 
     /// Returns whether light passes it.
-    pub(super) fn transmits(&self) -> bool {
+    pub(in crate::scene) fn transmits(&self) -> bool {
         match self {
             MaterialModel::Unlit | MaterialModel::Diffuse(_) => false,
             MaterialModel::MetallicRoughness(m) => m.transmission > 0.0 && m.metallic < 1.0,

@@ -17,6 +17,7 @@ mod vertices;
 
 use super::{Combined, PathTracer};
 use crate::accel::{Coherence, RayClass};
+use crate::bsdf::lanes::Parameters;
 use crate::camera::Camera;
 use crate::film::{Layout, PassFilm};
 use crate::geometry::{Hits, PADDING, RayState};
@@ -82,6 +83,8 @@ struct Batch {
     occluded: Vec<bool>,
     /// Light of each pixel.
     colors: Vec<Spectrum>,
+    /// Parameters of varying surfaces in a group of lanes.
+    varying: [Parameters; MOST_LANES],
     capacity: usize,
 }
 
@@ -94,6 +97,7 @@ impl Batch {
             hits: Hits::new(capacity),
             occluded: vec![false; capacity + PADDING],
             colors: vec![Spectrum::ZERO; capacity],
+            varying: [Parameters::default(); MOST_LANES],
             capacity,
         }
     }
@@ -116,7 +120,8 @@ impl<'a, F: Float> BatchedPath<'a, F> {
     /// Returns an idle batch of `capacity` paths, or a new one.
     fn batch(&self, capacity: usize) -> Batch {
         let idle = self.idle.lock().ok().and_then(|mut idle| idle.pop());
-        let has_rare = self.objects.iter().any(|object| object.shader == Shader::Single);
+        let is_rare = |object: &ObjectRow| matches!(object.shader, Shader::Single | Shader::Varying);
+        let has_rare = self.objects.iter().any(is_rare);
         idle.filter(|batch| batch.capacity >= capacity).unwrap_or_else(|| Batch::new(capacity, has_rare))
     }
 

@@ -56,9 +56,11 @@ fn kernels_only() -> Description {
     scene
 }
 
-/// The same with a ball of interpolated normals and a point light, which have none.
+/// The same with mirrors and a point light, which have none, and a shining ball of interpolated normals, about which
+/// lanes are doubtful.
 fn mixed() -> Description {
     let mut scene = kernels_only();
+    Ball::new(1, 0.2).add(&mut scene, DVec3::new(-0.5, 0.3, -0.3), matte(0.6, 1.0));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.1, -0.6, 0.2), metal(0.8, 0.0));
     scene.lights.push(point_light(DVec3::new(-0.5, 0.5, 0.5), 0.5));
     scene

@@ -6,11 +6,14 @@
 use super::lights::LightSamples;
 use super::objects::{ObjectRow, Shader};
 use super::paths::{Paths, Rare, Shadows};
-use super::{Batch, BatchedPath};
-use crate::bsdf::lanes::{LaneConductor, LaneLambert, LaneModel, LanePoint, LaneSample, LaneScatter};
-use crate::bsdf::{Lobes, Shading};
+use super::{Batch, BatchedPath, MOST_LANES};
+use crate::bsdf::lanes::{
+    LaneConductor, LaneLambert, LaneMetalDielectric, LaneModel, LanePoint, LaneSample, LaneScatter, LaneSurface,
+    Parameters,
+};
+use crate::bsdf::{Lobes, Shading, Surface};
 use crate::geometry::lanes::{Meeting, clamped, offset, point_at, rounding_at};
-use crate::geometry::{Hit, Hits, SurfacePoint};
+use crate::geometry::{Bodies, Frame, Hit, Hits, SurfacePoint};
 use crate::integrator::samples::PassNumbers;
 use crate::path::{LONGEST, ROULETTE_FROM, TraceStats, survival_probability};
 use crate::sampling::{Sampler, Slot, power};
@@ -45,13 +48,18 @@ struct Points<F: Float> {
 #[derive(Default)]
 struct Lanes {
     /// With a kernel for the hit point.
-    flat: u32,
+    met: u32,
     /// That emit, of these.
     lit: u32,
     /// That may be culled, of these.
     may_be_culled: u32,
+    /// With shading normals.
+    bent: u32,
+    /// With a surface that is yet to be found.
+    varying: u32,
     lambert: u32,
     conductor: u32,
+    metal_dielectric: u32,
     /// Without a kernel.
     single: u32,
 }
@@ -61,32 +69,63 @@ impl Lanes {
         let mut lanes = Lanes::default();
         for_each_bit(hit.bits(), |lane| {
             let (object, bit) = (&objects[hits.objects[at + lane] as usize], 1 << lane);
-            lanes.flat |= bit;
             match object.shader {
-                Shader::Kernel(LaneModel::Lambert) => lanes.lambert |= bit,
-                Shader::Kernel(LaneModel::Conductor) => lanes.conductor |= bit,
+                Shader::Constant(model) => lanes.add(model, bit),
+                Shader::Varying => lanes.varying |= bit,
                 Shader::Black => {}
                 Shader::Single => {
                     lanes.single |= bit;
-                    lanes.flat &= !bit;
                     return;
                 }
             }
+            lanes.met |= bit;
             lanes.lit |= u32::from(object.emits) << lane;
             lanes.may_be_culled |= u32::from(object.may_be_culled) << lane;
+            lanes.bent |= u32::from(object.has_normals) << lane;
         });
         lanes
+    }
+
+    #[inline(always)]
+    fn add(&mut self, model: LaneModel, bits: u32) {
+        match model {
+            LaneModel::Lambert => self.lambert |= bits,
+            LaneModel::Conductor => self.conductor |= bits,
+            LaneModel::MetalDielectric => self.metal_dielectric |= bits,
+        }
+    }
+
+    /// Those with a model.
+    #[inline(always)]
+    fn scattering(&self) -> u32 {
+        self.lambert | self.conductor | self.metal_dielectric
+    }
+
+    /// Removes lanes from all but the single ones.
+    #[inline(always)]
+    fn remove(&mut self, bits: u32) {
+        for lanes in [
+            &mut self.met,
+            &mut self.lit,
+            &mut self.bent,
+            &mut self.varying,
+            &mut self.lambert,
+            &mut self.conductor,
+            &mut self.metal_dielectric,
+        ] {
+            *lanes &= !bits;
+        }
     }
 }
 
 impl<F: Float> Points<F> {
-    /// Recomputes the hits of a group from the triangles, as [`SurfacePoint::new`] does. Lanes that are not `flat` get
-    /// any values.
+    /// Recomputes the hits of a group from the triangles, as [`SurfacePoint::new`] does. Lanes that have not `met`
+    /// any get any values.
     #[inline(always)]
-    fn new(objects: &[ObjectRow], hits: &Hits, origin: Vec3<F>, group: &Group<F>, flat: u32) -> Self {
-        let some = group.at + flat.trailing_zeros() as usize;
+    fn new(objects: &[ObjectRow], hits: &Hits, origin: Vec3<F>, group: &Group<F>, met: u32) -> Self {
+        let some = group.at + met.trailing_zeros() as usize;
         let corners = |lane: usize| {
-            let at = if flat >> lane & 1 == 1 { group.at + lane } else { some };
+            let at = if met >> lane & 1 == 1 { group.at + lane } else { some };
             &objects[hits.objects[at] as usize].corners[hits.primitives[at] as usize]
         };
         let [ax, ay, az, bx, by, bz, cx, cy] = F::rows(|lane| first_row(corners(lane)));
@@ -133,10 +172,10 @@ impl<F: Float> BatchedPath<'_, F> {
     /// Takes the paths of `batch`, whose hits are found, to their next edges, and collects shadow rays. Adds emission
     /// and the environment to the pixels.
     pub(super) fn vertices(&self, batch: &mut Batch, depth: u32, numbers: impl PassNumbers, tally: &mut TraceStats) {
-        let Batch { paths, next, shadows, hits, colors, .. } = batch;
+        let Batch { paths, next, shadows, hits, colors, varying, .. } = batch;
         next.rays.set_len(0);
         shadows.rays.set_len(0);
-        let mut stage = Stage { all: self, paths, next, shadows, hits, colors, depth, tally };
+        let mut stage = Stage { all: self, paths, next, shadows, hits, colors, varying, depth, tally };
         for at in (0..paths.len()).step_by(F::LANES) {
             stage.group(at, numbers);
         }
@@ -151,6 +190,8 @@ struct Stage<'s, 'a, F: Float> {
     shadows: &'s mut Shadows,
     hits: &'s Hits,
     colors: &'s mut [Spectrum],
+    /// Parameters of varying surfaces, by lane.
+    varying: &'s mut [Parameters; MOST_LANES],
     /// Number of scattering events before this vertex.
     depth: u32,
     tally: &'s mut TraceStats,
@@ -162,15 +203,16 @@ impl<F: Float> Stage<'_, '_, F> {
         let missed = F::Int::load(&self.hits.objects, at).equals(F::Int::splat(Hit::NONE.object));
         for_each_bit((live & missed).bits(), |lane| self.background(at + lane));
         let mut lanes = Lanes::new::<F>(&self.all.objects, self.hits, at, live & !missed);
-        if lanes.flat != 0 {
-            self.flat(at, &mut lanes, numbers);
+        if lanes.met != 0 {
+            self.met(at, &mut lanes, numbers);
         }
-        for_each_bit(lanes.single, |lane| self.single(at + lane, numbers));
+        for_each_bit(lanes.single, |lane| self.single(at + lane, lanes.met >> lane & 1 == 1, numbers));
     }
 
-    /// The lanes of a group that hit flat surfaces. Lanes that kernels cannot finish are added to the single ones.
+    /// The lanes of a group with a kernel for the hit point. Lanes that kernels cannot finish are added to the single
+    /// ones.
     #[inline(always)]
-    fn flat(&mut self, at: usize, lanes: &mut Lanes, numbers: impl PassNumbers) {
+    fn met(&mut self, at: usize, lanes: &mut Lanes, numbers: impl PassNumbers) {
         let group = Group {
             at,
             direction: Vec3::load(&self.paths.rays.direction, at),
@@ -179,85 +221,148 @@ impl<F: Float> Stage<'_, '_, F> {
             pixels: F::Int::load(&self.paths.pixels, at),
         };
         let origin = Vec3::load(&self.paths.rays.origin, at);
-        let points = Points::new(&self.all.objects, self.hits, origin, &group, lanes.flat);
+        let points = Points::new(&self.all.objects, self.hits, origin, &group, lanes.met);
         self.except(&group, &points, lanes);
         for_each_bit(lanes.lit, |lane| self.emission(at + lane, &points, lane));
-        let scattering = lanes.lambert | lanes.conductor;
-        if self.depth < self.all.tracer.max_depth && scattering != 0 {
-            self.scatter(&group, &points, lanes, numbers);
+        if self.depth >= self.all.tracer.max_depth {
+            return;
+        }
+        let n = if lanes.bent | lanes.varying == 0 { points.ng } else { self.resolve(at, &points, lanes) };
+        if lanes.scattering() != 0 {
+            self.scatter(&group, &points, n, lanes, numbers);
         }
     }
 
     /// Removes the lanes that cannot be finished by kernels or have no point.
     #[inline(always)]
     fn except(&mut self, group: &Group<F>, points: &Points<F>, lanes: &mut Lanes) {
-        let mut removed = lanes.flat & !points.valid.bits();
+        let mut removed = lanes.met & !points.valid.bits();
         for_each_bit(removed, |lane| self.background(group.at + lane));
         if self.depth == 0 && lanes.may_be_culled != 0 {
             let back = group.direction.dot(points.ng).above(F::splat(0.0));
-            let culled = lanes.may_be_culled & back.bits();
-            lanes.single |= culled & !removed;
+            let culled = lanes.may_be_culled & back.bits() & !removed;
+            lanes.single |= culled;
             removed |= culled;
         }
-        for_each_bit(lanes.flat & points.outside.bits() & !removed, |lane| self.judge(group.at + lane));
-        lanes.flat &= !removed;
-        lanes.lit &= !removed;
-        lanes.lambert &= !removed;
-        lanes.conductor &= !removed;
+        for_each_bit(lanes.met & points.outside.bits() & !removed, |lane| self.judge(group.at + lane));
+        lanes.remove(removed);
+    }
+
+    /// Finds the varying surfaces of a group, and returns its shading normals.
+    #[inline(never)]
+    fn resolve(&mut self, at: usize, points: &Points<F>, lanes: &mut Lanes) -> Vec3<F> {
+        let mut normals = [glam::Vec3::ZERO; MOST_LANES];
+        for lane in 0..F::LANES {
+            normals[lane] = points.ng.lane(lane).into();
+        }
+        let geometry = self.all.tracer.scene.geometry();
+        for_each_bit(lanes.bent | lanes.varying, |lane| {
+            let (hit, ng) = (self.hits.hit(at + lane), normals[lane]);
+            let barycentric = points.barycentric.map(|x| x.lane(lane));
+            if lanes.bent >> lane & 1 == 1 {
+                normals[lane] = SurfacePoint::shading_normal(geometry, hit, barycentric, ng);
+            }
+            if lanes.varying >> lane & 1 == 1 {
+                let (p, error) = (points.p.lane(lane).into(), points.error.lane(lane));
+                let frame = Frame::around(normals[lane]);
+                let (touching, consistent, t) = (false, true, 0.0);
+                let mut point = SurfacePoint { p, error, ng, frame, barycentric, hit, t, touching, consistent };
+                self.find(at, lane, &mut point, lanes);
+                normals[lane] = point.frame.n;
+            }
+        });
+        Vec3::from_array([0, 1, 2].map(|axis| F::from_fn(|lane| normals[lane][axis])))
+    }
+
+    /// Finds the varying surface at `point` in `lane`, and sets the shading frame.
+    #[inline(always)]
+    fn find(&mut self, at: usize, lane: usize, point: &mut SurfacePoint, lanes: &mut Lanes) {
+        let bodies = self.paths.rare.get(at + lane).map_or(Bodies::NONE, |rare| rare.state.bodies);
+        let surface = self.all.tracer.scene.surface(point, bodies);
+        match LaneSurface::new(&surface) {
+            Some(LaneSurface { model, parameters }) => {
+                lanes.add(model, 1 << lane);
+                self.varying[lane] = parameters;
+            }
+            None if matches!(*surface, Surface::Black) => {}
+            None => lanes.single |= 1 << lane,
+        }
     }
 
     /// Light sampling, and the next edge, in the lanes with a model.
     #[inline(always)]
-    fn scatter(&mut self, group: &Group<F>, points: &Points<F>, lanes: &mut Lanes, numbers: impl PassNumbers) {
-        let point = LanePoint::new(points.ng, -group.direction);
+    fn scatter(
+        &mut self,
+        group: &Group<F>,
+        points: &Points<F>,
+        n: Vec3<F>,
+        lanes: &mut Lanes,
+        numbers: impl PassNumbers,
+    ) {
+        let point = LanePoint::new([n, points.ng], -group.direction);
+        let with_model = F::Mask::from_bits(lanes.scattering());
+        let scatters = with_model & point.scatters;
         let mut sampler = numbers.of_keys(group.keys);
-        let pick = sampler.u1(self.depth, Slot::LightPick);
-        let u = sampler.u2(self.depth, Slot::LightPoint);
-        let scatters = F::Mask::from_bits(lanes.lambert | lanes.conductor) & point.scatters();
+        let light = (sampler.u1(self.depth, Slot::LightPick), sampler.u2(self.depth, Slot::LightPoint));
         let (lights, rows) = (self.all.tracer.scene.lights(), &self.all.lights);
-        let light = LightSamples::new(lights, rows, [points.p, points.ng], scatters, (pick, u));
-        let u = sampler.u2(self.depth, Slot::Direction);
-        let (value, sample) = match (lanes.lambert != 0, lanes.conductor != 0) {
-            (true, false) => self.model::<LaneLambert<F>>(group, &point, &light, u, lanes.lambert),
-            (false, _) => self.model::<LaneConductor<F>>(group, &point, &light, u, lanes.conductor),
-            (true, true) => {
-                let a = self.model::<LaneLambert<F>>(group, &point, &light, u, lanes.lambert);
-                let b = self.model::<LaneConductor<F>>(group, &point, &light, u, lanes.conductor);
-                merged(F::Mask::from_bits(lanes.conductor), a, b)
-            }
-        };
-        let doubtful = scatters & sample.doubtful;
+        let light = LightSamples::new(lights, rows, [points.p, points.ng], scatters, light);
+        let lobe = if lanes.metal_dielectric != 0 { sampler.u1(self.depth, Slot::Lobe) } else { F::splat(0.0) };
+        let [u, v] = sampler.u2(self.depth, Slot::Direction);
+        let event = Event { group, point: &point, light: &light, u: [lobe, u, v], varying: lanes.varying };
+        let outcome = self.outcome(&event, lanes);
+        let doubtful = with_model & (point.doubtful | (scatters & outcome.doubtful));
         lanes.single |= doubtful.bits();
         let kept = scatters & !doubtful;
-        self.shadow(group, points, &light, &value, kept);
-        self.depart(group, points, &sample, kept & sample.valid, sampler);
+        self.shadow(group, points, &light, &outcome, kept);
+        self.depart(group, points, &outcome.sample, kept & outcome.sample.valid, sampler);
     }
 
-    /// Scattering by one model: the contribution of the light samples, with the lanes in which there is one, and the
-    /// sampled directions.
+    /// Scattering by all models of a group.
     #[inline(always)]
-    fn model<M: LaneScatter<F>>(
-        &self,
-        group: &Group<F>,
-        point: &LanePoint<F>,
-        light: &LightSamples<F>,
-        u: [F; 2],
-        lanes: u32,
-    ) -> (Contribution<F>, LaneSample<F>) {
-        let some = group.at + lanes.trailing_zeros() as usize;
-        let parameters = F::rows(|lane| {
-            let at = if lanes >> lane & 1 == 1 { group.at + lane } else { some };
-            &self.all.objects[self.hits.objects[at] as usize].parameters
-        });
-        let model = M::of(parameters);
-        let scattering = model.scattering(point, light.wi);
+    fn outcome(&self, event: &Event<F>, lanes: &Lanes) -> Outcome<F> {
+        let mut outcome = None;
+        let mut add = |bits: u32, of: Outcome<F>| {
+            let merged = outcome.map_or(of, |before: Outcome<F>| before.merged(F::Mask::from_bits(bits), of));
+            outcome = Some(merged);
+        };
+        if lanes.lambert != 0 {
+            add(lanes.lambert, self.model::<LaneLambert<F>>(event, lanes.lambert));
+        }
+        if lanes.conductor != 0 {
+            add(lanes.conductor, self.model::<LaneConductor<F>>(event, lanes.conductor));
+        }
+        if lanes.metal_dielectric != 0 {
+            add(lanes.metal_dielectric, self.model::<LaneMetalDielectric<F>>(event, lanes.metal_dielectric));
+        }
+        match outcome {
+            Some(outcome) => outcome,
+            None => unreachable!("a group is scattered only if a lane has a model"),
+        }
+    }
+
+    /// Scattering by one model in the given lanes; the others get any values.
+    #[inline(always)]
+    fn model<M: LaneScatter<F>>(&self, event: &Event<F>, lanes: u32) -> Outcome<F> {
+        let Event { group, point, light, u, varying } = *event;
+        let some = lanes.trailing_zeros() as usize;
+        let parameters = |lane: usize| {
+            let lane = if lanes >> lane & 1 == 1 { lane } else { some };
+            if varying >> lane & 1 == 1 {
+                &self.varying[lane]
+            } else {
+                &self.all.objects[self.hits.objects[group.at + lane] as usize].parameters
+            }
+        };
+        let model = M::new(|row| F::rows(|lane| &parameters(lane)[row]), point);
+        let (scattering, sample) = (model.scattering(point, light.wi), model.sampled(point, u));
         let one = F::splat(1.0);
         let weight = F::select(light.dirac, one, power(light.density, scattering.pdf)) / light.density;
-        let contribution = Contribution {
+        Outcome {
             light: group.beta * scattering.f_cos * light.radiance * weight,
-            valid: light.valid & scattering.valid,
-        };
-        (contribution, model.sampled(point, u))
+            lit: light.valid & scattering.valid,
+            sample,
+            doubtful: (light.valid & scattering.doubtful) | sample.doubtful,
+        }
     }
 
     /// Collects the shadow rays of the `kept` lanes.
@@ -267,17 +372,17 @@ impl<F: Float> Stage<'_, '_, F> {
         group: &Group<F>,
         points: &Points<F>,
         light: &LightSamples<F>,
-        value: &Contribution<F>,
+        outcome: &Outcome<F>,
         kept: F::Mask,
     ) {
-        let mask = kept & value.valid;
+        let mask = kept & outcome.lit;
         let rays = light.rays(points.p, points.error, points.ng);
         let shadows = &mut *self.shadows;
         let at = shadows.rays.len();
         rays.origin.pack(mask, &mut shadows.rays.origin, at);
         rays.direction.pack(mask, &mut shadows.rays.direction, at);
         rays.t_max.pack(mask, &mut shadows.rays.t_max, at);
-        value.light.pack(mask, &mut shadows.light, at);
+        outcome.light.pack(mask, &mut shadows.light, at);
         group.pixels.pack(mask, &mut shadows.pixels, at);
         shadows.rays.set_len(at + mask.bits().count_ones() as usize);
     }
@@ -376,60 +481,79 @@ impl<F: Float> Stage<'_, '_, F> {
         self.tally.bad_hits += u64::from(is_bad);
     }
 
-    /// Takes path number `at` to its next edge by the code of single paths.
-    fn single(&mut self, at: usize, numbers: impl PassNumbers) {
+    /// Takes path number `at` to its next edge by the code of single paths. If it `has_met` its surface, it has got the
+    /// emission.
+    fn single(&mut self, at: usize, has_met: bool, numbers: impl PassNumbers) {
         let (tracer, key, pixel) = (&self.all.tracer, self.paths.keys[at], self.paths.pixels[at]);
         let scene = tracer.scene;
         let mut walk = self.paths.walk(scene, at, self.depth);
         let sampler = &mut numbers.of_keys(key);
-        let point = SurfacePoint::new(scene.geometry(), self.hits.hit(at), &walk.ray);
-        let color = &mut self.colors[pixel as usize];
-        let Some(mut point) = walk.arrived(point, sampler, self.tally) else {
-            *color += tracer.background(&walk);
-            return;
-        };
-        *color += tracer.emitted(&walk, point.hit, point.p, point.barycentric);
-        if walk.depth >= tracer.max_depth {
-            return;
+        let mut point = SurfacePoint::new(scene.geometry(), self.hits.hit(at), &walk.ray);
+        if !has_met {
+            point = walk.arrived(point, sampler, self.tally);
+            self.colors[pixel as usize] += match &point {
+                Some(point) => tracer.emitted(&walk, point.hit, point.p, point.barycentric),
+                None => tracer.background(&walk),
+            };
         }
-        let surface = scene.surface(&mut point, walk.ray.state.bodies);
+        let Some(point) = &mut point.filter(|_| walk.depth < tracer.max_depth) else { return };
+        let surface = scene.surface(point, walk.ray.state.bodies);
         let wo = -walk.ray.direction;
-        let Some(shading) = &Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return };
+        let Some(shading) = &Shading::new(point, &surface, wo, TransportMode::Radiance) else { return };
         if shading.lobes().intersects(Lobes::SMOOTH) {
             if let Some((edge, light)) = &tracer.light_sample(shading, &walk, sampler) {
                 self.shadows.push(edge.ray(), *light, pixel);
             }
         }
         let Some(scatter) = &shading.sample(walk.scattering_numbers(&surface, sampler)) else { return };
-        walk.depart(&point, scatter);
+        walk.depart(point, scatter);
         if walk.survives(sampler, self.tally) {
             self.next.push(&walk, key, pixel);
         }
     }
 }
 
-/// What light samples contribute if nothing blocks them.
+/// A scattering event in each lane of a group.
 #[derive(Clone, Copy)]
-struct Contribution<F: Float> {
-    light: Spectrum<F>,
-    valid: F::Mask,
+struct Event<'e, F: Float> {
+    group: &'e Group<F>,
+    point: &'e LanePoint<F>,
+    light: &'e LightSamples<F>,
+    /// Numbers of the lobe and of the direction.
+    u: [F; 3],
+    /// Lanes whose parameters vary.
+    varying: u32,
 }
 
-/// Returns `b` in the lanes of `mask`, else `a`.
-#[inline(always)]
-fn merged<F: Float>(
-    mask: F::Mask,
-    (a, x): (Contribution<F>, LaneSample<F>),
-    (b, y): (Contribution<F>, LaneSample<F>),
-) -> (Contribution<F>, LaneSample<F>) {
-    let either = |b: F::Mask, a: F::Mask| (mask & b) | (!mask & a);
-    let light = Spectrum::select(mask, b.light, a.light);
-    let sample = LaneSample {
-        direction: Vec3::select(mask, y.direction, x.direction),
-        weight: Spectrum::select(mask, y.weight, x.weight),
-        pdf: F::select(mask, y.pdf, x.pdf),
-        valid: either(y.valid, x.valid),
-        doubtful: either(y.doubtful, x.doubtful),
-    };
-    (Contribution { light, valid: either(b.valid, a.valid) }, sample)
+/// What comes of a scattering event.
+#[derive(Clone, Copy)]
+struct Outcome<F: Float> {
+    /// Contribution of the light sample if nothing blocks it.
+    light: Spectrum<F>,
+    /// Lanes in which there is one.
+    lit: F::Mask,
+    sample: LaneSample<F>,
+    /// Lanes that the kernel does not answer.
+    doubtful: F::Mask,
+}
+
+impl<F: Float> Outcome<F> {
+    /// Returns `other` in the lanes of `mask`, else this one.
+    #[inline(always)]
+    fn merged(self, mask: F::Mask, other: Self) -> Self {
+        let either = |yes: F::Mask, no: F::Mask| (mask & yes) | (!mask & no);
+        let (x, y) = (&self.sample, &other.sample);
+        Outcome {
+            light: Spectrum::select(mask, other.light, self.light),
+            lit: either(other.lit, self.lit),
+            sample: LaneSample {
+                direction: Vec3::select(mask, y.direction, x.direction),
+                weight: Spectrum::select(mask, y.weight, x.weight),
+                pdf: F::select(mask, y.pdf, x.pdf),
+                valid: either(y.valid, x.valid),
+                doubtful: either(y.doubtful, x.doubtful),
+            },
+            doubtful: either(other.doubtful, self.doubtful),
+        }
+    }
 }
