@@ -76,7 +76,7 @@ impl<F: Float> Vec3<F> {
     /// Returns the vector of `lane`.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> [f32; 3] {
-        self.to_array().map(|x| x.lane(lane))
+        [self.x.lane(lane), self.y.lane(lane), self.z.lane(lane)]
     }
 
     /// Loads consecutive vectors from `at` on.

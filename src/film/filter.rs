@@ -134,8 +134,11 @@ impl FilterSampler {
         let one = F::splat(1.0);
         match &self.shape {
             Shape::Box => [u - F::splat(0.5), v - F::splat(0.5)],
-            Shape::Tent => [u, v].map(|u| mirrored(u, |v| one - (one - v).sqrt())),
-            Shape::Table(table) => [u, v].map(|u| mirrored(u, |v| interpolate(table, v))),
+            Shape::Tent => {
+                let half = |v: F| one - (one - v).sqrt();
+                [mirrored(u, half), mirrored(v, half)]
+            }
+            Shape::Table(table) => [mirrored(u, |v| interpolate(table, v)), mirrored(v, |v| interpolate(table, v))],
         }
     }
 }

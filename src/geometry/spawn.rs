@@ -63,7 +63,8 @@ pub fn leave(p: Vec3, error: f32, ng: Vec3, touched: Hit, direction: Vec3) -> Ra
 #[inline]
 pub fn spawn_segment(p: Vec3, error: f32, ng: Vec3, to: Vec3, to_error: f32, to_ng: Vec3) -> Ray {
     let [origin, direction] = if to_error > 0.0 {
-        segment([p, ng].map(Into::into), error, [to, to_ng].map(Into::into), to_error).map(Vec3::from)
+        let [origin, direction] = segment([p.into(), ng.into()], error, [to.into(), to_ng.into()], to_error);
+        [origin.into(), direction.into()]
     } else {
         let origin = moved(p, error, ng, to - p);
         [origin, to - origin]

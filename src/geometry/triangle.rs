@@ -66,11 +66,9 @@ impl Triangle {
     /// that the point always lies on the triangle. `None` only for a triangle without area or a ray in its plane.
     #[inline]
     pub fn meet(&self, ray: &Ray) -> Option<TriangleHit> {
-        let meeting = Meeting::new(
-            self.vertices.map(|v| v.as_dvec3().into()),
-            ray.origin.as_dvec3().into(),
-            ray.direction.as_dvec3().into(),
-        );
+        let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
+        let meeting =
+            Meeting::new([a.into(), b.into(), c.into()], ray.origin.as_dvec3().into(), ray.direction.as_dvec3().into());
         let Meeting { u, v, t, normal, inverse, .. } = meeting;
         if !inverse.is_finite() {
             return None;
@@ -80,8 +78,8 @@ impl Triangle {
             let bound = self.backend_slack(s, e1, e2) * ray.direction.as_dvec3().length() * inverse.abs();
             meeting.outside_by() <= bound
         };
-        let [u, v] = clamped([u, v]).map(|x| x as f32);
-        Some(TriangleHit { barycentric: [u, v], t: t as f32, normal: normal.into(), consistent })
+        let [u, v] = clamped([u, v]);
+        Some(TriangleHit { barycentric: [u as f32, v as f32], t: t as f32, normal: normal.into(), consistent })
     }
 
     /// Error bound of a backend's edge functions, without the factors |d| and 1 / det: 8 roundings of products of
@@ -100,14 +98,16 @@ impl Triangle {
     /// relative to the distance to the farthest vertex, which is at most the sum of the edges.
     #[inline]
     pub fn point(&self, barycentric: [f32; 2]) -> (Vec3, f32) {
-        let p = point_at(self.vertices.map(Into::into), barycentric).into();
+        let [a, b, c] = self.vertices;
+        let p = point_at([a.into(), b.into(), c.into()], barycentric).into();
         (p, self.error_at(p))
     }
 
     /// Returns the offset of [`Triangle::point`] for its point `p`.
     #[inline]
     pub fn error_at(&self, p: Vec3) -> f32 {
-        rounding_at(self.vertices.map(Into::into), p.into()) + self.placement_error
+        let [a, b, c] = self.vertices;
+        rounding_at([a.into(), b.into(), c.into()], p.into()) + self.placement_error
     }
 
     /// Returns the maximum of [`Triangle::error_at`] over the triangle.

@@ -124,7 +124,8 @@ fn mix<V>(values: &[V], corners: [u32; 3], barycentric: [f32; 2]) -> V
 where
     V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>,
 {
-    let [a, b, c] = corners.map(|i| values[i as usize]);
+    let [a, b, c] = corners;
+    let (a, b, c) = (values[a as usize], values[b as usize], values[c as usize]);
     let [u, v] = barycentric;
     a * (1.0 - u - v) + b * u + c * v
 }

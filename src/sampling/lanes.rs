@@ -6,7 +6,8 @@ use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 /// Maps `u` to the unit disk by the concentric map: signed radius and unit direction [Shirley97].
 #[inline(always)]
 pub fn concentric_polar<F: Float>(u: [F; 2]) -> (F, [F; 2]) {
-    let [a, b] = u.map(|x| F::splat(2.0) * x - F::splat(1.0));
+    let centred = |x: F| F::splat(2.0) * x - F::splat(1.0);
+    let (a, b) = (centred(u[0]), centred(u[1]));
     let wide = a.abs().above(b.abs());
     let (radius, other) = (F::select(wide, a, b), F::select(wide, b, a));
     let ratio = F::select(radius.abs().above(F::splat(0.0)), other / radius, F::splat(0.0));

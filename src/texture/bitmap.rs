@@ -3,6 +3,7 @@
 use super::Encoding;
 use super::block_extremes::{self, Stored};
 use crate::huge_vec::HugeVec;
+use glam::Vec4;
 use std::sync::{LazyLock, OnceLock};
 
 /// Stored texels, row by row from the top.
@@ -51,9 +52,8 @@ fn srgb_to_linear(x: f32) -> f32 {
 }
 
 #[inline]
-fn linear8(texel: [u8; 4], colors: &[f32; 256]) -> [f32; 4] {
-    let [r, g, b, a] = texel.map(usize::from);
-    [colors[r], colors[g], colors[b], LINEAR8[a]]
+fn linear8([r, g, b, a]: [u8; 4], colors: &[f32; 256]) -> [f32; 4] {
+    [colors[usize::from(r)], colors[usize::from(g)], colors[usize::from(b)], LINEAR8[usize::from(a)]]
 }
 
 #[inline]
@@ -116,17 +116,27 @@ impl Bitmap {
 
     /// Returns the linear values at the four crossings of two columns and two rows: `[row][column]`.
     #[inline]
-    pub fn crossing(&self, columns: [u32; 2], rows: [u32; 2], encoding: Encoding) -> [[[f32; 4]; 2]; 2] {
-        let width = self.width as usize;
-        let at = rows.map(|y| columns.map(|x| y as usize * width + x as usize));
+    pub fn crossing(&self, columns: [u32; 2], rows: [u32; 2], encoding: Encoding) -> [[Vec4; 2]; 2] {
         match (&self.texels, encoding) {
-            (Texels::Rgba8(t), Encoding::Linear) => at.map(|row| row.map(|i| linear8(t[i], &LINEAR8))),
+            (Texels::Rgba8(t), Encoding::Linear) => self.four(columns, rows, |i| linear8(t[i], &LINEAR8)),
             (Texels::Rgba8(t), Encoding::Srgb) => {
                 let colors = &*SRGB8;
-                at.map(|row| row.map(|i| linear8(t[i], colors)))
+                self.four(columns, rows, |i| linear8(t[i], colors))
             }
-            (Texels::Rgba16(t), _) => at.map(|row| row.map(|i| linear16(t[i], encoding))),
+            (Texels::Rgba16(t), _) => self.four(columns, rows, |i| linear16(t[i], encoding)),
         }
+    }
+
+    // Written out, since `std::array::map` is not always inlined.
+    #[inline(always)]
+    fn four(
+        &self,
+        [left, right]: [u32; 2],
+        [top, bottom]: [u32; 2],
+        texel: impl Fn(usize) -> [f32; 4],
+    ) -> [[Vec4; 2]; 2] {
+        let at = |x: u32, y: u32| Vec4::from(texel(y as usize * self.width as usize + x as usize));
+        [[at(left, top), at(right, top)], [at(left, bottom), at(right, bottom)]]
     }
 
     /// Returns the stored value of texel (x, y), 8 or 16 bits per channel.

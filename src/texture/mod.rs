@@ -9,7 +9,7 @@ pub use bitmap::{Bitmap, Texels};
 pub use extremes::Extremes;
 pub use radiance_map::RadianceMap;
 
-use glam::{Affine2, Vec2};
+use glam::{Affine2, Vec2, Vec4};
 use std::sync::Arc;
 
 /// Encoding of stored values. Alpha is always linear.
@@ -74,8 +74,9 @@ impl Texture {
                 let base = q.floor();
                 let f = q - base;
                 let (columns, rows) = ([column(base.x), column(base.x + 1.0)], [row(base.y), row(base.y + 1.0)]);
-                let mix = |[a, b]: [[f32; 4]; 2], t: f32| std::array::from_fn(|i| a[i] + (b[i] - a[i]) * t);
-                mix(self.image.crossing(columns, rows, self.encoding).map(|row| mix(row, f.x)), f.y)
+                let mix = |[a, b]: [Vec4; 2], t: f32| a + (b - a) * t;
+                let [above, below] = self.image.crossing(columns, rows, self.encoding);
+                mix([mix(above, f.x), mix(below, f.x)], f.y).to_array()
             }
         }
     }

@@ -26,6 +26,8 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("agreement", "bodies::panes_transmit_area_and_directional_lights"),
     of("agreement", "bodies::environment_behind_panes_is_counted_once"),
     of("lib", "sampling::sobol::tests::slots_and_replicates_are_not_correlated"),
+    of("lib", "integrator::path::batch::tests::batches_have_the_bits_of_single_paths"),
+    of("lib", "bsdf::lanes::tests::lanes_scatter_about_shading_normals_as_shading_does"),
     of("lib", "sampling::table::tests::choices_agree_with_their_probability_at_every_boundary"),
     of("lib", "sampling::table::tests::probabilities_sum_to_one_and_zero_weights_are_never_chosen"),
     of("lib", "geometry::world::tests::placed_normals_stay_perpendicular"),

@@ -182,7 +182,8 @@ impl<'a, F: Float> BatchedPath<'a, F> {
         let index = |[x, y]: [u32; 2]| u64::from(y) * u64::from(layout.width) + u64::from(x);
         let indices = filled([0; MOST_LANES], |lane| index(of(lane)));
         let keys = numbers.keys(F::Long::load(&indices, 0));
-        let position = [0, 1].map(|axis| F::from_fn(|lane| of(lane)[axis] as f32));
+        let position = |axis: usize| F::from_fn(|lane| of(lane)[axis] as f32);
+        let position = [position(0), position(1)];
         let Some(([origin, direction], medium)) = self.samples.camera_rays(position, &mut numbers.of_keys(keys)) else {
             return false;
         };

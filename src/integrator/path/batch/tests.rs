@@ -10,7 +10,7 @@ use crate::integrator::scenes::worlds::{self, World};
 use crate::integrator::{Integrator, IntegratorConfig, Method, PassReport};
 use crate::parallel::Cancel;
 use crate::sampling::SamplerKind;
-use crate::scene::description::Description;
+use crate::scene::description::{Description, Material};
 use crate::scene::{BuildOptions, Scene};
 use etendue_lanes::{Array, Float, Native};
 use glam::{DVec3, Vec3};
@@ -45,12 +45,14 @@ fn options(sampler: SamplerKind, max_depth: Option<u32>) -> IntegratorConfig {
     IntegratorConfig { crop, sampler, max_depth, filter: Filter::Tent, ..IntegratorConfig::new(Method::Path, &layout) }
 }
 
-/// A room of flat surfaces that all have kernels: matte walls, metals, a lamp.
+/// A room of flat surfaces that all have kernels: matte walls, metals, one that the camera sees from behind, a lamp.
 fn kernels_only() -> Description {
     let mut scene = Description::default();
     add_room(&mut scene, &matte(0.7, 0.0));
     add_square(&mut scene, Vec3::new(-0.3, -0.6, 0.0), Vec3::X * 0.3, Vec3::Y * 0.3, metal(0.9, 0.5));
     add_square(&mut scene, Vec3::new(0.4, -0.5, -0.2), Vec3::X * 0.3, Vec3::Y * 0.4, metal(0.7, 0.15));
+    let single_sided = Material { double_sided: false, ..matte(0.5, 0.0) };
+    add_square(&mut scene, Vec3::new(0.3, 0.3, 0.2), Vec3::Y * 0.2, Vec3::X * 0.2, single_sided);
     add_square(&mut scene, Vec3::new(0.0, 0.9, 0.0), Vec3::X * 0.2, Vec3::Z * 0.2, matte(0.0, 8.0));
     scene.cameras.push(camera(DVec3::new(0.1, 0.0, 0.9), DVec3::new(0.0, -0.2, 0.0)));
     scene

@@ -145,6 +145,12 @@ impl<F: Float> Points<F> {
             outside: outside.above(zero),
         }
     }
+
+    /// Returns the barycentric weights of `lane`.
+    #[inline(always)]
+    fn weights(&self, lane: usize) -> [f32; 2] {
+        [self.barycentric[0].lane(lane), self.barycentric[1].lane(lane)]
+    }
 }
 
 #[inline(always)]
@@ -258,7 +264,7 @@ impl<F: Float> Stage<'_, '_, F> {
         let geometry = self.all.tracer.scene.geometry();
         for_each_bit(lanes.bent | lanes.varying, |lane| {
             let (hit, ng) = (self.hits.hit(at + lane), normals[lane]);
-            let barycentric = points.barycentric.map(|x| x.lane(lane));
+            let barycentric = points.weights(lane);
             if lanes.bent >> lane & 1 == 1 {
                 normals[lane] = SurfacePoint::shading_normal(geometry, hit, barycentric, ng);
             }
@@ -271,7 +277,8 @@ impl<F: Float> Stage<'_, '_, F> {
                 normals[lane] = point.frame.n;
             }
         });
-        Vec3::from_array([0, 1, 2].map(|axis| F::from_fn(|lane| normals[lane][axis])))
+        let column = |axis: usize| F::from_fn(|lane| normals[lane][axis]);
+        Vec3::new(column(0), column(1), column(2))
     }
 
     /// Finds the varying surface at `point` in `lane`, and sets the shading frame.
@@ -468,7 +475,7 @@ impl<F: Float> Stage<'_, '_, F> {
     /// Adds the emission of the triangle that path number `at` meets, in `lane` of `points`.
     fn emission(&mut self, at: usize, points: &Points<F>, lane: usize) {
         let walk = self.paths.walk(self.all.tracer.scene, at, self.depth);
-        let barycentric = points.barycentric.map(|x| x.lane(lane));
+        let barycentric = points.weights(lane);
         let light = self.all.tracer.emitted(&walk, self.hits.hit(at), points.p.lane(lane).into(), barycentric);
         self.colors[self.paths.pixels[at] as usize] += light;
     }
