@@ -187,6 +187,8 @@ pub trait Float:
     fn equals(self, other: Self) -> Self::Mask;
     /// Whether `self` < `other`; false for NaN.
     fn below(self, other: Self) -> Self::Mask;
+    /// Whether `self` ≤ `other`; false for NaN.
+    fn at_most(self, other: Self) -> Self::Mask;
     /// Whether `self` > `other`; false for NaN.
     #[inline(always)]
     fn above(self, other: Self) -> Self::Mask {

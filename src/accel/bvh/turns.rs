@@ -144,10 +144,10 @@ mod tests {
         }
         scene.closest_all(&rays, Coherence::Incoherent, any, &mut hits);
         scene.occluded_all(&rays, Coherence::Incoherent, any, &mut occluded);
-        for at in 0..count {
+        for (at, &occluded) in occluded[..count].iter().enumerate() {
             let ray = rays.ray(at);
             assert_eq!(hits.hit(at), scene.closest(&ray, any).unwrap_or(Hit::NONE), "{at} of {count}");
-            assert_eq!(occluded[at], scene.occluded(&ray, any), "{at} of {count}");
+            assert_eq!(occluded, scene.occluded(&ray, any), "{at} of {count}");
         }
         occluded[..count].iter().filter(|&&occluded| occluded).count()
     }
