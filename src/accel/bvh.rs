@@ -1,6 +1,6 @@
 //! The pure-Rust backend: trees built by obvhs (PLOC with parallel reinsertion) and made eight-wide, with a traversal
-//! and a watertight triangle test of our own. It needs no C library and is as portable as Rust. Its results equal those of
-//! [`super::embree`] except for ties.
+//! and a watertight triangle test of our own. It needs no C library and is as portable as Rust. Its results equal those
+//! of [`super::embree`] except for ties.
 //!
 //! Objects without a placement share one tree of world-space triangles. Placed objects are leaves of a second tree; the
 //! ray is transformed to the space of their mesh's own tree, with unchanged parameter.

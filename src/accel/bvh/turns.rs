@@ -1,8 +1,8 @@
-//! The rays of a batch walk through a tree in turns, a step each: while one waits for memory, others go on. Each takes the
-//! steps that it would take alone.
+//! The rays of a batch walk through a tree in turns, a step each: while one waits for memory, others go on. Each takes
+//! the steps that it would take alone.
 //!
-//! This pays only if the tree is much larger than the caches: see [`LARGE`]. Where steps do not wait, a branch of a ray is
-//! harder to predict between those of others.
+//! This pays only if the tree is much larger than the caches: see [`LARGE`]. Where steps do not wait, a branch of a ray
+//! is harder to predict between those of others.
 
 use super::block::Block;
 use super::ray::{Query, Slabs};
@@ -13,11 +13,11 @@ use crate::geometry::{Ray, Rays};
 use arrayvec::ArrayVec;
 use std::ops::ControlFlow::{self, Continue};
 
-/// Number of rays that walk in turns. On the landscape of two million triangles, 8 take 3 to 8 % more time, and 16 the
+/// Number of rays that walk in turns. On the landscape of two million triangles, 8 take 2 to 5 % more time, and 16 the
 /// same.
 const IN_TURNS: usize = 12;
 
-/// Bytes of a mesh and its tree above which turns pay, measured with a second-level cache of 1 MB and a third of 32 MB
+/// Bytes of a mesh and its tree above which rays walk in turns, by measurements with 32 MB of third-level cache
 /// (docs/measurements.md, Rays).
 pub(super) const LARGE: usize = 16 << 20;
 
