@@ -1,8 +1,8 @@
 //! The rays of a batch walk through a tree in turns, a step each: while one waits for memory, others go on. Each takes
 //! the steps that it would take alone.
 //!
-//! This pays only if the tree is much larger than the caches: see [`LARGE`]. Where steps do not wait, a branch of a ray
-//! is harder to predict between those of others.
+//! This pays only if the tree is much larger than the caches: see [`LARGE`]. In small trees bounce rays take a third more
+//! time than one after the other.
 
 use super::block::Block;
 use super::ray::{Query, Slabs};
