@@ -249,6 +249,10 @@ impl<const K: usize> Float for Array<K> {
         Masks(from_fn(|i| self.0[i] < other.0[i]))
     }
     #[inline(always)]
+    fn at_most(self, other: Self) -> Masks<K> {
+        Masks(from_fn(|i| self.0[i] <= other.0[i]))
+    }
+    #[inline(always)]
     fn select(mask: Masks<K>, yes: Self, no: Self) -> Self {
         Array(from_fn(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
     }

@@ -409,6 +409,10 @@ impl Float for Avx8 {
         Masks(avx!(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)))
     }
     #[inline(always)]
+    fn at_most(self, other: Self) -> Masks {
+        Masks(avx!(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)))
+    }
+    #[inline(always)]
     fn select(mask: Masks, yes: Self, no: Self) -> Self {
         Avx8(avx!(_mm256_blendv_ps(no.0, yes.0, mask.0)))
     }

@@ -7,17 +7,19 @@
 //! Use it where profiles show that a computation over many values dominates. LLVM does not vectorise such kernels by
 //! itself, and arrays take 15 % more time than registers on the Cornell box. The crate `wide` takes as long as arrays
 //! there, since it multiplies 64-bit integers lane by lane. This is why the crate exists. Its `unsafe` code is in
-//! `avx8.rs`: calls of AVX2 instructions in builds that target AVX2.
+//! `avx8.rs`, calls of AVX2 instructions in builds that target AVX2, and in `prefetch.rs`.
 
 mod array;
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2", target_feature = "fma"))]
 mod avx8;
 mod one;
+mod prefetch;
 mod vector;
 
 pub use array::Array;
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2", target_feature = "fma"))]
 pub use avx8::Avx8;
+pub use prefetch::prefetch;
 pub use vector::Vec3;
 
 use std::fmt::Debug;
@@ -185,6 +187,8 @@ pub trait Float:
     fn equals(self, other: Self) -> Self::Mask;
     /// Whether `self` < `other`; false for NaN.
     fn below(self, other: Self) -> Self::Mask;
+    /// Whether `self` ≤ `other`; false for NaN.
+    fn at_most(self, other: Self) -> Self::Mask;
     /// Whether `self` > `other`; false for NaN.
     #[inline(always)]
     fn above(self, other: Self) -> Self::Mask {

@@ -76,6 +76,7 @@ fn everything<F: Float>() -> Vec<Vec<u64>> {
         wide(floats::<F>(|a, b, c| F::select(a.below(b), c, a))),
         wide(floats::<F>(|a, b, c| F::select((a - b).equals(F::splat(0.0)) | a.equals(a.abs()), c, a))),
         wide(floats::<F>(|a, b, c| F::select(!a.above(b) & b.below(c) | c.below(a), c, a))),
+        wide(floats::<F>(|a, b, c| F::select(a.at_most(b) | a.at_most(a.abs()), c, a))),
         wide(floats::<F>(|a, b, _| F::in_double([a, b], doubled)[0])),
         wide(floats::<F>(|a, b, _| F::in_double([a, b], doubled)[1])),
         wide(floats::<F>(|a, _, _| as_float(a.abs().min(F::splat(1e6)).to_int()))),

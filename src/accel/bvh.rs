@@ -1,6 +1,6 @@
 //! The pure-Rust backend: trees built by obvhs (PLOC with parallel reinsertion) and made eight-wide, with a traversal
-//! and a watertight triangle test of our own. It needs no C library and is as portable as Rust. Its results equal those of
-//! [`super::embree`] except for ties.
+//! and a watertight triangle test of our own. It needs no C library and is as portable as Rust. Its results equal those
+//! of [`super::embree`] except for ties.
 //!
 //! Objects without a placement share one tree of world-space triangles. Placed objects are leaves of a second tree; the
 //! ray is transformed to the space of their mesh's own tree, with unchanged parameter.
@@ -20,10 +20,11 @@ mod node;
 mod ray;
 mod stack;
 mod tree;
+mod turns;
 
-use crate::accel::{Build, Intersector, placed};
+use crate::accel::{Build, Coherence, Intersector, placed};
 use crate::error::Result;
-use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Ray, placement_error};
+use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Hits, Ray, Rays, placement_error};
 use crate::huge_vec::HugeVec;
 use block::{Block, Corners};
 use glam::{Affine3A, Vec3};
@@ -55,6 +56,8 @@ pub struct BvhScene {
     /// By object: whether the filter applies.
     filtered: Box<[bool]>,
     any_filtered: bool,
+    /// Whether the rays of a batch walk through `world` in turns.
+    in_turns: bool,
 }
 
 /// The nearest hit so far, or the end of the ray.
@@ -89,8 +92,10 @@ impl BvhScene {
             instances.push(Instance { mesh: Arc::clone(mesh), to_object: placement.inverse(), object });
         }
         let filtered: Box<[bool]> = geometry.objects.iter().map(|object| object.filtered).collect();
+        let world = (!world.is_empty()).then(|| Mesh::new(&world, build));
         Ok(BvhScene {
-            world: (!world.is_empty()).then(|| Mesh::new(&world, build)),
+            in_turns: instances.is_empty() && world.as_ref().is_some_and(|world| world.bytes() > turns::LARGE),
+            world,
             top: (!boxes.is_empty()).then(|| build::over_boxes(&boxes, build)),
             instances: instances.into(),
             any_filtered: filtered.contains(&true),
@@ -134,6 +139,47 @@ impl BvhScene {
         })
     }
 
+    /// Returns the only tree of the scene if the rays of a batch walk through it in turns.
+    fn world_in_turns(&self) -> Option<&Mesh> {
+        self.world.as_ref().filter(|_| self.in_turns)
+    }
+
+    /// Moves `nearest` to the nearest hit of `block` if that is nearer.
+    #[inline]
+    fn approach(
+        &self,
+        ray: &Ray,
+        any: &impl AnyHit,
+        block: &Block,
+        query: &Query,
+        instance: Option<u32>,
+        nearest: &mut Nearest,
+    ) -> ControlFlow<()> {
+        block.meet(query, nearest.t, |t, lane| {
+            let hit = block.hit(lane, instance);
+            if nearest.is_beyond(t, hit) && self.accepts(ray, hit, any) {
+                *nearest = Nearest { t, hit: Some(hit) };
+            }
+            Continue(())
+        })
+    }
+
+    /// Breaks if `block` has a hit.
+    #[inline]
+    fn block(
+        &self,
+        ray: &Ray,
+        any: &impl AnyHit,
+        block: &Block,
+        query: &Query,
+        instance: Option<u32>,
+        reach: &Nearest,
+    ) -> ControlFlow<()> {
+        block.meet(query, reach.t, |_, lane| {
+            if self.accepts(ray, block.hit(lane, instance), any) { Break(()) } else { Continue(()) }
+        })
+    }
+
     /// Returns whether a candidate is a hit, by the filter where it applies.
     #[inline]
     fn accepts<A: AnyHit>(&self, ray: &Ray, hit: Hit, any: &A) -> bool {
@@ -146,13 +192,7 @@ impl Intersector for BvhScene {
     fn closest(&self, ray: &Ray, any: &impl AnyHit) -> Option<Hit> {
         let mut nearest = Nearest { t: ray.t_max, hit: None };
         let _ = self.visit::<true>(ray, &mut nearest, |block, query, instance, nearest| {
-            block.meet(query, nearest.t, |t, lane| {
-                let hit = block.hit(lane, instance);
-                if nearest.is_beyond(t, hit) && self.accepts(ray, hit, any) {
-                    *nearest = Nearest { t, hit: Some(hit) };
-                }
-                Continue(())
-            })
+            self.approach(ray, any, block, query, instance, nearest)
         });
         nearest.hit
     }
@@ -161,11 +201,31 @@ impl Intersector for BvhScene {
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool {
         let mut reach = Nearest { t: ray.t_max, hit: None };
         let walked = self.visit::<false>(ray, &mut reach, |block, query, instance, reach| {
-            block.meet(query, reach.t, |_, lane| {
-                if self.accepts(ray, block.hit(lane, instance), any) { Break(()) } else { Continue(()) }
-            })
+            self.block(ray, any, block, query, instance, reach)
         });
         walked.is_break()
+    }
+
+    fn closest_all(&self, rays: &Rays, _: Coherence, any: &impl AnyHit, hits: &mut Hits) {
+        let Some(world) = self.world_in_turns() else {
+            return (0..rays.len()).for_each(|at| hits.set(at, self.closest(&rays.ray(at), any)));
+        };
+        world.visit_in_turns::<true>(
+            rays,
+            |ray, block, query, nearest| self.approach(ray, any, block, query, None, nearest),
+            |at, nearest, _| hits.set(at, nearest.hit),
+        );
+    }
+
+    fn occluded_all(&self, rays: &Rays, _: Coherence, any: &impl AnyHit, occluded: &mut [bool]) {
+        let Some(world) = self.world_in_turns() else {
+            return (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any));
+        };
+        world.visit_in_turns::<false>(
+            rays,
+            |ray, block, query, reach| self.block(ray, any, block, query, None, reach),
+            |at, _, is_blocked| occluded[at] = is_blocked,
+        );
     }
 }
 

@@ -9,14 +9,14 @@
 //! Rays that left such triangles hit them again. If the area is small relative to reach times range of heights, the
 //! plane is therefore intersected in f64. Always doing so would cost a quarter of the rendering speed.
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Row};
 use super::ray::Query;
 use crate::geometry::Hit;
 use bytemuck::{Pod, Zeroable};
+use etendue_lanes::{Float, Mask, Native};
 use glam::{DVec3, Vec3};
 use std::array::from_fn;
 use std::ops::ControlFlow;
-use wide::{CmpEq, CmpGe, CmpGt, CmpLe, f32x8};
 
 /// Number of triangles in a block.
 pub(super) const LANES: usize = 8;
@@ -40,7 +40,7 @@ const ABSENT: Corners = Corners { vertices: [Vec3::NAN; 3], hit: Hit::NONE };
 #[repr(C)]
 pub(super) struct Block {
     /// By vertex and axis.
-    vertices: [[f32x8; 3]; 3],
+    vertices: [[Row; 3]; 3],
     objects: [u32; LANES],
     primitives: [u32; LANES],
 }
@@ -50,7 +50,7 @@ impl Block {
     pub(super) fn new(triangles: &[Corners]) -> Self {
         let lanes: [Corners; LANES] = from_fn(|lane| triangles.get(lane).copied().unwrap_or(ABSENT));
         Block {
-            vertices: from_fn(|v| from_fn(|k| f32x8::new(lanes.map(|c| c.vertices[v][k])))),
+            vertices: from_fn(|v| from_fn(|k| Row(lanes.map(|c| c.vertices[v][k])))),
             objects: lanes.map(|c| c.hit.object),
             primitives: lanes.map(|c| c.hit.primitive),
         }
@@ -71,25 +71,25 @@ impl Block {
         mut found: impl FnMut(f32, usize) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let [a, b, c] = from_fn(|v| self.sheared(query, v));
+        let zero = Native::splat(0.0);
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];
-        let least = u.fast_min(v).fast_min(w);
-        let most = u.fast_max(v).fast_max(w);
-        let inside = least.cmp_ge(f32x8::ZERO) | most.cmp_le(f32x8::ZERO);
-        if inside.none() {
+        let least = u.min(v).min(w);
+        let most = u.max(v).max(w);
+        let inside = zero.at_most(least) | most.at_most(zero);
+        if !inside.any() {
             return ControlFlow::Continue(());
         }
-        let on_edge = u.cmp_eq(f32x8::ZERO) | v.cmp_eq(f32x8::ZERO) | w.cmp_eq(f32x8::ZERO);
+        let on_edge = u.equals(zero) | v.equals(zero) | w.equals(zero);
         let sum = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) / sum * query.scale;
-        let reach =
-            [b[0], b[1], c[0], c[1]].iter().fold(a[0].abs().fast_max(a[1].abs()), |most, x| most.fast_max(x.abs()));
-        let range = a[2].fast_max(b[2]).fast_max(c[2]) - a[2].fast_min(b[2]).fast_min(c[2]);
-        let doubtful = on_edge | (reach * range).cmp_gt(sum.abs() * WELL_SHAPED);
-        let within = t.cmp_gt(f32x8::splat(query.t_min)) & t.cmp_le(f32x8::splat(t_max));
-        let lanes = Lanes::of((inside & (doubtful | within)).move_mask());
-        let (t, doubtful) = (t.to_array(), Lanes::of(doubtful.move_mask()));
+        let reach = [b[0], b[1], c[0], c[1]].iter().fold(a[0].abs().max(a[1].abs()), |most, x| most.max(x.abs()));
+        let range = a[2].max(b[2]).max(c[2]) - a[2].min(b[2]).min(c[2]);
+        let doubtful = on_edge | (reach * range).above(sum.abs() * Native::splat(WELL_SHAPED));
+        let within = t.above(Native::splat(query.t_min)) & t.at_most(Native::splat(t_max));
+        let lanes = Lanes::of((inside & (doubtful | within)).bits());
+        let (t, doubtful) = (Row::of(t).0, Lanes::of(doubtful.bits()));
         for lane in lanes {
             let mut at = t[lane];
             if doubtful.contains(lane) {
@@ -106,7 +106,7 @@ impl Block {
     /// Returns the parameter of a hit whose edges or distance are in doubt in f32; `None` if the ray misses the
     /// triangle.
     #[cold]
-    fn judge(&self, query: &Query, vertices: [[f32x8; 3]; 3], lane: usize) -> Option<f32> {
+    fn judge(&self, query: &Query, vertices: [[Native; 3]; 3], lane: usize) -> Option<f32> {
         is_inside(vertices, lane).then(|| self.parameter(query, lane))
     }
 
@@ -114,10 +114,9 @@ impl Block {
     /// vertices; NaN for a ray in the plane and for a triangle without area.
     #[cold]
     fn parameter(&self, query: &Query, lane: usize) -> f32 {
-        let axis = |of: &[f32x8; 3], k: usize| f64::from(of[k].as_array_ref()[lane]);
         let vertex = |v: usize| {
             DVec3::from_array(from_fn(|k| {
-                f64::from(self.vertices[v][query.axes[k]].as_array_ref()[lane]) - axis(&query.origin, k)
+                f64::from(self.vertices[v][query.axes[k]].0[lane]) - f64::from(query.origin[k].lane(lane))
             }))
         };
         let (a, b, c) = (vertex(0), vertex(1), vertex(2));
@@ -133,16 +132,16 @@ impl Block {
 
     /// Returns vertex `v` of all lanes in coordinates with the ray as z axis, z not yet scaled.
     #[inline]
-    fn sheared(&self, query: &Query, v: usize) -> [f32x8; 3] {
-        let [x, y, z] = from_fn(|k| self.vertices[v][query.axes[k]] - query.origin[k]);
+    fn sheared(&self, query: &Query, v: usize) -> [Native; 3] {
+        let [x, y, z] = from_fn(|k| self.vertices[v][query.axes[k]].load() - query.origin[k]);
         [x - query.shear[0] * z, y - query.shear[1] * z, z]
     }
 }
 
 /// Returns whether the z axis intersects a triangle whose edges are too close to it for f32.
 #[cold]
-fn is_inside(vertices: [[f32x8; 3]; 3], lane: usize) -> bool {
-    let [a, b, c] = vertices.map(|v| v.map(|x| f64::from(x.as_array_ref()[lane])));
+fn is_inside(vertices: [[Native; 3]; 3], lane: usize) -> bool {
+    let [a, b, c] = vertices.map(|v| v.map(|x| f64::from(x.lane(lane))));
     let (u, v, w) = (c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]);
     if u == 0.0 && v == 0.0 && w == 0.0 {
         // From afar, rounding may reduce a triangle to a point, or to a segment on a line through the axis: test

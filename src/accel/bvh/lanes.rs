@@ -1,14 +1,38 @@
-//! Lanes of a vector, as the bits of a mask.
+//! Eight numbers in memory, and lanes as the bits of a mask.
+
+use bytemuck::{Pod, Zeroable};
+use etendue_lanes::{Float, Native};
+
+/// Eight numbers in memory, aligned for one instruction.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(32))]
+pub(super) struct Row(pub(super) [f32; 8]);
+
+impl Row {
+    /// Returns the numbers as lanes.
+    #[inline(always)]
+    pub(super) fn load(&self) -> Native {
+        Native::load(&self.0, 0)
+    }
+
+    /// Returns the numbers in `lanes`.
+    #[inline(always)]
+    pub(super) fn of(lanes: Native) -> Self {
+        let mut row = Row([0.0; 8]);
+        lanes.store(&mut row.0, 0);
+        row
+    }
+}
 
 /// An iterator over the indices of the set bits, in ascending order.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lanes(u32);
 
 impl Lanes {
-    /// Returns the lanes for which a comparison holds, by its `move_mask`.
+    /// Returns the lanes for which a comparison holds, by the bits of its mask.
     #[inline]
-    pub(super) fn of(mask: i32) -> Self {
-        Lanes(mask as u32)
+    pub(super) fn of(mask: u32) -> Self {
+        Lanes(mask)
     }
 
     #[inline]

@@ -1,10 +1,10 @@
 //! Nodes of eight children, and the test of a ray with their boxes.
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Row};
 use super::ray::Slabs;
 use bytemuck::{Pod, Zeroable};
+use etendue_lanes::{Float, Mask, Native};
 use obvhs::aabb::Aabb;
-use wide::{CmpLe, f32x8};
 
 /// Number of children of a node.
 pub(super) const WIDTH: usize = 8;
@@ -17,7 +17,7 @@ pub(super) const LEAF: u32 = 1 << 31;
 #[repr(C)]
 pub(super) struct Node {
     /// By axis: the least and the greatest coordinates.
-    planes: [[f32x8; 2]; 3],
+    planes: [[Row; 2]; 3],
     /// Index of a node, or of a leaf with [`LEAF`] set.
     children: [u32; WIDTH],
 }
@@ -25,16 +25,14 @@ pub(super) struct Node {
 impl Node {
     /// A node without children. Only rays that are not finite enter its empty boxes. They test leaf 0 of the tree, and
     /// miss it.
-    pub(super) const EMPTY: Node = Node {
-        planes: [[f32x8::new([f32::INFINITY; WIDTH]), f32x8::new([f32::NEG_INFINITY; WIDTH])]; 3],
-        children: [LEAF; WIDTH],
-    };
+    pub(super) const EMPTY: Node =
+        Node { planes: [[Row([f32::INFINITY; WIDTH]), Row([f32::NEG_INFINITY; WIDTH])]; 3], children: [LEAF; WIDTH] };
 
     /// Sets the child in `lane`.
     pub(super) fn set(&mut self, lane: usize, bounds: &Aabb, child: u32) {
         for (k, [least, most]) in self.planes.iter_mut().enumerate() {
-            least.as_array_mut()[lane] = bounds.min[k];
-            most.as_array_mut()[lane] = bounds.max[k];
+            least.0[lane] = bounds.min[k];
+            most.0[lane] = bounds.max[k];
         }
         self.children[lane] = child;
     }
@@ -43,11 +41,11 @@ impl Node {
     #[inline]
     pub(super) fn meet(&self, ray: &Slabs, reach: f32) -> (Lanes, [f32; WIDTH]) {
         // The mask spares a bounds check.
-        let near = |k: usize| (self.planes[k][ray.near[k] & 1] - ray.near_origin[k]) * ray.inverse[k];
-        let far = |k: usize| (self.planes[k][ray.near[k] & 1 ^ 1] - ray.far_origin[k]) * ray.inverse[k];
-        let enter = near(0).fast_max(near(1)).fast_max(near(2).fast_max(ray.t_min));
-        let leave = far(0).fast_min(far(1)).fast_min(far(2).fast_min(f32x8::splat(reach)));
-        (Lanes::of(enter.cmp_le(leave).move_mask()), enter.to_array())
+        let near = |k: usize| (self.planes[k][ray.near[k] & 1].load() - ray.near_origin[k]) * ray.inverse[k];
+        let far = |k: usize| (self.planes[k][ray.near[k] & 1 ^ 1].load() - ray.far_origin[k]) * ray.inverse[k];
+        let enter = near(0).max(near(1)).max(near(2).max(ray.t_min));
+        let leave = far(0).min(far(1)).min(far(2).min(Native::splat(reach)));
+        (Lanes::of(enter.at_most(leave).bits()), Row::of(enter).0)
     }
 
     /// Returns the child in `lane`.

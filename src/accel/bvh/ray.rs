@@ -8,8 +8,8 @@
 //! instead of the boxes, at no cost.
 
 use crate::geometry::Ray;
+use etendue_lanes::{Float, Native};
 use glam::Vec3;
-use wide::f32x8;
 
 /// Lower bound of direction components in magnitude, so that no reciprocal overflows.
 const LEAST: f32 = 1e-37;
@@ -21,10 +21,10 @@ const WIDENING: f32 = 16.0 * 0.5 * f32::EPSILON;
 pub(super) struct Slabs {
     /// By axis: index in `Node::planes[k]` of the near plane of a box.
     pub(super) near: [usize; 3],
-    pub(super) near_origin: [f32x8; 3],
-    pub(super) far_origin: [f32x8; 3],
-    pub(super) inverse: [f32x8; 3],
-    pub(super) t_min: f32x8,
+    pub(super) near_origin: [Native; 3],
+    pub(super) far_origin: [Native; 3],
+    pub(super) inverse: [Native; 3],
+    pub(super) t_min: Native,
 }
 
 impl Slabs {
@@ -34,13 +34,13 @@ impl Slabs {
         let pad = (ray.origin.abs().max_element() + extent) * WIDENING;
         let d = ray.direction.to_array().map(|d: f32| if d.abs() < LEAST { LEAST.copysign(d) } else { d });
         let origin = ray.origin.to_array();
-        let shifted = |sign: f32| [0, 1, 2].map(|k| f32x8::splat(origin[k] + pad.copysign(sign * d[k])));
+        let shifted = |sign: f32| [0, 1, 2].map(|k| Native::splat(origin[k] + pad.copysign(sign * d[k])));
         Slabs {
             near: [0, 1, 2].map(|k| usize::from(d[k] < 0.0)),
             near_origin: shifted(1.0),
             far_origin: shifted(-1.0),
-            inverse: d.map(|d| f32x8::splat(d.recip())),
-            t_min: f32x8::splat(ray.t_min),
+            inverse: d.map(|d| Native::splat(d.recip())),
+            t_min: Native::splat(ray.t_min),
         }
     }
 }
@@ -50,11 +50,11 @@ pub(super) struct Query {
     /// Permutation of the axes that keeps handedness, with the direction's largest component last.
     pub(super) axes: [usize; 3],
     /// Permuted origin.
-    pub(super) origin: [f32x8; 3],
+    pub(super) origin: [Native; 3],
     /// d_x / d_z and d_y / d_z.
-    pub(super) shear: [f32x8; 2],
+    pub(super) shear: [Native; 2],
     /// 1 / d_z.
-    pub(super) scale: f32x8,
+    pub(super) scale: Native,
     /// Permuted direction.
     pub(super) direction: Vec3,
     pub(super) t_min: f32,
@@ -66,12 +66,12 @@ impl Query {
         let z = largest(ray.direction.abs());
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
         let [dx, dy, dz] = axes.map(|k| ray.direction[k]);
-        let origin = axes.map(|k| f32x8::splat(ray.origin[k]));
+        let origin = axes.map(|k| Native::splat(ray.origin[k]));
         Query {
             axes,
             origin,
-            shear: [f32x8::splat(dx / dz), f32x8::splat(dy / dz)],
-            scale: f32x8::splat(dz.recip()),
+            shear: [Native::splat(dx / dz), Native::splat(dy / dz)],
+            scale: Native::splat(dz.recip()),
             direction: Vec3::new(dx, dy, dz),
             t_min: ray.t_min,
         }
