@@ -8,6 +8,7 @@
 use super::{Filter, Layout};
 use crate::sampling::mix64;
 use crate::spectrum::{LANES, Spectrum};
+use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Larger values, in units, are stored individually. Overflow of a sum by smaller values takes 2³³ of them, more than a
@@ -17,20 +18,13 @@ const LARGE: f64 = (1u64 << 30) as f64;
 /// Largest number of pixels covered by a filter along an axis.
 const REACH: usize = 4;
 
-/// Rows under one lock. A splat takes one or two locks in place of an atomic sum for each of its 27 values, which takes
-/// a tenth of the time of bidirectional path tracing.
-const BAND: usize = 16;
-
-/// Sums of the rows of a band.
-type Band = Mutex<Box<[i64]>>;
-
 /// Splats of one pass.
 #[derive(Debug)]
 pub struct Splats {
     layout: Layout,
     unit: f64,
-    /// By bands of [`BAND`] rows. Allocated by the first splat, since most methods have none.
-    sums: OnceLock<Box<[Band]>>,
+    /// Allocated by the first splat, since most methods have none.
+    sums: OnceLock<Box<[AtomicI64]>>,
     large: Mutex<Vec<(usize, f64)>>,
 }
 
@@ -48,42 +42,25 @@ impl Splats {
         if columns.count == 0 || rows.count == 0 {
             return;
         }
-        let (rgb, width) = (value.to_rgb().map(f64::from), self.width());
-        let bands = self.sums.get_or_init(|| self.bands());
-        let (first_band, last_band) = (rows.first / BAND, (rows.first + rows.count - 1) / BAND);
-        for (number, band) in bands.iter().enumerate().take(last_band + 1).skip(first_band) {
-            let mut sums = band.lock().unwrap_or_else(PoisonError::into_inner);
-            for (y, row) in rows.iter().filter(|(y, _)| y / BAND == number) {
-                for (x, column) in columns.iter() {
-                    let (at, index) = (((y % BAND) * width + x) * LANES, (y * width + x) * LANES);
-                    let scale = f64::from(row * column) / self.unit;
-                    for (lane, light) in rgb.iter().enumerate() {
-                        let hash = mix64(key ^ (index + lane) as u64);
-                        self.add_to(&mut sums[at + lane], index + lane, light * scale, hash);
-                    }
+        let (rgb, width) = (value.to_rgb().map(f64::from), (crop.x1 - crop.x0) as usize);
+        let sums = self.sums.get_or_init(|| (0..self.layout.pixels() * LANES).map(|_| AtomicI64::new(0)).collect());
+        for (y, row) in rows.iter() {
+            for (x, column) in columns.iter() {
+                let first = (y * width + x) * LANES;
+                let scale = f64::from(row * column) / self.unit;
+                for (lane, light) in rgb.iter().enumerate() {
+                    self.add_to(&sums[first + lane], first + lane, light * scale, mix64(key ^ (first + lane) as u64));
                 }
             }
         }
     }
 
-    /// Width of the crop.
-    fn width(&self) -> usize {
-        (self.layout.crop.x1 - self.layout.crop.x0) as usize
-    }
-
-    /// Returns empty sums.
-    fn bands(&self) -> Box<[Band]> {
-        let (width, height) = (self.width(), (self.layout.crop.y1 - self.layout.crop.y0) as usize);
-        let rows = (0..height).step_by(BAND).map(|y| BAND.min(height - y));
-        rows.map(|rows| Mutex::new(vec![0; rows * width * LANES].into())).collect()
-    }
-
     /// Adds `units` to a sum.
     #[inline]
-    fn add_to(&self, sum: &mut i64, index: usize, units: f64, hash: u64) {
+    fn add_to(&self, sum: &AtomicI64, index: usize, units: f64, hash: u64) {
         if units.abs() < LARGE {
             let up = crate::sampling::unit_f64(hash);
-            *sum += (units + up).floor() as i64;
+            sum.fetch_add((units + up).floor() as i64, Ordering::Relaxed);
         } else {
             self.large.lock().unwrap_or_else(PoisonError::into_inner).push((index, units));
         }
@@ -91,14 +68,13 @@ impl Splats {
 
     /// Adds all splats to the colours of `values`, which have `channels` values per pixel, and clears them.
     pub(super) fn fold_into(&mut self, values: &mut [f32], channels: usize) {
-        let Some(bands) = self.sums.get_mut() else { return };
+        let Some(sums) = self.sums.get_mut() else { return };
         let mut large = std::mem::take(self.large.get_mut().unwrap_or_else(PoisonError::into_inner));
         // Sorted, so that the sum does not depend on thread order.
         large.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let mut large = large.into_iter().peekable();
-        let sums = bands.iter_mut().flat_map(|band| band.get_mut().unwrap_or_else(PoisonError::into_inner));
-        for (index, sum) in sums.enumerate() {
-            let mut total = std::mem::take(sum) as f64;
+        for (index, sum) in sums.iter_mut().enumerate() {
+            let mut total = *std::mem::take(sum).get_mut() as f64;
             while let Some((_, units)) = large.next_if(|&(at, _)| at == index) {
                 total += units;
             }
@@ -111,8 +87,8 @@ impl Splats {
 
     /// Removes all splats.
     pub(super) fn clear(&mut self) {
-        for band in self.sums.get_mut().into_iter().flatten() {
-            band.get_mut().unwrap_or_else(PoisonError::into_inner).fill(0);
+        if let Some(sums) = self.sums.get_mut() {
+            sums.iter_mut().for_each(|sum| *sum.get_mut() = 0);
         }
         self.large.get_mut().unwrap_or_else(PoisonError::into_inner).clear();
     }
