@@ -15,10 +15,42 @@ use std::ptr::null_mut;
 #[repr(C, align(64))]
 struct Valid<const N: usize>([i32; N]);
 
-fn flags(coherence: Coherence) -> RTCRayQueryFlags {
-    match coherence {
-        Coherence::Coherent => RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_COHERENT,
-        Coherence::Incoherent => RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
+impl<const N: usize> Valid<N> {
+    /// Marks the rays from `at` on that are finite and have points. With [`Coherence::Coherent`] any other would take
+    /// hits from its neighbours, and Embree calls a ray occluded that ends before its origin.
+    #[inline]
+    fn of(rays: &Rays, at: usize) -> Self {
+        let [ox, oy, oz] = columns::<N>(&rays.origin, at);
+        let [dx, dy, dz] = columns::<N>(&rays.direction, at);
+        let t_max: &[f32] = &rays.t_max[at..at + N];
+        let is_valid = |lane: usize| {
+            // NaN where a coordinate is not finite.
+            let zero = [ox, oy, oz, dx, dy, dz].iter().fold(0.0, |sum, column| sum + column[lane] * 0.0);
+            (at + lane < rays.len()) & (zero >= 0.0) & (t_max[lane] >= 0.0)
+        };
+        Valid(std::array::from_fn(|lane| -i32::from(is_valid(lane))))
+    }
+}
+
+/// Returns `N` coordinates by axis from place `at` on.
+#[inline]
+fn columns<const N: usize>(columns: &[Vec<f32>; 3], at: usize) -> [&[f32]; 3] {
+    columns.each_ref().map(|column| &column[at..at + N])
+}
+
+/// Least magnitude whose reciprocal Embree computes (its `min_rcp_input`).
+const LEAST_RECIPROCAL: f32 = 1e-18;
+
+/// Returns Embree's flag for the `N` rays from `at` on. Embree sorts coherent rays into octants by their signs, but has
+/// the reciprocal of a small negative component positive. Such a ray would be outside the frustum of its octant.
+#[inline]
+fn flags<const N: usize>(coherence: Coherence, rays: &Rays, at: usize) -> RTCRayQueryFlags {
+    let is_odd = |&x: &f32| (x < 0.0) & (x > -LEAST_RECIPROCAL);
+    let any_odd = |column: &[f32]| column.iter().fold(false, |any, x| any | is_odd(x));
+    if coherence == Coherence::Coherent && !columns::<N>(&rays.direction, at).into_iter().any(any_odd) {
+        RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_COHERENT
+    } else {
+        RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT
     }
 }
 
@@ -48,7 +80,7 @@ macro_rules! packets {
             hits: &mut Hits,
         ) {
             let mut arguments = RTCIntersectArguments {
-                flags: flags(coherence),
+                flags: RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
                 feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
                 context: filter.as_mut().map_or(null_mut(), Filter::context),
                 filter: filter.as_ref().and(Filter::<A, Rays>::CALLBACK),
@@ -57,7 +89,8 @@ macro_rules! packets {
             // SAFETY: plain numbers, for which zeros are values.
             let mut query: $rayhit = unsafe { zeroed() };
             for at in (0..rays.len()).step_by($n) {
-                let valid = Valid::<$n>(std::array::from_fn(|lane| -i32::from(at + lane < rays.len())));
+                let valid = Valid::<$n>::of(rays, at);
+                arguments.flags = flags::<$n>(coherence, rays, at);
                 fill!($n, query.ray, rays, at);
                 query.hit.geomID = [RTC_INVALID_GEOMETRY_ID; $n];
                 query.hit.primID = [RTC_INVALID_GEOMETRY_ID; $n];
@@ -85,7 +118,7 @@ macro_rules! packets {
             occluded: &mut [bool],
         ) {
             let mut arguments = RTCOccludedArguments {
-                flags: flags(coherence),
+                flags: RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
                 feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
                 context: filter.as_mut().map_or(null_mut(), Filter::context),
                 filter: filter.as_ref().and(Filter::<A, Rays>::CALLBACK),
@@ -94,7 +127,8 @@ macro_rules! packets {
             // SAFETY: plain numbers, for which zeros are values.
             let mut query: $ray = unsafe { zeroed() };
             for at in (0..rays.len()).step_by($n) {
-                let valid = Valid::<$n>(std::array::from_fn(|lane| -i32::from(at + lane < rays.len())));
+                let valid = Valid::<$n>::of(rays, at);
+                arguments.flags = flags::<$n>(coherence, rays, at);
                 fill!($n, query, rays, at);
                 // SAFETY: as for the closest hit.
                 unsafe { $occlude(valid.0.as_ptr(), scene.raw(), &raw mut query, &raw mut arguments) };
