@@ -20,22 +20,17 @@ impl<const N: usize> Valid<N> {
     /// hits from its neighbours, and Embree calls a ray occluded that ends before its origin.
     #[inline]
     fn of(rays: &Rays, at: usize) -> Self {
-        let [ox, oy, oz] = columns::<N>(&rays.origin, at);
-        let [dx, dy, dz] = columns::<N>(&rays.direction, at);
-        let t_max: &[f32] = &rays.t_max[at..at + N];
-        let is_valid = |lane: usize| {
-            // NaN where a coordinate is not finite.
-            let zero = [ox, oy, oz, dx, dy, dz].iter().fold(0.0, |sum, column| sum + column[lane] * 0.0);
-            (at + lane < rays.len()) & (zero >= 0.0) & (t_max[lane] >= 0.0)
-        };
-        Valid(std::array::from_fn(|lane| -i32::from(is_valid(lane))))
+        // NaN where a coordinate is not finite. Loops and not closures by lane: the compiler vectorises them.
+        let mut zeros = [0.0; N];
+        for column in rays.origin.iter().chain(&rays.direction) {
+            zeros.iter_mut().zip(&column[at..at + N]).for_each(|(zero, x)| *zero += x * 0.0);
+        }
+        let mut valid = [0; N];
+        for (lane, (&zero, &t_max)) in zeros.iter().zip(&rays.t_max[at..at + N]).enumerate() {
+            valid[lane] = -i32::from((at + lane < rays.len()) & (zero >= 0.0) & (t_max >= 0.0));
+        }
+        Valid(valid)
     }
-}
-
-/// Returns `N` coordinates by axis from place `at` on.
-#[inline]
-fn columns<const N: usize>(columns: &[Vec<f32>; 3], at: usize) -> [&[f32]; 3] {
-    columns.each_ref().map(|column| &column[at..at + N])
 }
 
 /// Least magnitude whose reciprocal Embree computes (its `min_rcp_input`).
@@ -45,9 +40,9 @@ const LEAST_RECIPROCAL: f32 = 1e-18;
 /// the reciprocal of a small negative component positive. Such a ray would be outside the frustum of its octant.
 #[inline]
 fn flags<const N: usize>(coherence: Coherence, rays: &Rays, at: usize) -> RTCRayQueryFlags {
-    let is_odd = |&x: &f32| (x < 0.0) & (x > -LEAST_RECIPROCAL);
-    let any_odd = |column: &[f32]| column.iter().fold(false, |any, x| any | is_odd(x));
-    if coherence == Coherence::Coherent && !columns::<N>(&rays.direction, at).into_iter().any(any_odd) {
+    let is_odd = |x: f32| (x < 0.0) & (x > -LEAST_RECIPROCAL);
+    let any_odd = |column: &Vec<f32>| column[at..at + N].iter().fold(false, |any, &x| any | is_odd(x));
+    if coherence == Coherence::Coherent && !rays.direction.iter().any(any_odd) {
         RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_COHERENT
     } else {
         RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT
