@@ -5,10 +5,12 @@ pub mod bvh;
 mod custom;
 #[cfg(feature = "embree")]
 pub mod embree;
+mod packet;
 mod placed;
 mod ray_class;
 
 pub use custom::{CustomIntersector, FilterFn, HitFilter};
+pub use packet::Packet;
 pub use ray_class::RayClass;
 
 use crate::error::Result;
@@ -172,6 +174,25 @@ impl Accel {
             Accel::Embree(_) => Backend::Embree,
             Accel::Obvhs(_) => Backend::Obvhs,
             Accel::Custom(custom) => custom.backend(),
+        }
+    }
+
+    /// Returns the widths of packets for which the backend and the processor are made, the widest last; none for a
+    /// backend without packets.
+    pub fn packets(&self) -> &'static [Packet] {
+        match self {
+            #[cfg(feature = "embree")]
+            Accel::Embree(scene) => scene.packets(),
+            Accel::Obvhs(_) | Accel::Custom(_) => &[],
+        }
+    }
+
+    /// Sets the width of packets, for tests and measurements. A backend without packets ignores it.
+    pub fn set_packet(&mut self, packet: Packet) {
+        match self {
+            #[cfg(feature = "embree")]
+            Accel::Embree(scene) => scene.set_packet(packet),
+            Accel::Obvhs(_) | Accel::Custom(_) => _ = packet,
         }
     }
 

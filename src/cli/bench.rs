@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub(super) enum Command {
     /// Measure error against time, methods and backends side by side, and write a page about it
     Methods(Box<methods::Args>),
-    /// Measure ray throughput of backends and builds, raw and inside a render, and compare their hits
+    /// Measure ray throughput of backends and builds, raw, in packets and inside a render, and compare their hits
     Rays(Box<rays::Args>),
 }
 

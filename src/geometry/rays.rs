@@ -92,6 +92,12 @@ impl Hits {
         Hit { object: self.objects[at], primitive: self.primitives[at] }
     }
 
+    /// Returns the hit of ray number `at`, if there is one.
+    #[inline]
+    pub fn get(&self, at: usize) -> Option<Hit> {
+        Some(self.hit(at)).filter(|&hit| hit != Hit::NONE)
+    }
+
     /// Stores the hit of ray number `at`.
     #[inline]
     pub fn set(&mut self, at: usize, hit: Option<Hit>) {

@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
 /// A filter made of a function.
-struct Accept<F>(F);
+pub(crate) struct Accept<F>(pub(crate) F);
 
 impl<F: Fn(&Ray, Hit) -> bool + Sync> AnyHit for Accept<F> {
     fn accepts(&self, ray: &Ray, hit: Hit) -> bool {
@@ -21,7 +21,7 @@ impl<F: Fn(&Ray, Hit) -> bool + Sync> AnyHit for Accept<F> {
 }
 
 /// Rejects every second primitive.
-fn is_even(hit: Hit) -> bool {
+pub(crate) fn is_even(hit: Hit) -> bool {
     hit.primitive % 2 == 0
 }
 

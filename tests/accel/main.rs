@@ -8,6 +8,7 @@ mod filters;
 mod hard_cases;
 mod judge;
 mod judge_tests;
+mod packets;
 mod scenes;
 mod segments;
 mod spawned;

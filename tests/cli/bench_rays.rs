@@ -24,6 +24,11 @@ fn backends(rows: &[Value]) -> Vec<&str> {
     names
 }
 
+/// The rows of rays one by one.
+fn single(rows: &[Value]) -> Vec<Value> {
+    rows.iter().filter(|row| row["batch"].is_null()).cloned().collect()
+}
+
 fn is_rate(rate: &Value) -> bool {
     let [least, median, most] = ["least", "median", "most"].map(|name| rate[name].as_f64().unwrap());
     least > 0.0 && least <= median && median <= most
@@ -40,9 +45,11 @@ fn rows_are_backends_and_builds_and_classes_are_the_rays_of_the_pass() {
     assert!(counted > 1000 && counted == classes && box_scene["rays"] == counted, "{box_scene}");
     assert_eq!(box_scene["classes"][0]["rays"], 256, "a camera ray for each pixel");
     let rows = list(box_scene, "rows");
-    assert_eq!(backends(rows), ["obvhs-robust", "obvhs-fast", "obvhs-cwbvh"]);
+    assert_eq!(backends(&single(rows)), ["obvhs-robust", "obvhs-fast", "obvhs-cwbvh"]);
+    assert_eq!(backends(rows)[..3], ["obvhs-robust", "obvhs-robust-batch", "obvhs-robust-batch-coherent"]);
+    assert!(rows.len() == 7 && box_scene["execution"] == "batched", "{box_scene}");
     for row in rows {
-        let renders = row["backend"] != "obvhs-cwbvh";
+        let renders = row["backend"] != "obvhs-cwbvh" && row["batch"].is_null();
         assert!(row["build_seconds"].as_f64().unwrap() > 0.0 && row["bytes_per_triangle"].as_f64().unwrap() > 10.0);
         for (pace, threads) in list(row, "paces").iter().zip([1, 2]) {
             assert!(pace["threads"] == threads && is_rate(&pace["raw"]), "{pace}");
@@ -53,14 +60,14 @@ fn rows_are_backends_and_builds_and_classes_are_the_rays_of_the_pass() {
     }
     let categories = list(&report, "categories");
     let groups = list(box_scene, "classes").len();
-    assert_eq!(categories.len(), 3 * groups);
+    assert_eq!(categories.len(), rows.len() * groups);
     for category in categories.iter().filter(|category| category["backend"] != "obvhs-cwbvh") {
         assert!(category["true_differences"] == 0 && category["leaks"] == 0 && category["ties"].is_u64(), "{category}");
         assert_eq!(category["scene"], "cornell-box");
     }
     let lines = |name: &str| std::fs::read_to_string(place.path(name)).unwrap().lines().count();
-    // raw and the classes of three rows, render and share of two, for two numbers of threads
-    assert_eq!(lines("out/rates.csv"), 1 + 2 * (3 * (1 + groups) + 2 * 2));
+    // raw and the classes of every row, render and share of two, for two numbers of threads
+    assert_eq!(lines("out/rates.csv"), 1 + 2 * (rows.len() * (1 + groups) + 2 * 2));
     assert_eq!(lines("out/categories.csv"), 1 + categories.len());
     assert!(place.path("out/index.html").is_file() && place.path("out/report.json").is_file());
 }
@@ -71,6 +78,8 @@ fn the_console_has_rates_and_hits_of_every_row() {
     assert_eq!(ran.code(), 0, "{}", ran.stderr());
     let text = ran.stdout();
     for what in [
+        "batched execution",
+        "obvhs-robust-batch-coherent",
         "median of 1 rounds",
         "2 threads",
         "share",
@@ -87,8 +96,37 @@ fn the_console_has_rates_and_hits_of_every_row() {
 #[test]
 fn backends_are_compared_with_embree() {
     let report = Place::new().report(&format!("{} --rounds 1", cornell()));
-    assert_eq!(backends(list(&report["scenes"][0], "rows")), ["embree-robust", "obvhs-robust", "obvhs-cwbvh"]);
+    let rows = single(list(&report["scenes"][0], "rows"));
+    assert_eq!(backends(&rows), ["embree-robust", "obvhs-robust", "obvhs-cwbvh"]);
     assert!(list(&report, "categories").iter().all(|category| category["reference"] == "embree-robust"));
+}
+
+/// Every width of packets has a row with and without the hint, and hits what single rays do, up to ties and grazes.
+#[test]
+fn packets_hit_as_single_rays_do() {
+    let report = Place::new().report(&format!("{} --rounds 1", cornell()));
+    let (rows, categories) = (list(&report["scenes"][0], "rows"), list(&report, "categories"));
+    let batches: Vec<&Value> = rows.iter().filter(|row| row["batch"].is_object()).collect();
+    assert!(batches.len() >= 2 && batches.len() % 2 == 0, "{rows:?}");
+    for pair in batches.chunks(2) {
+        assert_eq!(pair[0]["batch"]["packet"], pair[1]["batch"]["packet"]);
+        assert_eq!([&pair[0]["batch"]["coherent"], &pair[1]["batch"]["coherent"]], [false, true]);
+    }
+    for row in batches {
+        let name = row["backend"].as_str().unwrap();
+        let alone = rows.iter().filter_map(|row| row["backend"].as_str()).find(|&row| name.starts_with(row)).unwrap();
+        let of = |backend: &str| -> Vec<&Value> {
+            categories.iter().filter(|category| category["backend"] == backend).collect()
+        };
+        let count = |category: &Value, what: &str| category[what].as_u64().unwrap();
+        for (together, single) in of(name).into_iter().zip(of(alone)) {
+            assert_eq!([&together["name"], &together["rays"]], [&single["name"], &single["rays"]]);
+            let grazes = count(together, "grazes") + count(single, "grazes");
+            let apart = count(together, "hits").abs_diff(count(single, "hits"));
+            assert!(together["true_differences"] == 0 && apart <= grazes, "{together} {single}");
+        }
+        assert!(!of(name).is_empty() && list(&row["paces"][0], "classes").iter().all(|class| is_rate(&class["rate"])));
+    }
 }
 
 /// A stream holds its rays and the same comparison comes of it; renders of other sizes record other streams.

@@ -11,33 +11,39 @@ pub(crate) struct Located {
     pub(crate) binary: PathBuf,
 }
 
-/// Every killer with its binary, built in the copy `tree` without Embree.
+/// Every killer with its binary, built in the copy `tree`.
 pub(crate) fn locate(killers: &[Killer], tree: &Path) -> Result<Vec<Located>, String> {
-    let mut names: Vec<&str> = killers.iter().map(|k| k.binary).filter(|&b| b != "lib").collect();
-    names.sort_unstable();
-    names.dedup();
-    let built = executables(&names, tree)?;
+    let built = [false, true].map(|embree| executables(killers.iter().filter(|k| k.embree == embree), embree, tree));
+    let [without, with] = built;
+    let (without, with) = (without?, with?);
     let find = |&killer: &Killer| {
         let name = if killer.binary == "lib" { "etendue" } else { killer.binary };
-        let binary = built.get(name).cloned().ok_or_else(|| format!("cargo made no test binary {name}"))?;
-        Ok(Located { killer, binary })
+        let binary = if killer.embree { &with } else { &without }.get(name).cloned();
+        Ok(Located { killer, binary: binary.ok_or_else(|| format!("cargo made no test binary {name}"))? })
     };
     killers.iter().map(find).collect()
 }
 
-fn executables(tests: &[&str], tree: &Path) -> Result<HashMap<String, PathBuf>, String> {
+/// The paths of the binaries of `killers` by name, built with Embree or without it.
+fn executables<'k>(
+    killers: impl Iterator<Item = &'k Killer>,
+    embree: bool,
+    tree: &Path,
+) -> Result<HashMap<String, PathBuf>, String> {
+    let mut names: Vec<&str> = killers.map(|killer| killer.binary).collect();
+    names.sort_unstable();
+    names.dedup();
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(tree).args([
-        "test",
-        "--locked",
-        "--workspace",
-        "--no-default-features",
-        "--features",
-        "cli",
-        "--no-run",
-        "--lib",
-    ]);
-    cargo.args(tests.iter().flat_map(|test| ["--test", test]));
+    cargo.current_dir(tree).args(["test", "--locked", "--workspace", "--no-run"]);
+    if !embree {
+        cargo.args(["--no-default-features", "--features", "cli"]);
+    }
+    for name in names {
+        match name {
+            "lib" => cargo.arg("--lib"),
+            test => cargo.args(["--test", test]),
+        };
+    }
     cargo.arg("--message-format=json").stderr(Stdio::inherit());
     // The target folder of this binary, so that dependencies are shared.
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().ok_or("the target folder has no parent")?;

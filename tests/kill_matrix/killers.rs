@@ -7,6 +7,8 @@ pub(crate) struct Killer {
     /// `lib` for unit tests, else a binary under tests/.
     pub(crate) binary: &'static str,
     pub(crate) test: &'static str,
+    /// Whether the binary is built with Embree. Few are: it doubles the time of a build.
+    pub(crate) embree: bool,
 }
 
 impl Killer {
@@ -16,7 +18,11 @@ impl Killer {
 }
 
 const fn of(binary: &'static str, test: &'static str) -> Killer {
-    Killer { binary, test }
+    Killer { binary, test, embree: false }
+}
+
+const fn with_embree(binary: &'static str, test: &'static str) -> Killer {
+    Killer { binary, test, embree: true }
 }
 
 pub(crate) const KILLERS: &[Killer] = &[
@@ -156,4 +162,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "scene::focus::tests::depths_are_along_the_axis"),
     of("lib", "session::lens::tests::an_f_stop_is_the_focal_length_over_the_diameter"),
     of("accel", "segments::a_segment_meets_neither_of_the_surfaces_that_it_joins"),
+    with_embree("accel", "packets::batches_of_any_length_answer_as_single_rays_do"),
+    with_embree("accel", "packets::filters_of_batches_get_their_own_rays"),
+    with_embree("accel", "packets::a_filter_may_decide_by_the_ray"),
 ];

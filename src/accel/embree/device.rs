@@ -1,6 +1,7 @@
 //! An Embree device: library state, threads and memory.
 
-use super::{Packet, error};
+use super::error;
+use crate::accel::Packet;
 use crate::error::{Error, Kind, Result};
 use embree4_sys::{
     RTC_VERSION, RTCDevice, RTCDeviceProperty, rtcGetDeviceProperty, rtcNewDevice, rtcReleaseDevice,
@@ -69,14 +70,14 @@ impl Device {
         format!("{}.{}.{}", version / 10000, version / 100 % 100, version % 100)
     }
 
-    /// Returns the widest packet for which the processor has registers.
-    pub fn native_packet(&self) -> Packet {
+    /// Returns the widths of packets for which the processor has registers, the widest last.
+    pub fn packets(&self) -> &'static [Packet] {
         if self.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0 {
-            Packet::Sixteen
+            &[Packet::Eight, Packet::Sixteen]
         } else if self.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0 {
-            Packet::Eight
+            &[Packet::Eight]
         } else {
-            Packet::One
+            &[]
         }
     }
 

@@ -21,7 +21,7 @@ mod packet;
 mod ray;
 mod scene;
 
-use crate::accel::{Build, Coherence, Intersector, placed};
+use crate::accel::{Build, Coherence, Intersector, Packet, placed};
 use crate::error::Result;
 use crate::geometry::{AnyHit, Geometry, Hit, Hits, Ray, Rays};
 use filter::{Filter, Source};
@@ -68,7 +68,7 @@ impl EmbreeScene {
         }
         let filtered: Box<[bool]> = geometry.objects.iter().map(|object| object.filtered).collect();
         let any_filtered = filtered.contains(&true);
-        let packet = device.native_packet();
+        let packet = device.packets().last().copied().unwrap_or(Packet::One);
         Ok(EmbreeScene { top: top.commit(build)?, filtered, any_filtered, packet, device })
     }
 
@@ -82,15 +82,15 @@ impl EmbreeScene {
         self.device.version()
     }
 
-    /// Returns the width of packets, which is that of the processor's registers.
-    pub fn packet(&self) -> Packet {
-        self.packet
+    /// Returns the widths of packets for which the processor has registers, the widest last.
+    pub fn packets(&self) -> &'static [Packet] {
+        self.device.packets()
     }
 
-    /// Sets the width of packets, for tests and measurements.
-    #[must_use]
-    pub fn with_packet(self, packet: Packet) -> Self {
-        EmbreeScene { packet, ..self }
+    /// Sets the width of packets, for tests and measurements; at first it is the widest of [`Self::packets`]. Packets
+    /// that are wider than the registers are slow.
+    pub fn set_packet(&mut self, packet: Packet) {
+        self.packet = packet;
     }
 
     /// Returns the filter of a query; `None` if it has no effect.
@@ -149,17 +149,6 @@ impl Intersector for EmbreeScene {
             Packet::One => (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any)),
         }
     }
-}
-
-/// Number of rays in a query of many.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Packet {
-    /// Single rays.
-    One,
-    /// Eight, with AVX.
-    Eight,
-    /// Sixteen, with AVX-512.
-    Sixteen,
 }
 
 /// Returns the scene that is instanced by every placed object of mesh `index`.

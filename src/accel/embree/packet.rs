@@ -15,10 +15,37 @@ use std::ptr::null_mut;
 #[repr(C, align(64))]
 struct Valid<const N: usize>([i32; N]);
 
-fn flags(coherence: Coherence) -> RTCRayQueryFlags {
-    match coherence {
-        Coherence::Coherent => RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_COHERENT,
-        Coherence::Incoherent => RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
+impl<const N: usize> Valid<N> {
+    /// Marks the rays from `at` on that are finite and have points. With [`Coherence::Coherent`] any other would take
+    /// hits from its neighbours, and Embree calls a ray occluded that ends before its origin.
+    #[inline]
+    fn of(rays: &Rays, at: usize) -> Self {
+        // NaN where a coordinate is not finite. Loops and not closures by lane: the compiler vectorises them.
+        let mut zeros = [0.0; N];
+        for column in rays.origin.iter().chain(&rays.direction) {
+            zeros.iter_mut().zip(&column[at..at + N]).for_each(|(zero, x)| *zero += x * 0.0);
+        }
+        let mut valid = [0; N];
+        for (lane, (&zero, &t_max)) in zeros.iter().zip(&rays.t_max[at..at + N]).enumerate() {
+            valid[lane] = -i32::from((at + lane < rays.len()) & (zero >= 0.0) & (t_max >= 0.0));
+        }
+        Valid(valid)
+    }
+}
+
+/// Least magnitude whose reciprocal Embree computes (its `min_rcp_input`).
+const LEAST_RECIPROCAL: f32 = 1e-18;
+
+/// Returns Embree's flag for the `N` rays from `at` on. Embree sorts coherent rays into octants by their signs, but has
+/// the reciprocal of a small negative component positive. Such a ray would be outside the frustum of its octant.
+#[inline]
+fn flags<const N: usize>(coherence: Coherence, rays: &Rays, at: usize) -> RTCRayQueryFlags {
+    let is_odd = |x: f32| (x < 0.0) & (x > -LEAST_RECIPROCAL);
+    let any_odd = |column: &Vec<f32>| column[at..at + N].iter().fold(false, |any, &x| any | is_odd(x));
+    if coherence == Coherence::Coherent && !rays.direction.iter().any(any_odd) {
+        RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_COHERENT
+    } else {
+        RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT
     }
 }
 
@@ -48,7 +75,7 @@ macro_rules! packets {
             hits: &mut Hits,
         ) {
             let mut arguments = RTCIntersectArguments {
-                flags: flags(coherence),
+                flags: RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
                 feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
                 context: filter.as_mut().map_or(null_mut(), Filter::context),
                 filter: filter.as_ref().and(Filter::<A, Rays>::CALLBACK),
@@ -57,7 +84,8 @@ macro_rules! packets {
             // SAFETY: plain numbers, for which zeros are values.
             let mut query: $rayhit = unsafe { zeroed() };
             for at in (0..rays.len()).step_by($n) {
-                let valid = Valid::<$n>(std::array::from_fn(|lane| -i32::from(at + lane < rays.len())));
+                let valid = Valid::<$n>::of(rays, at);
+                arguments.flags = flags::<$n>(coherence, rays, at);
                 fill!($n, query.ray, rays, at);
                 query.hit.geomID = [RTC_INVALID_GEOMETRY_ID; $n];
                 query.hit.primID = [RTC_INVALID_GEOMETRY_ID; $n];
@@ -85,7 +113,7 @@ macro_rules! packets {
             occluded: &mut [bool],
         ) {
             let mut arguments = RTCOccludedArguments {
-                flags: flags(coherence),
+                flags: RTCRayQueryFlags::RTC_RAY_QUERY_FLAG_INCOHERENT,
                 feature_mask: RTCFeatureFlags::RTC_FEATURE_FLAG_ALL,
                 context: filter.as_mut().map_or(null_mut(), Filter::context),
                 filter: filter.as_ref().and(Filter::<A, Rays>::CALLBACK),
@@ -94,7 +122,8 @@ macro_rules! packets {
             // SAFETY: plain numbers, for which zeros are values.
             let mut query: $ray = unsafe { zeroed() };
             for at in (0..rays.len()).step_by($n) {
-                let valid = Valid::<$n>(std::array::from_fn(|lane| -i32::from(at + lane < rays.len())));
+                let valid = Valid::<$n>::of(rays, at);
+                arguments.flags = flags::<$n>(coherence, rays, at);
                 fill!($n, query, rays, at);
                 // SAFETY: as for the closest hit.
                 unsafe { $occlude(valid.0.as_ptr(), scene.raw(), &raw mut query, &raw mut arguments) };

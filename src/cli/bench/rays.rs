@@ -9,10 +9,11 @@ use crate::cli::settings_args::SettingsArgs;
 use crate::cli::{Console, startup};
 use crate::error::{Error, Result};
 use crate::lab::bench_rays::{
-    self, CategoryRow, PaceRates, Rate, RayAddress, RayBenchRequest, RayBenchSubject, RaysReport, RowRates, SceneRates,
+    self, CategoryRow, PaceRates, Rate, RayAddress, RayBenchRequest, RayBenchSubject, RaysReport, SceneRates,
 };
 use crate::lab::equivalence::DifferenceCounts;
 use crate::lab::unique;
+use crate::named::Named;
 use crate::session::SettingsPatch;
 use crate::session::machine;
 use std::path::PathBuf;
@@ -44,7 +45,7 @@ pub(in crate::cli) struct Args {
     /// Number of rounds, each of which measures everything once; 0 only compares hits
     #[arg(long, default_value_t = 9, value_name = "N")]
     rounds: u32,
-    /// Approximate maximum of recorded rays, 100 bytes each: a pass that would trace more is rendered with fewer pixels
+    /// Approximate maximum of recorded rays, 200 bytes each: a pass that would trace more is rendered with fewer pixels
     /// of the same view
     #[arg(long, default_value_t = 2_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
     rays: u64,
@@ -155,7 +156,7 @@ fn lines(report: &RaysReport) -> Vec<String> {
         lines.extend(rate_lines(scene, report.rounds));
         let found: Vec<_> = report.categories.iter().filter(|row| row.scene.as_ref() == Some(&scene.name)).collect();
         lines.push(format!("{}: what is hit, all classes together", scene.name));
-        lines.extend(scene.rows.iter().map(|row| scene_hits(&row.backend, &found)));
+        lines.extend(scene.rows.iter().map(|row| scene_hits(&row.backend, width(scene), &found)));
     }
     let hard: Vec<_> = report.categories.iter().filter(|row| row.scene.is_none()).collect();
     if !hard.is_empty() {
@@ -167,24 +168,32 @@ fn lines(report: &RaysReport) -> Vec<String> {
     lines
 }
 
+/// Returns the length of the longest name of a row.
+fn width(scene: &SceneRates) -> usize {
+    scene.rows.iter().map(|row| row.backend.len()).max().unwrap_or(0)
+}
+
 fn rate_lines(scene: &SceneRates, rounds: u32) -> Vec<String> {
     let classes: Vec<String> = scene.classes.iter().map(|class| format!("{} {}", class.rays, class.name)).collect();
-    let mut lines = vec![format!("{}: {} rays ({})", scene.name, scene.rays, classes.join(", "))];
+    let execution = scene.execution.map_or(String::new(), |e| format!(", {} execution", e.name()));
+    let mut lines = vec![format!("{}: {} rays ({}){execution}", scene.name, scene.rays, classes.join(", "))];
     if rounds > 0 {
         lines.push(format!("million rays per second, median of {rounds} rounds (least to most)"));
     }
+    let width = width(scene);
     for row in &scene.rows {
-        lines.push(format!(
-            "  {:15} built in {:.3} s, {:.0} bytes a triangle",
-            row.backend, row.build_seconds, row.bytes_per_triangle
-        ));
-        lines.extend(row.paces.iter().flat_map(|pace| pace_lines(row, pace)));
+        // Batches are traced by the structure of the row above.
+        if row.batch.is_none() {
+            let (name, seconds, bytes) = (&row.backend, row.build_seconds, row.bytes_per_triangle);
+            lines.push(format!("  {name:width$} built in {seconds:.3} s, {bytes:.0} bytes a triangle"));
+        }
+        lines.extend(row.paces.iter().flat_map(|pace| pace_lines(&row.backend, width, pace)));
     }
     lines.extend(scene.left_out.iter().map(|reason| format!("  left out: {reason}")));
     lines
 }
 
-fn pace_lines(row: &RowRates, pace: &PaceRates) -> Vec<String> {
+fn pace_lines(name: &str, width: usize, pace: &PaceRates) -> [String; 2] {
     let spread =
         |r: Rate, digits: usize| format!("{:.digits$} ({:.digits$} to {:.digits$})", r.median, r.least, r.most);
     let optional = |name: &str, rate: Option<Rate>, digits| {
@@ -194,14 +203,14 @@ fn pace_lines(row: &RowRates, pace: &PaceRates) -> Vec<String> {
     let threads = if pace.threads == 1 { "1 thread".into() } else { format!("{} threads", pace.threads) };
     let classes: Vec<String> =
         pace.classes.iter().map(|class| format!("{} {:.2}", class.name, class.rate.median)).collect();
-    vec![
-        format!("  {:15} {threads:10} raw {}{render}{share}", row.backend, spread(pace.raw, 2)),
-        format!("  {:15} {threads:10} by class: {}", row.backend, classes.join("  ")),
+    [
+        format!("  {name:width$} {threads:10} raw {}{render}{share}", spread(pace.raw, 2)),
+        format!("  {name:width$} {threads:10} by class: {}", classes.join("  ")),
     ]
 }
 
 /// Summarises the hits of a row in a scene, over all classes. The report has them by class.
-fn scene_hits(backend: &str, found: &[&CategoryRow]) -> String {
+fn scene_hits(backend: &str, width: usize, found: &[&CategoryRow]) -> String {
     let rows: Vec<_> = found.iter().filter(|row| row.category.backend == backend).collect();
     let sum = |of: fn(&DifferenceCounts) -> u64| rows.iter().map(|row| of(&row.category.tally)).sum::<u64>();
     let [rays, hits, ties, grazes, differences] =
@@ -209,7 +218,7 @@ fn scene_hits(backend: &str, found: &[&CategoryRow]) -> String {
     let beside = rows.first().map_or("", |row| &row.category.reference);
     let addresses: Vec<&str> = rows.iter().flat_map(|row| &row.addresses).map(String::as_str).collect();
     let counts = format!("{hits} hits of {rays} rays, {ties} ties, {grazes} grazes, {differences} true differences");
-    format!("  {backend:15} beside {beside}: {counts}{}", again(&addresses))
+    format!("  {backend:width$} beside {beside}: {counts}{}", again(&addresses))
 }
 
 fn hard_hits(row: &CategoryRow) -> String {

@@ -1,10 +1,10 @@
 //! Compares the hits of each row with those of a reference: the scenes' streams class by class, and the hard cases.
 
-use super::row::Row;
+use super::row::{Mode, Row, Structure};
 use super::stream::Group;
 use crate::accel::{Backend, Build};
 use crate::error::Result;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Ray};
 use crate::lab::equivalence::{Category, DifferenceCounts};
 use crate::lab::hard_cases;
 use serde::Serialize;
@@ -35,21 +35,39 @@ pub(super) fn reference(rows: &[Row]) -> &Row {
     rows.iter().find(|row| row.title == preferred).unwrap_or(&rows[0])
 }
 
-/// Runs both queries of every row on every ray of a scene's groups.
-pub(super) fn streams(geometry: &Geometry, scene: &str, groups: &[Group], rows: &[Row]) -> Vec<CategoryRow> {
-    let reference = reference(rows);
+/// Runs both queries of every row, in each of its modes, on every ray of a scene's groups.
+pub(super) fn streams(geometry: &Geometry, scene: &str, groups: &[Group], rows: &mut [Row]) -> Vec<CategoryRow> {
     let mut found = Vec::new();
     for group in groups {
         let rays = group.rays();
-        found.extend(rows.iter().map(|row| {
-            // It is unknown whether a scene is closed, so that leaks are not counted.
-            let tally = DifferenceCounts::of(geometry, &rays, &row.structure, &reference.structure, false);
-            let (name, backend) = (group.name.to_owned(), row.title.clone());
-            let category = Category { name, backend, reference: reference.title.clone(), tally };
-            CategoryRow::new(Some(scene), category)
-        }));
+        for row in 0..rows.len() {
+            let modes: Vec<Mode> = rows[row].ways.iter().map(|way| way.mode).collect();
+            found.extend(modes.into_iter().map(|mode| {
+                rows[row].prepare(mode);
+                let (row, reference) = (&rows[row], reference(rows));
+                let (name, backend) = (group.name.to_owned(), row.title_of(mode));
+                let tally = tally(geometry, &rays, (&row.structure, mode), &reference.structure);
+                let category = Category { name, backend, reference: reference.title.clone(), tally };
+                CategoryRow::new(Some(scene), category)
+            }));
+        }
     }
     found
+}
+
+/// Compares a structure with the reference. It is unknown whether a scene is closed, so that leaks are not counted.
+fn tally(
+    geometry: &Geometry,
+    rays: &[Ray],
+    (structure, mode): (&Structure, Mode),
+    reference: &Structure,
+) -> DifferenceCounts {
+    match mode {
+        Mode::Single => DifferenceCounts::of(geometry, rays, structure, reference, false),
+        Mode::Batch { coherence, .. } => {
+            DifferenceCounts::of_batches(geometry, rays, (structure, coherence), reference, false)
+        }
+    }
 }
 
 /// Runs every backend on the first `rays` rays of every hard case. `note` receives the name of each.
@@ -74,7 +92,6 @@ pub(super) fn hard(
 mod tests {
     use super::*;
     use crate::accel::RayClass;
-    use crate::geometry::Ray;
     use crate::lab::bench_rays::RayStream;
     use crate::lab::bench_rays::{Query, RayQuery};
     use crate::stats::test_random::Random;
@@ -87,7 +104,8 @@ mod tests {
         let case = hard_cases::by_name("random").unwrap();
         let backends =
             Backend::AVAILABLE.iter().map(|&backend| Row::of_backend(case.geometry(), (backend, Build::Robust), 1));
-        let rows: Vec<Row> = backends.chain([Row::of_cwbvh(case.geometry())]).collect::<Result<_>>().unwrap();
+        let rows = backends.chain([Row::of_cwbvh(case.geometry())]).collect::<Result<Vec<Row>>>();
+        let mut rows = rows.unwrap();
         let mut random = Random::new(1);
         let question = |i: u32| {
             let mut bits = || f32::from_bits((random.uniform() * f64::from(u32::MAX)) as u32);
@@ -105,8 +123,8 @@ mod tests {
         };
         let questions = (0..30_000).map(question).collect();
         let stream = RayStream { name: "bits".into(), scene_hash: String::new(), questions };
-        let found = streams(case.geometry(), &stream.name, &stream.groups(), &rows);
-        assert_eq!(found.len(), 2 * rows.len());
+        let found = streams(case.geometry(), &stream.name, &stream.groups(), &mut rows);
+        assert_eq!(found.len(), 2 * rows.iter().map(|row| row.ways.len()).sum::<usize>());
         for row in found.iter().filter(|row| row.category.name == "shadow") {
             let tally = &row.category.tally;
             assert_eq!((tally.rays, tally.hits, tally.true_differences), (20_000, 0, 0), "{row:?}");

@@ -2,13 +2,15 @@
 //!
 //! The rays of one pass are recorded on one thread. They are then replayed without shading on every backend with every
 //! build, and on obvhs's CWBVH ([`crate::lab::bench_rays::cwbvh`]). They are replayed class by class, and all together
-//! in render order. Rows take turns within each measurement of each round, so that background load affects all of them
-//! alike. A full pass is timed in the same round. Its share of the raw rate shows the cost of everything but ray
-//! tracing.
+//! in render order. Each backend gets them one by one and in batches, with packets of each width and with both values
+//! of [`crate::accel::Coherence`]. Rows take turns within each measurement of each round, so that background load
+//! affects all of them alike. A full pass is timed in the same round. Its share of the raw rate shows the cost of
+//! everything but ray tracing.
 //!
 //! Before the measurement, every row answers both queries for all rays and is compared with a reference. This
 //! comparison is also the warm-up.
 
+mod batch;
 mod compare;
 pub mod cwbvh;
 mod page;
@@ -23,13 +25,13 @@ pub mod stream_file;
 pub use compare::CategoryRow;
 pub use recorder::{Query, RayQuery};
 pub use replay::{Answer, Met, RayAddress, Replay};
-pub use report::{ClassRate, ClassSize, PaceRates, Rate, RaysReport, RowRates, SceneRates};
+pub use report::{BatchMode, ClassRate, ClassSize, PaceRates, Rate, RaysReport, RowRates, SceneRates};
 pub use stream::RayStream;
 
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
-use crate::integrator::RayCounts;
+use crate::integrator::{Execution, RayCounts};
 use crate::lab::Conditions;
 use crate::parallel::pool;
 use crate::session::{LoadedScene, RenderSettings, writable};
@@ -75,9 +77,11 @@ pub struct RayBenchRequest {
 struct Field {
     stage: LoadedScene,
     view: View,
-    stream: RayStream,
+    name: String,
+    /// All rays of the stream.
+    all: Group,
     groups: Vec<Group>,
-    counted: Option<RayCounts>,
+    recording: Option<Recording>,
     rows: Vec<Row>,
     left_out: Vec<String>,
     /// One pool per thread count.
@@ -147,9 +151,9 @@ fn measured(
     note: &mut dyn FnMut(&str),
 ) -> Result<(SceneRates, Vec<CategoryRow>)> {
     let mut field = Field::new(request, subject)?;
-    let name = field.stream.name.clone();
-    note(&format!("{name}: comparing the hits of {} rays", field.stream.questions.len()));
-    let categories = compare::streams(field.stage.scene.geometry(), &name, &field.groups, &field.rows);
+    let name = field.name.clone();
+    note(&format!("{name}: comparing the hits of {} rays", field.all.questions.len()));
+    let categories = compare::streams(field.stage.scene.geometry(), &name, &field.groups, &mut field.rows);
     for round in 0..request.rounds {
         note(&format!("{name}: round {} of {}", round + 1, request.rounds));
         field = field.timed(round);
@@ -159,7 +163,7 @@ fn measured(
 
 impl Field {
     fn new(request: &RayBenchRequest, subject: RayBenchSubject) -> Result<Field> {
-        let (stage, view, stream, counted) = stream_of(request, subject)?;
+        let (stage, view, stream, recording) = stream_of(request, subject)?;
         request.save.as_ref().map_or(Ok(()), |path| stream_file::write(path, &stream))?;
         let (mut rows, left_out) = rows(request, stage.scene.geometry())?;
         let groups = stream.groups();
@@ -169,45 +173,58 @@ impl Field {
             groups: vec![Vec::new(); groups.len()],
             render: Vec::new(),
         };
-        rows.iter_mut().for_each(|row| row.paces = request.threads.iter().map(pace).collect());
+        let paces: Vec<Pace> = request.threads.iter().map(pace).collect();
+        rows.iter_mut().flat_map(|row| &mut row.ways).for_each(|way| way.paces.clone_from(&paces));
         let pools = request.threads.iter().map(|&threads| pool(threads)).collect::<Result<Vec<_>>>()?;
-        Ok(Field { stage, view, stream, groups, counted, rows, left_out, pools })
+        let (name, all) = (stream.name, Group::new("raw", stream.questions));
+        Ok(Field { stage, view, name, all, groups, recording, rows, left_out, pools })
     }
 
     /// Runs one more round. Pass 0 is the recorded one, and each round renders another pass.
     fn timed(mut self, round: u32) -> Field {
         let pass = u64::from(round) + 1;
-        let stage = row::round(self.stage, &self.view, (&self.stream, &self.groups), &mut self.rows, &self.pools, pass);
+        let stage = row::round(self.stage, &self.view, (&self.all, &self.groups), &mut self.rows, &self.pools, pass);
         Field { stage, ..self }
     }
 
     fn rates(&self) -> SceneRates {
         let info = &self.stage.info;
         SceneRates {
-            name: self.stream.name.clone(),
+            name: self.name.clone(),
             hash: self.stage.scene.hash().to_owned(),
             size: self.view.size(),
             triangles: info.triangles,
             placed_triangles: info.placed_triangles,
-            rays: self.stream.questions.len(),
+            rays: self.all.questions.len(),
             classes: report::sizes(&self.groups),
-            counted: self.counted,
-            rows: self.rows.iter().map(|row| RowRates::of(row, &self.groups, info.triangles)).collect(),
+            counted: self.recording.map(|recording| recording.counted),
+            execution: self.recording.and_then(|recording| recording.execution),
+            rows: self.rows.iter().flat_map(|row| RowRates::of(row, &self.groups, info.triangles)).collect(),
             left_out: self.left_out.clone(),
         }
     }
+}
+
+/// Facts about a recorded pass.
+#[derive(Clone, Copy)]
+struct Recording {
+    /// Its own ray counts.
+    counted: RayCounts,
+    /// How `path` was executed; `None` for other methods.
+    execution: Option<Execution>,
 }
 
 /// The rays of a scene, recorded or loaded from a file.
 fn stream_of(
     request: &RayBenchRequest,
     subject: RayBenchSubject,
-) -> Result<(LoadedScene, View, RayStream, Option<RayCounts>)> {
+) -> Result<(LoadedScene, View, RayStream, Option<Recording>)> {
     let RayBenchSubject { name, stage, settings } = subject;
     let view = View::within(&stage.scene, &settings, request.rays)?;
     let Some(path) = &request.load else {
         let (stage, stream, counted) = record::record(stage, &view, &name)?;
-        return Ok((stage, view, stream, Some(counted)));
+        let execution = view.execution(&stage.scene);
+        return Ok((stage, view, stream, Some(Recording { counted, execution })));
     };
     let stream = stream_file::read(path)?;
     if stream.scene_hash != stage.scene.hash() {

@@ -5,6 +5,7 @@ use super::report::{PaceRates, Rate, RaysReport, RowRates, SceneRates};
 use crate::error::Result;
 use crate::io::atomic::write_atomically;
 use crate::lab::html::{Page, Plot, Series, facts, key, table};
+use crate::named::Named;
 use maud::{Markup, html};
 use std::io::Write;
 use std::path::Path;
@@ -13,10 +14,15 @@ const LEAD: &str = "Rays of one render pass, recorded and replayed with nothing 
     how many million a second are answered, what share of that a render reaches, and whether all hit the same. Rates \
     are medians over rounds; brackets hold the slowest and the fastest round.";
 
-const NOTES: [&str; 8] = [
+const NOTES: [&str; 9] = [
     "Raw is all that was recorded, replayed in the order of the render; the classes are replayed each by itself. \
      camera: from the camera. bounce-n: from the n-th scattering event of a path. shadow: toward lights; it is only \
      asked whether there is anything.",
+    "Names that end with 8 or 16: the rays go in batches of 1,024 to the backend, which traces them in packets of 8 \
+     or 16. batch: a backend without packets gets the same batches. coherent: the backend is told that consecutive \
+     rays take similar ways, whether they do or not; path tells so of camera rays and of shadow rays of their hits. \
+     Other rows get the rays one by one. The order is that of the recorded pass: pixels row by row, and in batched \
+     execution all rays of a batch's bounce together.",
     "Rows take turns within every measurement, so that whatever else the machine does falls on all of them.",
     "In the render: rays that a pass counts over its wall-clock time, which has everything in it that is not ray \
      tracing. The share is that rate over the raw rate of the same row, number of threads and round.",
@@ -54,7 +60,11 @@ pub(super) fn write(folder: &Path, report: &RaysReport) -> Result<()> {
 fn section(scene: &SceneRates, found: &[&CategoryRow], report: &RaysReport) -> Markup {
     let [width, height] = scene.size;
     let classes: Vec<String> = scene.classes.iter().map(|class| format!("{} {}", class.rays, class.name)).collect();
-    let source = if scene.counted.is_some() { "recorded in a pass" } else { "taken from a file" };
+    let source = match (&scene.counted, scene.execution) {
+        (None, _) => "taken from a file".into(),
+        (_, None) => "recorded in a pass".into(),
+        (_, Some(execution)) => format!("recorded in a pass of {} execution", execution.name()),
+    };
     html! {
         (facts([
             ("Triangles", format!("{}, as placed {}", scene.triangles, scene.placed_triangles)),
@@ -96,7 +106,7 @@ fn cell(digits: usize, rate: Option<Rate>) -> String {
     rate.map_or("–".into(), |r| format!("{:.digits$} [{:.digits$}, {:.digits$}]", r.median, r.least, r.most))
 }
 
-/// Plot of rates over thread counts, one colour per row.
+/// Plot of rates over thread counts, one colour per row of single rays.
 fn scaling(scene: &SceneRates) -> Markup {
     let series = |of: fn(&PaceRates) -> Option<Rate>| -> Vec<Series> {
         let line = |(hue, row): (usize, &RowRates)| {
@@ -104,7 +114,7 @@ fn scaling(scene: &SceneRates) -> Markup {
             let (curve, band) = points.map(|(x, rate)| ([x, rate.median], [rate.least, rate.most])).unzip();
             Series { label: row.backend.clone(), hue, dash: 0, curve, band }
         };
-        scene.rows.iter().enumerate().map(line).collect()
+        scene.rows.iter().filter(|row| row.batch.is_none()).enumerate().map(line).collect()
     };
     let figure = |y: &str, series: &[Series]| {
         let title =

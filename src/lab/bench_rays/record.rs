@@ -5,7 +5,7 @@ use super::stream::RayStream;
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::film::{Crop, Layout, PassFilm};
-use crate::integrator::{self, PilotEstimate, RayCounts};
+use crate::integrator::{self, Execution, MethodConfig, PilotEstimate, RayCounts};
 use crate::parallel::{Cancel, pool};
 use crate::scene::Scene;
 use crate::session::{LoadedScene, RenderSettings};
@@ -45,6 +45,12 @@ impl View {
     /// Width and height in pixels.
     pub(super) fn size(&self) -> [u32; 2] {
         [self.settings.width, self.settings.height]
+    }
+
+    /// Returns the execution of passes by `path`, which orders their rays; `None` for other methods.
+    pub(super) fn execution(&self, scene: &Scene) -> Option<Execution> {
+        let is_path = matches!(self.settings.method, MethodConfig::Path);
+        is_path.then(|| Execution::chosen(self.settings.execution, scene))
     }
 
     /// Renders a pass in the current rayon pool and counts its rays.

@@ -17,7 +17,7 @@ pub enum Query {
     Occluded,
 }
 
-/// A recorded query, 52 bytes.
+/// A recorded query, 72 bytes.
 #[derive(Debug, Clone, Copy)]
 pub struct RayQuery {
     /// The ray.

@@ -1,10 +1,11 @@
 //! Measured results as one JSON document and as tables.
 
 use super::compare::CategoryRow;
-use super::row::{Pace, Row};
+use super::row::{Mode, Pace, Row};
 use super::stream::Group;
+use crate::accel::{Coherence, Packet};
 use crate::error::Result;
-use crate::integrator::RayCounts;
+use crate::integrator::{Execution, RayCounts};
 use crate::lab::{Conditions, report_files};
 use serde::Serialize;
 use std::path::Path;
@@ -44,7 +45,10 @@ pub struct SceneRates {
     pub classes: Vec<ClassSize>,
     /// Ray counts of the recorded pass itself; `None` if the stream was loaded from a file.
     pub counted: Option<RayCounts>,
-    /// Rates by backend and build.
+    /// Execution of `path` in the recorded pass, which orders its rays; `None` for other methods, and if the stream was
+    /// loaded from a file.
+    pub execution: Option<Execution>,
+    /// Rates by backend and build, and by how rays are given to them.
     pub rows: Vec<RowRates>,
     /// Rows that could not be measured, with the reasons.
     pub left_out: Vec<String>,
@@ -62,14 +66,25 @@ pub struct ClassSize {
 /// Ray rates of a backend on a scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct RowRates {
-    /// The backend and its build.
+    /// The backend and its build, and how it gets its rays: `embree-robust`, `embree-robust-16-coherent`.
     pub backend: String,
+    /// How it gets batches of rays; `None` for rays one by one.
+    pub batch: Option<BatchMode>,
     /// Build time of the structure in seconds, measured once.
     pub build_seconds: f64,
     /// Bytes of the structure per triangle of the distinct meshes.
     pub bytes_per_triangle: f64,
     /// Rates by thread count.
     pub paces: Vec<PaceRates>,
+}
+
+/// How a backend gets batches of rays.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct BatchMode {
+    /// Rays in a packet; `None` for a backend without packets.
+    pub packet: Option<u32>,
+    /// Whether it is told that consecutive rays take similar ways.
+    pub coherent: bool,
 }
 
 /// Million rays per second at one thread count.
@@ -81,7 +96,7 @@ pub struct PaceRates {
     pub raw: Rate,
     /// Rates by ray class.
     pub classes: Vec<ClassRate>,
-    /// Rays of a render; `None` for a structure that cannot render.
+    /// Rays of a render; `None` for a structure that cannot render, and for batches.
     pub render: Option<Rate>,
     /// Render rate over raw rate, round by round.
     pub share: Option<Rate>,
@@ -118,13 +133,23 @@ impl Rate {
 }
 
 impl RowRates {
-    pub(super) fn of(row: &Row, groups: &[Group], triangles: usize) -> RowRates {
-        RowRates {
-            backend: row.title.clone(),
+    /// Returns the rates of a structure by mode.
+    pub(super) fn of(row: &Row, groups: &[Group], triangles: usize) -> Vec<RowRates> {
+        let rates = row.ways.iter().map(|way| RowRates {
+            backend: row.title_of(way.mode),
+            batch: BatchMode::of(way.mode),
             build_seconds: row.build_seconds,
             bytes_per_triangle: row.bytes as f64 / triangles.max(1) as f64,
-            paces: row.paces.iter().filter_map(|pace| PaceRates::of(pace, groups)).collect(),
-        }
+            paces: way.paces.iter().filter_map(|pace| PaceRates::of(pace, groups)).collect(),
+        });
+        rates.collect()
+    }
+}
+
+impl BatchMode {
+    fn of(mode: Mode) -> Option<BatchMode> {
+        let Mode::Batch { packet, coherence } = mode else { return None };
+        Some(BatchMode { packet: packet.map(Packet::rays), coherent: coherence == Coherence::Coherent })
     }
 }
 
@@ -228,7 +253,7 @@ mod tests {
 
     #[test]
     fn rates_are_medians_and_shares_are_paired_by_round() {
-        let group = Group { name: "camera", questions: Vec::new() };
+        let group = Group::new("camera", Vec::new());
         let pace = Pace {
             threads: 2,
             raw: vec![4.0, 2.0, 8.0],

@@ -1,5 +1,6 @@
 //! Recorded rays in trace order, and the groups for which rates and hits are reported.
 
+use super::batch::Batch;
 use crate::accel::RayClass;
 use crate::geometry::Ray;
 use crate::lab::bench_rays::RayQuery;
@@ -21,15 +22,22 @@ pub struct RayStream {
     pub questions: Vec<RayQuery>,
 }
 
-/// Rays of one group of classes.
+/// Rays of one group of classes, or all rays of a stream.
 pub(super) struct Group {
     pub(super) name: &'static str,
     /// Rays in stream order. They are contiguous copies: with one ray in five picked from the stream, each would take
     /// longer to fetch from memory than to trace.
     pub(super) questions: Vec<RayQuery>,
+    /// The same rays in batches.
+    pub(super) batches: Vec<Batch>,
 }
 
 impl Group {
+    /// Returns the group of `questions`.
+    pub(super) fn new(name: &'static str, questions: Vec<RayQuery>) -> Group {
+        Group { name, batches: Batch::of(&questions), questions }
+    }
+
     /// Returns its rays.
     pub(super) fn rays(&self) -> Vec<Ray> {
         self.questions.iter().map(|question| question.ray).collect()
@@ -39,12 +47,12 @@ impl Group {
 impl RayStream {
     /// Returns the groups that have rays.
     pub(super) fn groups(&self) -> Vec<Group> {
-        let mut groups: Vec<Group> = GROUPS.iter().map(|&name| Group { name, questions: Vec::new() }).collect();
+        let mut groups = GROUPS.map(|name| (name, Vec::new()));
         for &question in &self.questions {
-            groups[group_of(question.class)].questions.push(question);
+            groups[group_of(question.class)].1.push(question);
         }
-        groups.retain(|group| !group.questions.is_empty());
-        groups
+        let groups = groups.into_iter().filter(|(_, questions)| !questions.is_empty());
+        groups.map(|(name, questions)| Group::new(name, questions)).collect()
     }
 }
 

@@ -1,8 +1,8 @@
 //! Comparison of the answers of two backends over many rays.
 
 use super::{Agreement, agreement};
-use crate::accel::Intersector;
-use crate::geometry::{Geometry, Opaque, Ray};
+use crate::accel::{Coherence, Intersector};
+use crate::geometry::{Geometry, Hit, Hits, Opaque, PADDING, Ray, Rays};
 use rayon::prelude::*;
 
 /// Number of rays per task.
@@ -43,6 +43,13 @@ pub struct Category {
     pub tally: DifferenceCounts,
 }
 
+/// Answers of a backend to both queries of a ray.
+struct Answer {
+    ray: Ray,
+    closest: Option<Hit>,
+    occluded: bool,
+}
+
 impl DifferenceCounts {
     /// Runs both queries of both backends for every ray. With `is_closed`, all rays start inside closed surfaces; a ray
     /// without a hit, or not occluded, is then a leak of `subject`. A ray for which the two queries of `subject`
@@ -57,27 +64,61 @@ impl DifferenceCounts {
         reference: &impl Intersector,
         is_closed: bool,
     ) -> DifferenceCounts {
+        let answers = |rays: &[Ray]| {
+            let answer = |&ray: &Ray| {
+                let (closest, occluded) = (subject.closest(&ray, &Opaque), subject.occluded(&ray, &Opaque));
+                Answer { ray, closest, occluded }
+            };
+            rays.iter().map(answer).collect()
+        };
+        DifferenceCounts::count(geometry, rays, answers, reference, is_closed)
+    }
+
+    /// As [`Self::of`], with the rays in batches for `subject` and one by one for `reference`. All rays begin at their
+    /// origins ([`Rays`]).
+    ///
+    /// # Panics
+    /// If a backend reports a hit that is not in `geometry`.
+    pub fn of_batches(
+        geometry: &Geometry,
+        rays: &[Ray],
+        (subject, coherence): (&impl Intersector, Coherence),
+        reference: &impl Intersector,
+        is_closed: bool,
+    ) -> DifferenceCounts {
+        let answers = |rays: &[Ray]| {
+            let (mut batch, mut hits) = (Rays::new(rays.len()), Hits::new(rays.len()));
+            let mut occluded = vec![false; rays.len() + PADDING];
+            rays.iter().for_each(|ray| batch.push(ray));
+            subject.closest_all(&batch, coherence, &Opaque, &mut hits);
+            subject.occluded_all(&batch, coherence, &Opaque, &mut occluded);
+            let answer = |at| Answer { ray: batch.ray(at), closest: hits.get(at), occluded: occluded[at] };
+            (0..rays.len()).map(answer).collect()
+        };
+        DifferenceCounts::count(geometry, rays, answers, reference, is_closed)
+    }
+
+    /// Counts the `answers` to `rays`, which are asked for chunk by chunk.
+    fn count(
+        geometry: &Geometry,
+        rays: &[Ray],
+        answers: impl Fn(&[Ray]) -> Vec<Answer> + Sync,
+        reference: &impl Intersector,
+        is_closed: bool,
+    ) -> DifferenceCounts {
         let chunk = |(at, rays): (usize, &[Ray])| {
             let mut tally = DifferenceCounts::default();
-            for (i, ray) in rays.iter().enumerate() {
-                tally.add((at * CHUNK + i) as u64, geometry, ray, subject, reference, is_closed);
+            for (i, answer) in answers(rays).iter().enumerate() {
+                let expected = reference.closest(&answer.ray, &Opaque);
+                tally.add((at * CHUNK + i) as u64, geometry, answer, expected, is_closed);
             }
             tally
         };
         rays.par_chunks(CHUNK).enumerate().map(chunk).reduce(DifferenceCounts::default, DifferenceCounts::plus)
     }
 
-    fn add(
-        &mut self,
-        index: u64,
-        geometry: &Geometry,
-        ray: &Ray,
-        subject: &impl Intersector,
-        reference: &impl Intersector,
-        is_closed: bool,
-    ) {
-        let (closest, occluded) = (subject.closest(ray, &Opaque), subject.occluded(ray, &Opaque));
-        let expected = reference.closest(ray, &Opaque);
+    fn add(&mut self, index: u64, geometry: &Geometry, answer: &Answer, expected: Option<Hit>, is_closed: bool) {
+        let &Answer { ref ray, closest, occluded } = answer;
         let found = if occluded == closest.is_some() {
             agreement(geometry, ray, closest, expected)
         } else {
@@ -120,7 +161,7 @@ impl DifferenceCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{AnyHit, Hit};
+    use crate::geometry::AnyHit;
     use glam::Vec3;
 
     /// Hits object 0 always, or never.

@@ -95,15 +95,14 @@ fn batches_have_the_bits_of_single_paths() {
 #[cfg(feature = "embree")]
 #[test]
 fn batches_have_the_same_bits_with_packets_of_any_width() {
-    use crate::accel::Accel;
-    use crate::accel::embree::Packet;
+    use crate::accel::Packet;
     let World { name, scene, .. } = built("mixed", mixed());
     let camera = scene.camera(None, SIDE, SIDE).expect("a camera");
     let mut scene = scene;
     for packet in [Packet::One, Packet::Eight, Packet::Sixteen] {
-        (scene, _) = scene.with_accel(|accel| match accel {
-            Accel::Embree(embree) => (Accel::Embree(embree.with_packet(packet)), ()),
-            other => (other, ()),
+        (scene, _) = scene.with_accel(|mut accel| {
+            accel.set_packet(packet);
+            (accel, ())
         });
         compare::<Native>(name, &scene, &camera, &options(SamplerKind::Sobol, None), None);
     }

@@ -258,8 +258,8 @@ impl<F: Float> Stage<'_, '_, F> {
     #[inline(never)]
     fn resolve(&mut self, at: usize, points: &Points<F>, lanes: &mut Lanes) -> Vec3<F> {
         let mut normals = [glam::Vec3::ZERO; MOST_LANES];
-        for lane in 0..F::LANES {
-            normals[lane] = points.ng.lane(lane).into();
+        for (lane, ng) in normals.iter_mut().enumerate().take(F::LANES) {
+            *ng = points.ng.lane(lane).into();
         }
         let geometry = self.all.tracer.scene.geometry();
         for_each_bit(lanes.bent | lanes.varying, |lane| {
