@@ -36,7 +36,7 @@ pub trait Intersector: Send + Sync {
 /// Whether consecutive rays of a batch take similar ways: a hint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coherence {
-    /// Camera rays, and shadow rays of their hits.
+    /// Camera rays, in a scene that the caches hold.
     Coherent,
     /// All others.
     Incoherent,

@@ -46,6 +46,10 @@ const LARGEST: usize = 1024;
 /// Least number of paths in a batch, and what their number is a multiple of.
 const SMALLEST: usize = 32;
 
+/// Size of an acceleration structure, in bytes, up to which the hint that camera rays are coherent pays: on the Cornell
+/// box it multiplies their rate by 2.9, and on two million triangles by .87. Shadow rays of camera hits lose by it.
+const CACHED: usize = 16 << 20;
+
 /// Batches of a pass per thread, for load balance.
 const BATCHES_PER_THREAD: usize = 4;
 
@@ -67,6 +71,8 @@ pub(in crate::integrator) struct BatchedPath<'a, F: Float = Native> {
     options: IntegratorConfig,
     objects: Vec<ObjectRow<'a>>,
     lights: LightRows,
+    /// That of camera rays.
+    coherence: Coherence,
     /// Number of paths in a batch; `None` for the best one.
     size: Option<usize>,
     /// Batches that no task uses at the moment.
@@ -111,6 +117,7 @@ impl<'a, F: Float> BatchedPath<'a, F> {
             options: *options,
             objects: object_rows(scene),
             lights: LightRows::new(scene.lights()),
+            coherence: if scene.accel().bytes() < CACHED { Coherence::Coherent } else { Coherence::Incoherent },
             size: None,
             idle: Mutex::new(Vec::new()),
             lanes: PhantomData,
@@ -212,7 +219,7 @@ impl<'a, F: Float> BatchedPath<'a, F> {
                 break;
             }
             let (class, count, coherence) = match depth {
-                0 => (RayClass::Camera, &mut tally.cameras, Coherence::Coherent),
+                0 => (RayClass::Camera, &mut tally.cameras, self.coherence),
                 _ => (RayClass::Bounce(depth), &mut tally.bounces, Coherence::Incoherent),
             };
             *count += batch.paths.len() as u64;
@@ -221,7 +228,7 @@ impl<'a, F: Float> BatchedPath<'a, F> {
             self.vertices(batch, depth, numbers, tally);
             scene.accel().announce(RayClass::Shadow);
             tally.shadows += batch.shadows.rays.len() as u64;
-            scene.occluded_all(&batch.shadows.rays, coherence, &mut batch.occluded);
+            scene.occluded_all(&batch.shadows.rays, Coherence::Incoherent, &mut batch.occluded);
             batch.add_light();
             std::mem::swap(&mut batch.paths, &mut batch.next);
         }
