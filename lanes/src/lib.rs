@@ -32,6 +32,9 @@ pub type Native = Avx8;
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2", target_feature = "fma")))]
 pub type Native = Array<8>;
 
+/// Largest number of lanes.
+pub const MOST_LANES: usize = 32;
+
 /// Length of the rows that [`Float::rows`] transposes.
 pub const ROW: usize = 8;
 
@@ -146,7 +149,7 @@ pub trait Float:
     + Neg<Output = Self>
     + 'static
 {
-    /// Number of lanes: at most 32.
+    /// Number of lanes: at most [`MOST_LANES`].
     const LANES: usize;
     /// Truth values of comparisons.
     type Mask: Mask;

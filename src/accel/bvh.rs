@@ -22,7 +22,7 @@ mod stack;
 mod tree;
 mod turns;
 
-use crate::accel::{Build, Coherence, Intersector, placed};
+use crate::accel::{Build, Coherence, Intersector, closest_of_each, occluded_of_each, placed};
 use crate::error::Result;
 use crate::geometry::{AnyHit, Bounds, Geometry, Hit, Hits, Ray, Rays, placement_error};
 use crate::huge_vec::HugeVec;
@@ -208,7 +208,7 @@ impl Intersector for BvhScene {
 
     fn closest_all(&self, rays: &Rays, _: Coherence, any: &impl AnyHit, hits: &mut Hits) {
         let Some(world) = self.world_in_turns() else {
-            return (0..rays.len()).for_each(|at| hits.set(at, self.closest(&rays.ray(at), any)));
+            return closest_of_each(self, rays, any, hits);
         };
         world.visit_in_turns::<true>(
             rays,
@@ -219,7 +219,7 @@ impl Intersector for BvhScene {
 
     fn occluded_all(&self, rays: &Rays, _: Coherence, any: &impl AnyHit, occluded: &mut [bool]) {
         let Some(world) = self.world_in_turns() else {
-            return (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any));
+            return occluded_of_each(self, rays, any, occluded);
         };
         world.visit_in_turns::<false>(
             rays,

@@ -24,13 +24,23 @@ pub trait Intersector: Send + Sync {
     fn occluded(&self, ray: &Ray, any: &impl AnyHit) -> bool;
     /// Writes the first hits of `rays` that `any` accepts to `hits`. A backend may trace rays together.
     fn closest_all(&self, rays: &Rays, _coherence: Coherence, any: &impl AnyHit, hits: &mut Hits) {
-        (0..rays.len()).for_each(|at| hits.set(at, self.closest(&rays.ray(at), any)));
+        closest_of_each(self, rays, any, hits);
     }
     /// Writes to `occluded` which of `rays` have any hit that `any` accepts. A backend may trace rays together, and
     /// overwrite what follows.
     fn occluded_all(&self, rays: &Rays, _coherence: Coherence, any: &impl AnyHit, occluded: &mut [bool]) {
-        (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any));
+        occluded_of_each(self, rays, any, occluded);
     }
+}
+
+/// [`Intersector::closest_all`] ray by ray.
+fn closest_of_each(of: &(impl Intersector + ?Sized), rays: &Rays, any: &impl AnyHit, hits: &mut Hits) {
+    (0..rays.len()).for_each(|at| hits.set(at, of.closest(&rays.ray(at), any)));
+}
+
+/// [`Intersector::occluded_all`] ray by ray.
+fn occluded_of_each(of: &(impl Intersector + ?Sized), rays: &Rays, any: &impl AnyHit, occluded: &mut [bool]) {
+    (0..rays.len()).for_each(|at| occluded[at] = of.occluded(&rays.ray(at), any));
 }
 
 /// Whether consecutive rays of a batch take similar ways: a hint.
@@ -231,7 +241,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.closest_all(rays, coherence, any, hits),
             Accel::Obvhs(scene) => scene.closest_all(rays, coherence, any, hits),
-            Accel::Custom(_) => (0..rays.len()).for_each(|at| hits.set(at, self.closest(&rays.ray(at), any))),
+            Accel::Custom(_) => closest_of_each(self, rays, any, hits),
         }
     }
 
@@ -240,7 +250,7 @@ impl Intersector for Accel {
             #[cfg(feature = "embree")]
             Accel::Embree(scene) => scene.occluded_all(rays, coherence, any, occluded),
             Accel::Obvhs(scene) => scene.occluded_all(rays, coherence, any, occluded),
-            Accel::Custom(_) => (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any)),
+            Accel::Custom(_) => occluded_of_each(self, rays, any, occluded),
         }
     }
 }

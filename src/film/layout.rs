@@ -112,6 +112,12 @@ impl Layout {
         })
     }
 
+    /// Returns the index in the full image, row by row, of a pixel by its column and row there.
+    #[inline]
+    pub fn index(&self, [x, y]: [u32; 2]) -> u64 {
+        u64::from(y) * u64::from(self.width) + u64::from(x)
+    }
+
     /// Returns column and row in the full image of the rendered pixel `index` (row by row inside the crop).
     #[inline]
     pub fn pixel(&self, index: usize) -> [u32; 2] {

@@ -1,10 +1,11 @@
 //! Rays and hits of a batch, as arrays of coordinates. Kernels load and store groups of lanes, and backends packets.
 
 use super::{Hit, Ray};
+use etendue_lanes::MOST_LANES;
 use glam::Vec3;
 
 /// Places beyond the capacity that a group of lanes or a packet may read and overwrite.
-pub const PADDING: usize = 32;
+pub const PADDING: usize = MOST_LANES;
 
 /// A growing list of rays from `t_min` 0, outside all bodies, at time 0.
 #[derive(Debug, Clone)]

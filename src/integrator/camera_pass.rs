@@ -30,6 +30,23 @@ pub(super) trait Radiance: Send + Sync {
     ) -> Spectrum;
 }
 
+/// A renderer of passes in chunks of consecutive pixels, which tasks share.
+pub(super) trait Chunks: Send + Sync {
+    /// Returns the generator of its samples.
+    fn samples(&self) -> &Samples;
+    /// Returns the number of pixels in a chunk, in a pass of `pixels`.
+    fn chunk_size(&self, pixels: usize) -> usize;
+    /// Renders consecutive pixels: the number of the first, and the values of all planes.
+    fn chunk(
+        &self,
+        pass: u64,
+        layout: &Layout,
+        pixels: (usize, &mut [f32]),
+        splats: &Splats,
+        numbers: impl PassNumbers,
+    ) -> PassReport;
+}
+
 /// An integrator that renders each pixel by `method`.
 pub(super) struct CameraPass<'a, M: Radiance> {
     method: M,
@@ -42,8 +59,17 @@ impl<'a, M: Radiance> CameraPass<'a, M> {
     pub(super) fn new(method: M, scene: &'a Scene, camera: Camera, options: &IntegratorConfig) -> Self {
         CameraPass { method, scene, samples: Samples::new(camera, options), options: *options }
     }
+}
 
-    /// Renders consecutive pixels from `first` on.
+impl<M: Radiance> Chunks for CameraPass<'_, M> {
+    fn samples(&self) -> &Samples {
+        &self.samples
+    }
+
+    fn chunk_size(&self, _: usize) -> usize {
+        CHUNK
+    }
+
     fn chunk(
         &self,
         pass: u64,
@@ -136,27 +162,27 @@ fn limited(options: &IntegratorConfig, color: Spectrum, valid: &mut bool, guards
     options.clamp.map_or(color, |most| clamp(color, most, guards))
 }
 
-impl<M: Radiance> Integrator for CameraPass<'_, M> {
+impl<C: Chunks> Integrator for C {
     fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
-        self.samples.of_pass(pass, Pass { all: self, pass, cancel, out })
+        self.samples().of_pass(pass, Pass { all: self, pass, cancel, out })
     }
 }
 
 /// State of a running pass.
-struct Pass<'p, 'a, M: Radiance> {
-    all: &'p CameraPass<'a, M>,
+struct Pass<'p, C: Chunks> {
+    all: &'p C,
     pass: u64,
     cancel: &'p Cancel,
     out: &'p mut PassFilm,
 }
 
-impl<M: Radiance> Work for Pass<'_, '_, M> {
+impl<C: Chunks> Work for Pass<'_, C> {
     type Output = Option<PassReport>;
 
     fn run(self, numbers: impl PassNumbers) -> Option<PassReport> {
         let Pass { all, pass, cancel, out } = self;
         let layout = out.layout().clone();
-        let (chunks, splats) = out.par_chunks_and_splats(CHUNK);
+        let (chunks, splats) = out.par_chunks_and_splats(all.chunk_size(layout.pixels()));
         let report =
             gather(chunks.map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, splats, numbers))));
         out.fold_splats();

@@ -27,17 +27,9 @@ pub enum Execution {
 }
 
 impl Execution {
-    /// Returns the faster execution for `scene`.
-    pub fn of(scene: &Scene) -> Execution {
-        if path::batches_pay(scene) { Execution::Batched } else { Execution::Scalar }
-    }
-
     /// Returns what `choice` means for `scene`; without a choice the faster execution.
     pub fn chosen(choice: Option<Execution>, scene: &Scene) -> Execution {
-        match choice {
-            None => Execution::of(scene),
-            Some(Execution::Batched) if path::knows(scene) => Execution::Batched,
-            Some(_) => Execution::Scalar,
-        }
+        let batches = choice != Some(Execution::Scalar) && path::knows(scene);
+        if batches { Execution::Batched } else { Execution::Scalar }
     }
 }

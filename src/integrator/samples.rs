@@ -116,7 +116,7 @@ impl Samples {
     #[inline]
     pub(super) fn of_pixel<N: PassNumbers>(&self, layout: &Layout, at: usize, numbers: N) -> Sample<N::Sampler<u64>> {
         let pixel = layout.pixel(at);
-        let index = u64::from(pixel[1]) * u64::from(layout.width) + u64::from(pixel[0]);
+        let index = layout.index(pixel);
         let mut numbers = numbers.of(index);
         let camera = self.camera_sample(pixel, &mut numbers);
         Sample { pixel, index, camera, numbers }

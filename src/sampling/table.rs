@@ -15,9 +15,6 @@ pub struct Distribution {
 /// Number of indices up to which all are compared.
 const FEW: usize = 8;
 
-/// Largest number of lanes.
-const MOST_LANES: usize = 16;
-
 impl Distribution {
     /// Returns the distribution of `weights` (finite, not negative), or `None` if all are zero or there are none.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
@@ -69,11 +66,8 @@ impl Distribution {
     #[inline(always)]
     pub fn sample_lanes<F: Float>(&self, u: F) -> (F::Int, F) {
         if self.upper.len() > FEW {
-            let chosen: [(usize, Pdf<Discrete>); MOST_LANES] =
-                std::array::from_fn(
-                    |lane| if lane < F::LANES { self.sample(u.lane(lane)) } else { (0, Pdf::new(0.0)) },
-                );
-            return (F::Int::from_fn(|lane| chosen[lane].0 as u32), F::from_fn(|lane| chosen[lane].1.value()));
+            let index = F::Int::from_fn(|lane| self.sample(u.lane(lane)).0 as u32);
+            return (index, F::from_fn(|lane| self.pmf(index.lane(lane) as usize).value()));
         }
         let (mut index, mut lower, mut upper) = (F::splat(0.0), F::splat(0.0), F::splat(self.upper[0]));
         for pair in self.upper.windows(2) {

@@ -21,7 +21,7 @@ mod packet;
 mod ray;
 mod scene;
 
-use crate::accel::{Build, Coherence, Intersector, Packet, placed};
+use crate::accel::{Build, Coherence, Intersector, Packet, closest_of_each, occluded_of_each, placed};
 use crate::error::Result;
 use crate::geometry::{AnyHit, Geometry, Hit, Hits, Ray, Rays};
 use filter::{Filter, Source};
@@ -136,7 +136,7 @@ impl Intersector for EmbreeScene {
         match self.packet {
             Packet::Sixteen => packet::closest16(&self.top, rays, coherence, filter, hits),
             Packet::Eight => packet::closest8(&self.top, rays, coherence, filter, hits),
-            Packet::One => (0..rays.len()).for_each(|at| hits.set(at, self.closest(&rays.ray(at), any))),
+            Packet::One => closest_of_each(self, rays, any, hits),
         }
     }
 
@@ -146,7 +146,7 @@ impl Intersector for EmbreeScene {
         match self.packet {
             Packet::Sixteen => packet::occluded16(&self.top, rays, coherence, filter, occluded),
             Packet::Eight => packet::occluded8(&self.top, rays, coherence, filter, occluded),
-            Packet::One => (0..rays.len()).for_each(|at| occluded[at] = self.occluded(&rays.ray(at), any)),
+            Packet::One => occluded_of_each(self, rays, any, occluded),
         }
     }
 }

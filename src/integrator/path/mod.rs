@@ -9,12 +9,12 @@
 
 mod batch;
 
-pub(super) use batch::{BatchedPath, batches_pay, knows};
+pub(super) use batch::{BatchedPath, knows};
 
 use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::camera::CameraSample;
-use crate::geometry::{Hit, Local};
+use crate::geometry::{Hit, Local, SurfacePoint};
 use crate::light::{Light, LightSample, LightSampleContext};
 use crate::path::{PreviousVertex, RandomWalk, TraceStats};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
@@ -167,18 +167,28 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         Some((edge, walk.beta * scattering.f_cos * sample.radiance * weight))
     }
 
-    /// Next-event estimation at a vertex with one light sample.
-    #[inline]
-    fn direct(
+    /// Leaves the vertex of `walk` at `point`: samples a light, of which `light` gets the edge and the contribution if
+    /// nothing blocks the edge, and then a direction. Returns whether the walk goes on.
+    #[inline(always)] // see RandomWalk::arrive
+    fn leave<P: Sampler>(
         &self,
-        shading: &Shading,
-        walk: &RandomWalk,
-        sampler: &mut impl Sampler,
+        walk: &mut RandomWalk,
+        point: &mut SurfacePoint,
+        sampler: &mut P,
         tally: &mut TraceStats,
-    ) -> Spectrum {
-        let Some((edge, light)) = &self.light_sample(shading, walk, sampler) else { return Spectrum::ZERO };
-        let through = self.scene.transmittance(edge, sampler, walk.bounce, &mut tally.shadows);
-        if through.is_black() { Spectrum::ZERO } else { *light * through }
+        light: impl FnOnce(&Edge, Spectrum, &mut P, &mut TraceStats),
+    ) -> bool {
+        let surface = self.scene.surface(point, walk.ray.state.bodies);
+        let wo = -walk.ray.direction;
+        let Some(shading) = &Shading::new(point, &surface, wo, TransportMode::Radiance) else { return false };
+        if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
+            if let Some((edge, contribution)) = &self.light_sample(shading, walk, sampler) {
+                light(edge, *contribution, sampler, tally);
+            }
+        }
+        let Some(scatter) = &S::scatter(shading, walk.scattering_numbers(&surface, sampler)) else { return false };
+        walk.depart(point, scatter);
+        walk.survives(sampler, tally)
     }
 
     /// Returns the MIS weight of a light sample divided by its density.
@@ -211,15 +221,14 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
             if walk.depth >= self.max_depth {
                 return total;
             }
-            let surface = self.scene.surface(&mut point, walk.ray.state.bodies);
-            let wo = -walk.ray.direction;
-            let Some(shading) = &Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return total };
-            if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
-                total += self.direct(shading, &walk, sampler, tally);
-            }
-            let Some(scatter) = &S::scatter(shading, walk.scattering_numbers(&surface, sampler)) else { return total };
-            walk.depart(&point, scatter);
-            if !walk.survives(sampler, tally) {
+            let bounce = walk.bounce;
+            let next_event = |edge: &Edge, light: Spectrum, sampler: &mut P, tally: &mut TraceStats| {
+                let through = self.scene.transmittance(edge, sampler, bounce, &mut tally.shadows);
+                if !through.is_black() {
+                    total += light * through;
+                }
+            };
+            if !self.leave(&mut walk, &mut point, sampler, tally, next_event) {
                 return total;
             }
         }

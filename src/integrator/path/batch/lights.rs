@@ -10,7 +10,7 @@ use crate::numeric::BELOW_ONE;
 use crate::sampling::Density;
 use crate::sampling::lanes::uniform_sphere;
 use crate::spectrum::Spectrum;
-use etendue_lanes::{Float, Int, Mask, Vec3, for_each_bit};
+use etendue_lanes::{Float, Int, MOST_LANES, Mask, Vec3, for_each_bit};
 
 /// The lights of a scene, as kernels want them.
 pub(super) enum LightRows {
@@ -115,7 +115,7 @@ impl<F: Float> LightSamples<F> {
 
     /// Asks the lights one by one.
     fn of_any(lights: &Lights, [p, ng]: [Vec3<F>; 2], wanted: F::Mask, pick: F, u: [F; 2]) -> Self {
-        let mut samples = [None; 32];
+        let mut samples = [None; MOST_LANES];
         for_each_bit(wanted.bits(), |lane| {
             let at = LightSampleContext { p: p.lane(lane).into(), ng: ng.lane(lane).into() };
             samples[lane] = one(lights, &at, pick.lane(lane), u.map(|u| u.lane(lane)));

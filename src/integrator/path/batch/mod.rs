@@ -19,26 +19,21 @@ use super::{Combined, PathTracer};
 use crate::accel::{Coherence, RayClass};
 use crate::bsdf::lanes::Parameters;
 use crate::camera::Camera;
-use crate::film::{Layout, PassFilm};
+use crate::film::{Layout, Splats};
 use crate::geometry::{Hits, PADDING, RayState};
-use crate::integrator::camera_pass::{SampleRecord, gather};
-use crate::integrator::samples::{PassNumbers, Sample, Samples, Work};
-use crate::integrator::{Integrator, IntegratorConfig, PassReport};
-use crate::parallel::Cancel;
+use crate::integrator::camera_pass::{Chunks, SampleRecord};
+use crate::integrator::samples::{PassNumbers, Sample, Samples};
+use crate::integrator::{IntegratorConfig, PassReport};
 use crate::path::{RandomWalk, TraceStats};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
-use etendue_lanes::{Float, Int, Long, Native, filled};
+use etendue_lanes::{Float, Int, Long, MOST_LANES, Native, filled};
 use lights::LightRows;
 use objects::{ObjectRow, Shader, object_rows};
 use paths::{Paths, Rare, Shadows};
-use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Mutex;
-
-/// Largest number of lanes.
-const MOST_LANES: usize = 32;
 
 /// Largest number of paths in a batch.
 const LARGEST: usize = 1024;
@@ -59,17 +54,14 @@ pub(in crate::integrator) fn knows(scene: &Scene) -> bool {
     !(features.content() || features.contacts || features.media)
 }
 
-/// Whether a scene is rendered faster in batches.
-pub(in crate::integrator) fn batches_pay(scene: &Scene) -> bool {
-    knows(scene)
-}
-
 /// The batched path tracer, with kernels of as many lanes as `F` has.
 pub(in crate::integrator) struct BatchedPath<'a, F: Float = Native> {
     tracer: PathTracer<'a, Combined>,
     samples: Samples,
     options: IntegratorConfig,
     objects: Vec<ObjectRow<'a>>,
+    /// Whether paths may have [`Rare`] state.
+    has_rare: bool,
     lights: LightRows,
     /// That of camera rays.
     coherence: Coherence,
@@ -111,11 +103,14 @@ impl Batch {
 
 impl<'a, F: Float> BatchedPath<'a, F> {
     pub(in crate::integrator) fn new(scene: &'a Scene, camera: Camera, options: &IntegratorConfig) -> Self {
+        let objects = object_rows(scene);
+        let is_rare = |object: &ObjectRow| matches!(object.shader, Shader::Single | Shader::Varying);
         BatchedPath {
             tracer: PathTracer::new(scene, options.max_depth, options.transparent),
             samples: Samples::new(camera, options),
             options: *options,
-            objects: object_rows(scene),
+            has_rare: objects.iter().any(is_rare),
+            objects,
             lights: LightRows::new(scene.lights()),
             coherence: if scene.accel().bytes() < CACHED { Coherence::Coherent } else { Coherence::Incoherent },
             size: None,
@@ -127,35 +122,7 @@ impl<'a, F: Float> BatchedPath<'a, F> {
     /// Returns an idle batch of `capacity` paths, or a new one.
     fn batch(&self, capacity: usize) -> Batch {
         let idle = self.idle.lock().ok().and_then(|mut idle| idle.pop());
-        let is_rare = |object: &ObjectRow| matches!(object.shader, Shader::Single | Shader::Varying);
-        let has_rare = self.objects.iter().any(is_rare);
-        idle.filter(|batch| batch.capacity >= capacity).unwrap_or_else(|| Batch::new(capacity, has_rare))
-    }
-
-    /// Renders consecutive pixels from `first` on.
-    fn chunk(
-        &self,
-        pass: u64,
-        layout: &Layout,
-        (first, out): (usize, &mut [f32]),
-        numbers: impl PassNumbers,
-    ) -> PassReport {
-        let pixels = out.len() / layout.channels();
-        let mut record = SampleRecord::new(self.tracer.scene, &self.options, layout, pass);
-        let mut batch = self.batch(pixels);
-        self.begin(&mut batch, layout, first..first + pixels, numbers);
-        self.trace(&mut batch, numbers, &mut record.tally);
-        let values = out.chunks_exact_mut(layout.channels());
-        for ((place, values), pixel) in values.enumerate().zip(layout.pixels_from(first)) {
-            record.put(pixel, batch.colors[place], true, values);
-            if record.has_features() {
-                record.features(&mut self.samples.of_pixel(layout, first + place, numbers), values);
-            }
-        }
-        if let Ok(mut idle) = self.idle.lock() {
-            idle.push(batch);
-        }
-        record.finish()
+        idle.filter(|batch| batch.capacity >= capacity).unwrap_or_else(|| Batch::new(capacity, self.has_rare))
     }
 
     /// Starts a path in each of `pixels`.
@@ -167,10 +134,7 @@ impl<'a, F: Float> BatchedPath<'a, F> {
         let mut group = [[0; 2]; MOST_LANES];
         loop {
             let count = group.iter_mut().take(F::LANES).zip(&mut rest).map(|(to, pixel)| *to = pixel).count();
-            if count == 0 {
-                break;
-            }
-            if !self.start(paths, layout, &group[..count], numbers) {
+            if count == 0 || !self.start(paths, layout, &group[..count], numbers) {
                 break;
             }
         }
@@ -186,8 +150,7 @@ impl<'a, F: Float> BatchedPath<'a, F> {
     #[inline(always)]
     fn start(&self, paths: &mut Paths, layout: &Layout, pixels: &[[u32; 2]], numbers: impl PassNumbers) -> bool {
         let of = |lane: usize| pixels[lane.min(pixels.len() - 1)];
-        let index = |[x, y]: [u32; 2]| u64::from(y) * u64::from(layout.width) + u64::from(x);
-        let indices = filled([0; MOST_LANES], |lane| index(of(lane)));
+        let indices = filled([0; MOST_LANES], |lane| layout.index(of(lane)));
         let keys = numbers.keys(F::Long::load(&indices, 0));
         let position = |axis: usize| F::from_fn(|lane| of(lane)[axis] as f32);
         let position = [position(0), position(1)];
@@ -246,29 +209,39 @@ impl Batch {
     }
 }
 
-impl<F: Float> Integrator for BatchedPath<'_, F> {
-    fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
-        self.samples.of_pass(pass, Pass { all: self, pass, cancel, out })
+impl<F: Float> Chunks for BatchedPath<'_, F> {
+    fn samples(&self) -> &Samples {
+        &self.samples
     }
-}
 
-/// State of a running pass.
-struct Pass<'p, 'a, F: Float> {
-    all: &'p BatchedPath<'a, F>,
-    pass: u64,
-    cancel: &'p Cancel,
-    out: &'p mut PassFilm,
-}
+    fn chunk_size(&self, pixels: usize) -> usize {
+        self.size.unwrap_or_else(|| batch_size(pixels, rayon::current_num_threads()))
+    }
 
-impl<F: Float> Work for Pass<'_, '_, F> {
-    type Output = Option<PassReport>;
-
-    fn run(self, numbers: impl PassNumbers) -> Option<PassReport> {
-        let Pass { all, pass, cancel, out } = self;
-        let layout = out.layout().clone();
-        let size = all.size.unwrap_or_else(|| batch_size(layout.pixels(), rayon::current_num_threads()));
-        let chunks = out.par_chunks(size);
-        gather(chunks.map(|chunk| (!cancel.requested()).then(|| all.chunk(pass, &layout, chunk, numbers))))
+    fn chunk(
+        &self,
+        pass: u64,
+        layout: &Layout,
+        (first, out): (usize, &mut [f32]),
+        _: &Splats,
+        numbers: impl PassNumbers,
+    ) -> PassReport {
+        let pixels = out.len() / layout.channels();
+        let mut record = SampleRecord::new(self.tracer.scene, &self.options, layout, pass);
+        let mut batch = self.batch(pixels);
+        self.begin(&mut batch, layout, first..first + pixels, numbers);
+        self.trace(&mut batch, numbers, &mut record.tally);
+        let values = out.chunks_exact_mut(layout.channels());
+        for ((place, values), pixel) in values.enumerate().zip(layout.pixels_from(first)) {
+            record.put(pixel, batch.colors[place], true, values);
+            if record.has_features() {
+                record.features(&mut self.samples.of_pixel(layout, first + place, numbers), values);
+            }
+        }
+        if let Ok(mut idle) = self.idle.lock() {
+            idle.push(batch);
+        }
+        record.finish()
     }
 }
 

@@ -6,20 +6,20 @@
 use super::lights::LightSamples;
 use super::objects::{ObjectRow, Shader};
 use super::paths::{Paths, Rare, Shadows};
-use super::{Batch, BatchedPath, MOST_LANES};
+use super::{Batch, BatchedPath};
+use crate::bsdf::Surface;
 use crate::bsdf::lanes::{
     LaneConductor, LaneLambert, LaneMetalDielectric, LaneModel, LanePoint, LaneSample, LaneScatter, LaneSurface,
     Parameters,
 };
-use crate::bsdf::{Lobes, Shading, Surface};
 use crate::geometry::lanes::{Meeting, clamped, offset, point_at, rounding_at};
 use crate::geometry::{Bodies, Frame, Hit, Hits, SurfacePoint};
 use crate::integrator::samples::PassNumbers;
 use crate::path::{LONGEST, ROULETTE_FROM, TraceStats, survival_probability};
 use crate::sampling::{Sampler, Slot, power};
+use crate::scene::Edge;
 use crate::spectrum::Spectrum;
-use crate::transport::TransportMode;
-use etendue_lanes::{Double, Float, Int, Long, Mask, ROW, Vec3, for_each_bit};
+use etendue_lanes::{Double, Float, Int, Long, MOST_LANES, Mask, ROW, Vec3, for_each_bit};
 
 /// A group of consecutive paths.
 struct Group<F: Float> {
@@ -504,17 +504,9 @@ impl<F: Float> Stage<'_, '_, F> {
             };
         }
         let Some(point) = &mut point.filter(|_| walk.depth < tracer.max_depth) else { return };
-        let surface = scene.surface(point, walk.ray.state.bodies);
-        let wo = -walk.ray.direction;
-        let Some(shading) = &Shading::new(point, &surface, wo, TransportMode::Radiance) else { return };
-        if shading.lobes().intersects(Lobes::SMOOTH) {
-            if let Some((edge, light)) = &tracer.light_sample(shading, &walk, sampler) {
-                self.shadows.push(edge.ray(), *light, pixel);
-            }
-        }
-        let Some(scatter) = &shading.sample(walk.scattering_numbers(&surface, sampler)) else { return };
-        walk.depart(point, scatter);
-        if walk.survives(sampler, self.tally) {
+        let shadows = &mut *self.shadows;
+        let push = |edge: &Edge, light, _: &mut _, _: &mut _| shadows.push(edge.ray(), light, pixel);
+        if tracer.leave(&mut walk, point, sampler, self.tally, push) {
             self.next.push(&walk, key, pixel);
         }
     }
