@@ -11,6 +11,7 @@
 mod lights;
 mod objects;
 mod paths;
+mod points;
 #[cfg(test)]
 mod tests;
 mod vertices;

@@ -6,43 +6,21 @@
 use super::lights::LightSamples;
 use super::objects::{ObjectRow, Shader};
 use super::paths::{Paths, Rare, Shadows};
+use super::points::{Group, Points};
 use super::{Batch, BatchedPath};
 use crate::bsdf::Surface;
 use crate::bsdf::lanes::{
     LaneConductor, LaneLambert, LaneMetalDielectric, LaneModel, LanePoint, LaneSample, LaneScatter, LaneSurface,
     Parameters,
 };
-use crate::geometry::lanes::{Meeting, clamped, offset, point_at, rounding_at};
+use crate::geometry::lanes::offset;
 use crate::geometry::{Bodies, Frame, Hit, Hits, SurfacePoint};
 use crate::integrator::samples::PassNumbers;
 use crate::path::{LONGEST, ROULETTE_FROM, TraceStats, survival_probability};
 use crate::sampling::{Sampler, Slot, power};
 use crate::scene::Edge;
 use crate::spectrum::Spectrum;
-use etendue_lanes::{Double, Float, Int, Long, MOST_LANES, Mask, ROW, Vec3, for_each_bit};
-
-/// A group of consecutive paths.
-struct Group<F: Float> {
-    /// Number of the first.
-    at: usize,
-    direction: Vec3<F>,
-    beta: Spectrum<F>,
-    keys: F::Long,
-    pixels: F::Int,
-}
-
-/// Points where the paths of a group meet triangles.
-struct Points<F: Float> {
-    p: Vec3<F>,
-    /// See [`SurfacePoint::error`].
-    error: F,
-    ng: Vec3<F>,
-    barycentric: [F; 2],
-    /// Lanes with a point; without one a triangle has no area, or lies in the plane of the ray.
-    valid: F::Mask,
-    /// Lanes in which the ray passes beside the triangle, so that the backend's hit must be judged.
-    outside: F::Mask,
-}
+use etendue_lanes::{Float, Int, Long, MOST_LANES, Mask, Vec3, for_each_bit};
 
 /// Lanes of a group by what happens there, as bits.
 #[derive(Default)]
@@ -116,62 +94,6 @@ impl Lanes {
             *lanes &= !bits;
         }
     }
-}
-
-impl<F: Float> Points<F> {
-    /// Recomputes the hits of a group from the triangles, as [`SurfacePoint::new`] does. Lanes that have not `met`
-    /// any get any values.
-    #[inline(always)]
-    fn new(objects: &[ObjectRow], hits: &Hits, origin: Vec3<F>, group: &Group<F>, met: u32) -> Self {
-        let some = group.at + met.trailing_zeros() as usize;
-        let corners = |lane: usize| {
-            let at = if met >> lane & 1 == 1 { group.at + lane } else { some };
-            &objects[hits.objects[at] as usize].corners[hits.primitives[at] as usize]
-        };
-        let [ax, ay, az, bx, by, bz, cx, cy] = F::rows(|lane| first_row(corners(lane)));
-        let cz = F::from_fn(|lane| corners(lane)[8]);
-        let vertices = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
-        let (o, d) = (origin, group.direction);
-        let inputs = [ax, ay, az, bx, by, bz, cx, cy, cz, o.x, o.y, o.z, d.x, d.y, d.z];
-        let [u, v, nx, ny, nz, outside, finite] = F::in_double(inputs, meet);
-        let zero = F::splat(0.0);
-        let p = point_at(vertices, [u, v]);
-        Points {
-            p,
-            error: rounding_at(vertices, p),
-            ng: Vec3::new(nx, ny, nz),
-            barycentric: [u, v],
-            valid: finite.above(zero),
-            outside: outside.above(zero),
-        }
-    }
-
-    /// Returns the barycentric weights of `lane`.
-    #[inline(always)]
-    fn weights(&self, lane: usize) -> [f32; 2] {
-        [self.barycentric[0].lane(lane), self.barycentric[1].lane(lane)]
-    }
-}
-
-#[inline(always)]
-fn first_row(corners: &[f32; 9]) -> &[f32; ROW] {
-    match corners.first_chunk() {
-        Some(row) => row,
-        None => unreachable!("nine numbers begin with eight"),
-    }
-}
-
-/// Returns barycentric weights, unit normal, whether the intersection lies outside the triangle, and whether there is
-/// one.
-#[inline(always)]
-fn meet<D: Double>([ax, ay, az, bx, by, bz, cx, cy, cz, ox, oy, oz, dx, dy, dz]: [D; 15]) -> [D; 7] {
-    let vertices = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
-    let meeting = Meeting::new(vertices, Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
-    let ng = meeting.normal * (D::splat(1.0) / meeting.normal.length());
-    let [u, v] = clamped([meeting.u, meeting.v]);
-    let inside = meeting.outside_by().at_most(D::splat(0.0));
-    let finite = meeting.inverse.abs().at_most(D::splat(f64::MAX));
-    [u, v, ng.x, ng.y, ng.z, D::splat(1.0) - inside, finite]
 }
 
 impl<F: Float> BatchedPath<'_, F> {
