@@ -79,6 +79,12 @@ impl Lights {
     pub fn pmf(&self, _at: &LightSampleContext, i: usize) -> Pdf<Discrete> {
         self.by_power.as_ref().map_or(Pdf::new(0.0), |d| d.pmf(i))
     }
+
+    /// Does [`Lights::pmf`] in every lane.
+    #[inline(always)]
+    pub fn pmf_lanes<F: Float>(&self, i: usize) -> F {
+        F::splat(self.emitter_pmf(i).value())
+    }
 }
 
 #[cfg(test)]

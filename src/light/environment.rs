@@ -2,9 +2,24 @@
 //! same density. Integrators may hide it from the camera.
 
 use super::{BoundingSphere, ConstantEnvironment, EnvironmentMap, LeRandom, LeSample, LightSample};
+use crate::sampling::lanes::uniform_sphere;
 use crate::sampling::{Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
+use etendue_lanes::{Float, Vec3 as LaneVec3};
 use glam::Vec3;
+
+/// A direction toward the environment in each lane.
+#[derive(Debug, Clone, Copy)]
+pub struct EnvironmentSamples<F: Float> {
+    /// Unit directions.
+    pub wi: LaneVec3<F>,
+    /// Radiance.
+    pub radiance: Spectrum<F>,
+    /// Densities per solid angle.
+    pub pdf: F,
+    /// Lanes with light.
+    pub valid: F::Mask,
+}
 
 /// Environment light.
 #[derive(Debug)]
@@ -25,6 +40,20 @@ impl Environment {
         }
     }
 
+    /// Does [`Environment::sample`] in every lane.
+    #[inline(always)]
+    pub fn sample_lanes<F: Float>(&self, u: [F; 2]) -> EnvironmentSamples<F> {
+        match self {
+            Environment::Uniform(sky) => EnvironmentSamples {
+                wi: uniform_sphere(u),
+                radiance: Spectrum::in_lanes(sky.radiance),
+                pdf: F::splat(sky.pdf().value()),
+                valid: F::first(F::LANES),
+            },
+            Environment::Map(map) => map.sample_lanes(u),
+        }
+    }
+
     /// Returns the radiance along a ray that leaves the scene in the unit direction `w`, and the density of `w` under
     /// [`Environment::sample`].
     #[inline]
@@ -32,6 +61,15 @@ impl Environment {
         match self {
             Environment::Uniform(sky) => (sky.radiance, sky.pdf()),
             Environment::Map(map) => map.along(w),
+        }
+    }
+
+    /// Does [`Environment::along`] in every lane.
+    #[inline(always)]
+    pub fn along_lanes<F: Float>(&self, w: LaneVec3<F>) -> (Spectrum<F>, F) {
+        match self {
+            Environment::Uniform(sky) => (Spectrum::in_lanes(sky.radiance), F::splat(sky.pdf().value())),
+            Environment::Map(map) => map.along_lanes(w),
         }
     }
 

@@ -14,7 +14,7 @@ mod sky;
 pub use area::{AreaLight, AreaLightRow, AreaLightSamples, Coverage, Emission};
 pub use choose::Lights;
 pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
-pub use environment::Environment;
+pub use environment::{Environment, EnvironmentSamples};
 pub use lat_long::EnvironmentMap;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 pub use sky::ConstantEnvironment;

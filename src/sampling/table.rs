@@ -2,7 +2,7 @@
 
 use super::{Discrete, Pdf};
 use crate::numeric::BELOW_ONE;
-use etendue_lanes::{Float, Int};
+use etendue_lanes::{Float, Int, MOST_LANES};
 
 /// Samples an index with probability proportional to its weight, by monotone inversion of the CDF. Unlike alias tables,
 /// this preserves stratification.
@@ -85,6 +85,18 @@ impl Distribution {
         let (i, pmf) = self.sample(u);
         let lower = if i == 0 { 0.0 } else { self.upper[i - 1] };
         (i, ((u - lower) / pmf.value()).min(BELOW_ONE))
+    }
+
+    /// Does [`Distribution::sample_within`] in every lane.
+    #[inline(always)]
+    pub fn sample_within_lanes<F: Float>(&self, u: F) -> (F::Int, F) {
+        let mut rest = [0.0; MOST_LANES];
+        let index = F::Int::from_fn(|lane| {
+            let (index, within) = self.sample_within(u.lane(lane));
+            rest[lane] = within;
+            index as u32
+        });
+        (index, F::load(&rest, 0))
     }
 }
 

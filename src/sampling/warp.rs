@@ -100,11 +100,8 @@ pub fn uniform_triangle_inverse(b: [f32; 2]) -> [f32; 2] {
 /// Samples the unit interval with linear density 2 lerp(a, b, x) / (a + b); `a` and `b` are not negative, and not both
 /// zero.
 #[inline]
-pub fn linear(u: f32, [a, b]: [f32; 2]) -> f32 {
-    let (a, b) = (a / (a + b), b / (a + b));
-    // The root of the quadratic that does not cancel; 0 / 0 where the density and u are both 0 at the beginning.
-    let denominator = a + (a * a + u * (b * b - a * a)).max(0.0).sqrt();
-    if denominator > 0.0 { into_unit(u / denominator) } else { 0.0 }
+pub fn linear(u: f32, densities: [f32; 2]) -> f32 {
+    lanes::linear(u, densities)
 }
 
 /// Returns the angle of (x, y) in turns, in [0, 1).
@@ -117,7 +114,7 @@ pub fn turn(y: f32, x: f32) -> f32 {
 /// Clamps `u` to [0, 1) after rounding.
 #[inline]
 pub fn into_unit(u: f32) -> f32 {
-    u.clamp(0.0, BELOW_ONE)
+    lanes::into_unit(u)
 }
 
 /// Returns the direction at azimuth `turn` (in turns) around +z with cosine 1 − `height`; the sine is computed without

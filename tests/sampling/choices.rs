@@ -1,14 +1,16 @@
-//! Discrete choices against the probabilities that they state: tables, lights, Dirac lobes.
+//! Discrete choices against the probabilities that they state: tables, lights, Dirac lobes, roulette.
 
 use crate::models::{Model, direction, models};
 use etendue::bsdf::{Bsdf, Lobes};
-use etendue::geometry::Local;
+use etendue::geometry::{Local, Ray};
 use etendue::light::{Light, LightSampleContext, Lights, PointLight};
-use etendue::sampling::{Density, Distribution};
+use etendue::path::{PreviousVertex, RandomWalk, TraceStats};
+use etendue::sampling::{Address, Density, Distribution, IndependentSampler};
 use etendue::spectrum::Spectrum;
 use etendue::transport::TransportMode;
 use etendue_testing::chi_square::{p_value, sidak};
 use etendue_testing::random::{Random, samples};
+use etendue_testing::worlds::{self, World};
 use glam::Vec3;
 
 const SAMPLES: u32 = 100_000;
@@ -146,4 +148,34 @@ fn smooth_faces_choose_their_lobes_as_stated() {
     let level = sidak(results.len());
     let failed: Vec<_> = results.into_iter().filter(|(p, _)| *p < level).collect();
     assert!(failed.is_empty(), "{failed:#?}");
+}
+
+/// What survives roulette is scaled by the inverse of the share that does: of walks that have lost most of their
+/// throughput, and of long ones that have lost nothing.
+#[test]
+fn survivors_of_roulette_make_up_for_the_others() {
+    let [World { scene, .. }, ..] = worlds::all();
+    let n = samples(SAMPLES);
+    let mut results = Vec::new();
+    for (beta, scale, depth) in [(0.01, 1.0, 5), (2e-3, 40.0, 5), (1.0, 1.0, 300), (0.3, 1.0, 1000), (1.0, 1.0, 200)] {
+        let (mut survivors, mut scaled) = (0u32, beta);
+        for i in 0..n {
+            let ray = Ray::new(Vec3::ZERO, Vec3::X);
+            let beta = Spectrum::splat(beta);
+            let mut walk = RandomWalk::resumed(&scene, ray, beta, PreviousVertex::Camera, depth, (false, scale));
+            let mut sampler = IndependentSampler::new(Address::new(900).with(u64::from(i)));
+            if walk.survives(&mut sampler, &mut TraceStats::default()) {
+                (survivors, scaled) = (survivors + 1, walk.beta.mean());
+            }
+        }
+        let (survivors, share) = (f64::from(survivors), f64::from(beta / scaled));
+        if share >= 1.0 {
+            assert_eq!(survivors, f64::from(n), "unscaled survivors of {beta} at event {depth}");
+            continue;
+        }
+        let observed = [survivors, f64::from(n) - survivors];
+        results.push(p_value(&observed, &[share, 1.0 - share].map(|p| p * f64::from(n))));
+    }
+    assert_eq!(results.len(), 4, "roulette of four kinds of walks");
+    assert!(results.iter().all(|&p| p > sidak(results.len())), "{results:?}");
 }

@@ -1,38 +1,50 @@
-//! Light samples over lanes: by kernels where all lights are of one kind that has one, else light by light.
+//! Light samples over lanes: by the kernels of the lights' kinds, and light by light for those without one.
 
+use super::points::in_lanes;
 use crate::geometry::Hit;
 use crate::geometry::lanes::offset;
 use crate::light::{
-    AreaLightRow, AreaLightSamples, ConstantEnvironment, EmitterPoint, Environment, Light, LightSample,
-    LightSampleContext, Lights,
+    AreaLightRow, AreaLightSamples, EmitterPoint, EnvironmentSamples, Light, LightSample, LightSampleContext, Lights,
 };
 use crate::numeric::BELOW_ONE;
-use crate::sampling::Density;
-use crate::sampling::lanes::uniform_sphere;
 use crate::spectrum::Spectrum;
 use etendue_lanes::{Float, Int, MOST_LANES, Mask, Vec3, for_each_bit};
 
 /// The lights of a scene, as kernels want them.
-pub(super) enum LightRows {
-    /// Triangles of constant emission from their front alone.
-    Areas(Vec<AreaLightRow>),
-    /// A uniform sky alone.
-    Sky(ConstantEnvironment),
-    /// Any others.
-    Any,
+pub(super) struct LightRows {
+    /// Kinds of all lights.
+    kinds: Vec<Kind>,
+    /// The kind, if there is no other.
+    only: Option<Kind>,
+    /// Rows of the lights that have them.
+    areas: Vec<AreaLightRow>,
+}
+
+/// What samples a light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// The kernel of triangles of constant emission from their front.
+    Area,
+    /// The kernel of the environment.
+    Environment,
+    /// The code of single paths.
+    Single,
 }
 
 impl LightRows {
     pub(super) fn new(lights: &Lights) -> Self {
-        let rows = lights.all().iter().map(|light| match light {
-            Light::Area(area) => area.row(),
-            _ => None,
-        });
-        match (lights.all(), rows.collect::<Option<Vec<_>>>()) {
-            ([Light::Environment(Environment::Uniform(sky))], _) => LightRows::Sky(*sky),
-            (_, Some(rows)) => LightRows::Areas(rows),
-            _ => LightRows::Any,
-        }
+        let (kinds, areas): (Vec<Kind>, Vec<AreaLightRow>) = lights.all().iter().map(row).unzip();
+        let only = kinds.first().copied().filter(|first| kinds.iter().all(|kind| kind == first));
+        LightRows { kinds, only, areas }
+    }
+}
+
+fn row(light: &Light) -> (Kind, AreaLightRow) {
+    let area = if let Light::Area(area) = light { area.row() } else { None };
+    match (light, area) {
+        (_, Some(row)) => (Kind::Area, row),
+        (Light::Environment(_), _) => (Kind::Environment, AreaLightRow::default()),
+        _ => (Kind::Single, AreaLightRow::default()),
     }
 }
 
@@ -79,21 +91,25 @@ impl<F: Float> LightSamples<F> {
         wanted: F::Mask,
         (pick, u): (F, [F; 2]),
     ) -> Self {
-        match rows {
-            LightRows::Areas(rows) => Self::of_areas(lights, rows, p, pick, u),
-            LightRows::Sky(sky) => Self::of_sky(lights, *sky, pick, u),
-            LightRows::Any => Self::of_any(lights, [p, ng], wanted, pick, u),
-        }
+        let Some((index, pmf)) = lights.choose_lanes(pick) else { return Self::none() };
+        let mut samples = match rows.only {
+            Some(Kind::Area) => Self::of_areas(&rows.areas, index, F::first(F::LANES).bits(), p, u),
+            Some(Kind::Environment) => Self::of_environment(lights, u),
+            Some(Kind::Single) => Self::of_any(lights, index, [p, ng], wanted, u),
+            None => Self::of_several((lights, rows), index, [p, ng], wanted, u),
+        };
+        samples.density = samples.density * pmf;
+        samples
     }
 
     #[inline(always)]
-    fn of_areas(lights: &Lights, rows: &[AreaLightRow], p: Vec3<F>, pick: F, u: [F; 2]) -> Self {
-        let Some((index, pmf)) = lights.choose_lanes(pick) else { return Self::none() };
-        let sample = AreaLightSamples::new(|lane| &rows[index.lane(lane) as usize], p, u);
+    fn of_areas(rows: &[AreaLightRow], index: F::Int, lanes: u32, p: Vec3<F>, u: [F; 2]) -> Self {
+        let rows = in_lanes(lanes, |lane| &rows[index.lane(lane) as usize]);
+        let sample = AreaLightSamples::new(|lane| rows[lane], p, u);
         LightSamples {
             wi: sample.wi,
             radiance: sample.radiance,
-            density: sample.pdf * pmf,
+            density: sample.pdf,
             dirac: F::first(0),
             valid: sample.valid,
             end: End::Surface { p: sample.p, error: sample.error, ng: sample.ng },
@@ -101,24 +117,64 @@ impl<F: Float> LightSamples<F> {
     }
 
     #[inline(always)]
-    fn of_sky(lights: &Lights, sky: ConstantEnvironment, pick: F, u: [F; 2]) -> Self {
-        let Some((_, pmf)) = lights.choose_lanes(pick) else { return Self::none() };
+    fn of_environment(lights: &Lights, u: [F; 2]) -> Self {
+        let Some((_, environment)) = lights.environment() else { return Self::none() };
+        let EnvironmentSamples { wi, radiance, pdf, valid } = environment.sample_lanes(u);
+        LightSamples { wi, radiance, density: pdf, dirac: F::first(0), valid, end: End::Distant }
+    }
+
+    /// Samples lights of several kinds, each by its kernel.
+    #[inline(never)]
+    fn of_several(
+        (lights, rows): (&Lights, &LightRows),
+        index: F::Int,
+        at: [Vec3<F>; 2],
+        wanted: F::Mask,
+        u: [F; 2],
+    ) -> Self {
+        let mut lanes = [0; 3];
+        for_each_bit(wanted.bits(), |lane| lanes[rows.kinds[index.lane(lane) as usize] as usize] |= 1 << lane);
+        let [areas, environment, single] = lanes;
+        let mut all = Self::none();
+        if single != 0 {
+            all = Self::of_any(lights, index, at, F::Mask::from_bits(single), u);
+        }
+        if areas != 0 {
+            all = all.merged(F::Mask::from_bits(areas), Self::of_areas(&rows.areas, index, areas, at[0], u));
+        }
+        if environment != 0 {
+            all = all.merged(F::Mask::from_bits(environment), Self::of_environment(lights, u));
+        }
+        all
+    }
+
+    /// Returns `other` in the lanes of `mask`, else these.
+    #[inline(always)]
+    fn merged(self, mask: F::Mask, other: Self) -> Self {
+        let either = |yes: F::Mask, no: F::Mask| (mask & yes) | (!mask & no);
+        let ((p, error, ng, distant), other_end) = (self.end.parts(), other.end.parts());
         LightSamples {
-            wi: uniform_sphere(u),
-            radiance: Spectrum::in_lanes(sky.radiance),
-            density: F::splat(sky.pdf().value()) * pmf,
-            dirac: F::first(0),
-            valid: F::first(F::LANES),
-            end: End::Distant,
+            wi: Vec3::select(mask, other.wi, self.wi),
+            radiance: Spectrum::select(mask, other.radiance, self.radiance),
+            density: F::select(mask, other.density, self.density),
+            dirac: either(other.dirac, self.dirac),
+            valid: either(other.valid, self.valid),
+            end: End::Any {
+                p: Vec3::select(mask, other_end.0, p),
+                error: F::select(mask, other_end.1, error),
+                ng: Vec3::select(mask, other_end.2, ng),
+                distant: either(other_end.3, distant),
+            },
         }
     }
 
-    /// Asks the lights one by one.
-    fn of_any(lights: &Lights, [p, ng]: [Vec3<F>; 2], wanted: F::Mask, pick: F, u: [F; 2]) -> Self {
+    /// Asks the lights number `index` one by one.
+    fn of_any(lights: &Lights, index: F::Int, [p, ng]: [Vec3<F>; 2], wanted: F::Mask, u: [F; 2]) -> Self {
         let mut samples = [None; MOST_LANES];
         for_each_bit(wanted.bits(), |lane| {
             let at = LightSampleContext { p: p.lane(lane).into(), ng: ng.lane(lane).into() };
-            samples[lane] = one(lights, &at, pick.lane(lane), u.map(|u| u.lane(lane)));
+            let light = &lights.all()[index.lane(lane) as usize];
+            samples[lane] = one(light, &at, u.map(|u| u.lane(lane)));
         });
         let column = |of: &dyn Fn(&Sampled) -> f32| F::from_fn(|lane| samples[lane].as_ref().map_or(0.0, of));
         let vector = |of: &dyn Fn(&Sampled) -> glam::Vec3| {
@@ -132,7 +188,7 @@ impl<F: Float> LightSamples<F> {
         LightSamples {
             wi: vector(&|s| s.sample.wi),
             radiance: Spectrum([0, 1, 2].map(|k| column(&|s| s.sample.radiance[k]))),
-            density: column(&|s| s.density),
+            density: column(&|s| s.sample.density.value()),
             dirac: mask(&|s| s.sample.density.is_delta()),
             valid: mask(&|_| true),
             end: End::Any {
@@ -181,22 +237,30 @@ impl<F: Float> LightSamples<F> {
     }
 }
 
-/// A light sample with its density and end as [`LightSamples`] has them.
+impl<F: Float> End<F> {
+    /// Returns points, errors, normals and the lanes at infinity, as [`End::Any`] has them.
+    #[inline(always)]
+    fn parts(self) -> (Vec3<F>, F, Vec3<F>, F::Mask) {
+        let zero = F::splat(0.0);
+        let nothing = Vec3::new(zero, zero, zero);
+        match self {
+            End::Surface { p, error, ng } => (p, error, ng, F::first(0)),
+            End::Distant => (nothing, zero, nothing, F::first(F::LANES)),
+            End::Any { p, error, ng, distant } => (p, error, ng, distant),
+        }
+    }
+}
+
+/// A light sample with its end as [`End::Any`] has it.
 #[derive(Clone, Copy)]
 struct Sampled {
     sample: LightSample,
-    density: f32,
     end: (glam::Vec3, f32, glam::Vec3),
 }
 
-/// Samples a light for one receiver.
-fn one(lights: &Lights, at: &LightSampleContext, pick: f32, u: [f32; 2]) -> Option<Sampled> {
-    let (index, pmf) = lights.choose(at, pick)?;
-    let sample = lights.all()[index].sample_li(at, u)?;
-    let density = match sample.density {
-        Density::Delta(probability) => pmf.value() * probability,
-        Density::Smooth(pdf) => pdf.choose(pmf).value(),
-    };
+/// Samples `light` for one receiver.
+fn one(light: &Light, at: &LightSampleContext, u: [f32; 2]) -> Option<Sampled> {
+    let sample = light.sample_li(at, u)?;
     let end = match sample.end {
         EmitterPoint::Surface { p, error, ng, touched } => {
             debug_assert_eq!(touched, Hit::NONE, "batches know no contacts");
@@ -205,5 +269,5 @@ fn one(lights: &Lights, at: &LightSampleContext, pick: f32, u: [f32; 2]) -> Opti
         EmitterPoint::Point(p) => (p, 0.0, at.ng),
         EmitterPoint::Distant => (at.p, 0.0, at.ng),
     };
-    Some(Sampled { sample, density, end })
+    Some(Sampled { sample, end })
 }

@@ -30,7 +30,7 @@ use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use etendue_lanes::{Float, Int, Long, MOST_LANES, Native, filled};
 use lights::LightRows;
-use objects::{ObjectRow, Shader, object_rows};
+use objects::Objects;
 use paths::{Paths, Rare, Shadows};
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -60,7 +60,7 @@ pub(in crate::integrator) struct BatchedPath<'a, F: Float = Native> {
     tracer: PathTracer<'a, Combined>,
     samples: Samples,
     options: IntegratorConfig,
-    objects: Vec<ObjectRow<'a>>,
+    objects: Objects<'a>,
     /// Whether paths may have [`Rare`] state.
     has_rare: bool,
     lights: LightRows,
@@ -104,13 +104,12 @@ impl Batch {
 
 impl<'a, F: Float> BatchedPath<'a, F> {
     pub(in crate::integrator) fn new(scene: &'a Scene, camera: Camera, options: &IntegratorConfig) -> Self {
-        let objects = object_rows(scene);
-        let is_rare = |object: &ObjectRow| matches!(object.shader, Shader::Single | Shader::Varying);
+        let objects = Objects::new(scene);
         BatchedPath {
             tracer: PathTracer::new(scene, options.max_depth, options.transparent),
             samples: Samples::new(camera, options),
             options: *options,
-            has_rare: objects.iter().any(is_rare),
+            has_rare: objects.has_rare(),
             objects,
             lights: LightRows::new(scene.lights()),
             coherence: if scene.accel().bytes() < CACHED { Coherence::Coherent } else { Coherence::Incoherent },

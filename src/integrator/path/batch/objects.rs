@@ -1,61 +1,86 @@
-//! What kernels know of the objects of a scene: a row for each.
+//! What kernels know of the objects of a scene.
 
 use crate::bsdf::Surface;
 use crate::bsdf::lanes::{LaneModel, LaneSurface, Parameters};
 use crate::scene::Scene;
 
+/// What happens at hits of an object, a bit each.
+pub(super) mod flags {
+    /// The kernel of Lambert's model scatters, with constant parameters.
+    pub(crate) const LAMBERT: u8 = 1;
+    /// So does that of conductors.
+    pub(crate) const CONDUCTOR: u8 = 2;
+    /// So does that of mixtures of metal and dielectric.
+    pub(crate) const METAL_DIELECTRIC: u8 = 4;
+    /// The kernel scatters of the model that textures and vertex colours make of the surface at each point.
+    pub(crate) const VARYING: u8 = 8;
+    /// All is done by the code of single paths. No other bit is set.
+    pub(crate) const SINGLE: u8 = 16;
+    /// Triangles emit.
+    pub(crate) const EMITS: u8 = 32;
+    /// The camera does not see the back.
+    pub(crate) const MAY_BE_CULLED: u8 = 64;
+    /// There are shading normals.
+    pub(crate) const HAS_NORMALS: u8 = 128;
+}
+
+/// All objects.
+pub(super) struct Objects<'a> {
+    /// Their [`flags`].
+    pub(super) flags: Vec<u8>,
+    /// Data of kernels.
+    pub(super) rows: Vec<ObjectRow<'a>>,
+}
+
 /// An object.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ObjectRow<'a> {
-    /// How its hits are shaded.
-    pub(super) shader: Shader,
-    /// Whether it has shading normals.
-    pub(super) has_normals: bool,
     /// Parameters of a constant surface.
     pub(super) parameters: Parameters,
     /// Coordinates of its triangles.
     pub(super) corners: &'a [[f32; 9]],
-    /// Whether its triangles emit.
-    pub(super) emits: bool,
-    /// Whether the camera does not see its back.
-    pub(super) may_be_culled: bool,
 }
 
-/// How the hits of an object are shaded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Shader {
-    /// By the kernel of a model, with constant parameters.
-    Constant(LaneModel),
-    /// By the kernel of the model that textures and vertex colours make of it at each point.
-    Varying,
-    /// Nothing scatters: the path ends.
-    Black,
-    /// By the code of single paths.
-    Single,
+impl<'a> Objects<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        let (flags, rows) = (0..scene.geometry().objects.len()).map(|object| row(scene, object)).unzip();
+        Objects { flags, rows }
+    }
+
+    /// Whether paths may have [`super::paths::Rare`] state.
+    pub(super) fn has_rare(&self) -> bool {
+        self.flags.iter().any(|flags| flags & (flags::SINGLE | flags::VARYING) != 0)
+    }
 }
 
-/// Returns the rows of all objects.
-pub(super) fn object_rows(scene: &Scene) -> Vec<ObjectRow<'_>> {
-    (0..scene.geometry().objects.len()).map(|object| row(scene, object)).collect()
-}
-
-fn row(scene: &Scene, object: usize) -> ObjectRow<'_> {
+fn row(scene: &Scene, object: usize) -> (u8, ObjectRow<'_>) {
     let surface = scene.constant_surface(object);
     let kernel = surface.and_then(LaneSurface::new);
     let mesh = scene.geometry().mesh_of(object as u32);
-    let shader = match (surface, &kernel) {
-        _ if scene.geometry().objects[object].placement.is_some() || scene.transmits(object) => Shader::Single,
-        (_, Some(row)) => Shader::Constant(row.model),
-        (Some(Surface::Black), _) => Shader::Black,
-        (Some(_), _) => Shader::Single,
-        (None, _) => Shader::Varying,
+    let set = |flag: u8, is_set: bool| if is_set { flag } else { 0 };
+    let others = set(flags::EMITS, scene.emits(object))
+        | set(flags::MAY_BE_CULLED, scene.may_be_culled(object))
+        | set(flags::HAS_NORMALS, mesh.attributes().normals.is_some());
+    let has_kernels = scene.geometry().objects[object].placement.is_none() && !scene.transmits(object);
+    let flags = match (surface, &kernel) {
+        (_, Some(kernel)) if has_kernels => others | of_model(kernel.model),
+        (Some(Surface::Black), _) if has_kernels => others,
+        (None, _) if has_kernels => others | flags::VARYING,
+        _ => flags::SINGLE,
     };
-    ObjectRow {
-        shader,
-        has_normals: mesh.attributes().normals.is_some(),
-        parameters: kernel.map_or(Parameters::default(), |row| row.parameters),
-        corners: mesh.corner_rows(),
-        emits: scene.emits(object),
-        may_be_culled: scene.may_be_culled(object),
+    (
+        flags,
+        ObjectRow {
+            parameters: kernel.map_or(Parameters::default(), |row| row.parameters),
+            corners: mesh.corner_rows(),
+        },
+    )
+}
+
+fn of_model(model: LaneModel) -> u8 {
+    match model {
+        LaneModel::Lambert => flags::LAMBERT,
+        LaneModel::Conductor => flags::CONDUCTOR,
+        LaneModel::MetalDielectric => flags::METAL_DIELECTRIC,
     }
 }

@@ -4,7 +4,7 @@ use super::objects::ObjectRow;
 use crate::geometry::Hits;
 use crate::geometry::lanes::{Meeting, clamped, point_at, rounding_at};
 use crate::spectrum::Spectrum;
-use etendue_lanes::{Double, Float, ROW, Vec3};
+use etendue_lanes::{Double, Float, MOST_LANES, ROW, Vec3, for_each_bit};
 
 /// A group of consecutive paths.
 pub(super) struct Group<F: Float> {
@@ -34,13 +34,13 @@ impl<F: Float> Points<F> {
     /// any get any values.
     #[inline(always)]
     pub(super) fn new(objects: &[ObjectRow], hits: &Hits, origin: Vec3<F>, group: &Group<F>, met: u32) -> Self {
-        let some = group.at + met.trailing_zeros() as usize;
         let corners = |lane: usize| {
-            let at = if met >> lane & 1 == 1 { group.at + lane } else { some };
+            let at = group.at + lane;
             &objects[hits.objects[at] as usize].corners[hits.primitives[at] as usize]
         };
-        let [ax, ay, az, bx, by, bz, cx, cy] = F::rows(|lane| first_row(corners(lane)));
-        let cz = F::from_fn(|lane| corners(lane)[8]);
+        let corners = in_lanes(met, corners);
+        let [ax, ay, az, bx, by, bz, cx, cy] = F::rows(|lane| first_row(corners[lane]));
+        let cz = F::from_fn(|lane| corners[lane][8]);
         let vertices = [Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)];
         let (o, d) = (origin, group.direction);
         let inputs = [ax, ay, az, bx, by, bz, cx, cy, cz, o.x, o.y, o.z, d.x, d.y, d.z];
@@ -62,6 +62,15 @@ impl<F: Float> Points<F> {
     pub(super) fn weights(&self, lane: usize) -> [f32; 2] {
         [self.barycentric[0].lane(lane), self.barycentric[1].lane(lane)]
     }
+}
+
+/// Returns `of(lane)` in each of the given `lanes`, and that of the first of them in the others. Kernels read memory by
+/// such tables, since calls of closures that search are not inlined into them.
+#[inline(always)]
+pub(super) fn in_lanes<T: Copy>(lanes: u32, of: impl Fn(usize) -> T) -> [T; MOST_LANES] {
+    let mut all = [of(lanes.trailing_zeros() as usize); MOST_LANES];
+    for_each_bit(lanes & (lanes - 1), |lane| all[lane] = of(lane));
+    all
 }
 
 #[inline(always)]

@@ -63,6 +63,8 @@ fn kernels_only() -> Description {
 fn mixed() -> Description {
     let mut scene = kernels_only();
     Ball::new(1, 0.2).add(&mut scene, DVec3::new(-0.5, 0.3, -0.3), matte(0.6, 1.0));
+    let shining = &mut scene.meshes.last_mut().expect("just added").primitives[0];
+    shining.normals = Some(shining.positions.iter().map(|p| p.normalize()).collect());
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.1, -0.6, 0.2), metal(0.8, 0.0));
     scene.lights.push(point_light(DVec3::new(-0.5, 0.5, 0.5), 0.5));
     scene

@@ -4,9 +4,9 @@
 //! of other models, culled backs, and directions that rounding moves to the wrong side of a surface.
 
 use super::lights::LightSamples;
-use super::objects::{ObjectRow, Shader};
+use super::objects::flags;
 use super::paths::{Paths, Rare, Shadows};
-use super::points::{Group, Points};
+use super::points::{Group, Points, in_lanes};
 use super::{Batch, BatchedPath};
 use crate::bsdf::Surface;
 use crate::bsdf::lanes::{
@@ -43,25 +43,23 @@ struct Lanes {
 }
 
 impl Lanes {
-    fn new<F: Float>(objects: &[ObjectRow], hits: &Hits, at: usize, hit: F::Mask) -> Self {
-        let mut lanes = Lanes::default();
-        for_each_bit(hit.bits(), |lane| {
-            let (object, bit) = (&objects[hits.objects[at + lane] as usize], 1 << lane);
-            match object.shader {
-                Shader::Constant(model) => lanes.add(model, bit),
-                Shader::Varying => lanes.varying |= bit,
-                Shader::Black => {}
-                Shader::Single => {
-                    lanes.single |= bit;
-                    return;
-                }
-            }
-            lanes.met |= bit;
-            lanes.lit |= u32::from(object.emits) << lane;
-            lanes.may_be_culled |= u32::from(object.may_be_culled) << lane;
-            lanes.bent |= u32::from(object.has_normals) << lane;
-        });
-        lanes
+    fn new<F: Float>(flags: &[u8], hits: &Hits, at: usize, hit: F::Mask) -> Self {
+        let mut all = [0; MOST_LANES];
+        let hit = hit.bits();
+        for_each_bit(hit, |lane| all[lane] = flags[hits.objects[at + lane] as usize]);
+        let with = |flag: u8| bits_of(&all, flag);
+        let single = with(flags::SINGLE);
+        Lanes {
+            met: hit & !single,
+            lit: with(flags::EMITS),
+            may_be_culled: with(flags::MAY_BE_CULLED),
+            bent: with(flags::HAS_NORMALS),
+            varying: with(flags::VARYING),
+            lambert: with(flags::LAMBERT),
+            conductor: with(flags::CONDUCTOR),
+            metal_dielectric: with(flags::METAL_DIELECTRIC),
+            single,
+        }
     }
 
     #[inline(always)]
@@ -94,6 +92,21 @@ impl Lanes {
             *lanes &= !bits;
         }
     }
+}
+
+/// Returns the lanes in which the bit `flag` is set, as bits.
+#[inline(always)]
+fn bits_of(flags: &[u8; MOST_LANES], flag: u8) -> u32 {
+    const BYTES: usize = 8;
+    let mut bits = 0;
+    for (i, eight) in flags.chunks_exact(BYTES).enumerate() {
+        let eight = eight.iter().rev().fold(0, |all, &byte| all << 8 | u64::from(byte));
+        let set = eight >> flag.trailing_zeros() & 0x0101_0101_0101_0101;
+        // Eight copies, in which bit 8 i of copy 7 − i moves to bit 56 + i.
+        let gathered = set.wrapping_mul(0x0102_0408_1020_4080) >> 56;
+        bits |= (gathered as u32) << (BYTES * i);
+    }
+    bits
 }
 
 impl<F: Float> BatchedPath<'_, F> {
@@ -129,8 +142,10 @@ impl<F: Float> Stage<'_, '_, F> {
     fn group(&mut self, at: usize, numbers: impl PassNumbers) {
         let live = F::first(self.paths.len() - at);
         let missed = F::Int::load(&self.hits.objects, at).equals(F::Int::splat(Hit::NONE.object));
-        for_each_bit((live & missed).bits(), |lane| self.background(at + lane));
-        let mut lanes = Lanes::new::<F>(&self.all.objects, self.hits, at, live & !missed);
+        if (live & missed).any() {
+            self.backgrounds(at, live & missed);
+        }
+        let mut lanes = Lanes::new::<F>(&self.all.objects.flags, self.hits, at, live & !missed);
         if lanes.met != 0 {
             self.met(at, &mut lanes, numbers);
         }
@@ -149,7 +164,7 @@ impl<F: Float> Stage<'_, '_, F> {
             pixels: F::Int::load(&self.paths.pixels, at),
         };
         let origin = Vec3::load(&self.paths.rays.origin, at);
-        let points = Points::new(&self.all.objects, self.hits, origin, &group, lanes.met);
+        let points = Points::new(&self.all.objects.rows, self.hits, origin, &group, lanes.met);
         self.except(&group, &points, lanes);
         for_each_bit(lanes.lit, |lane| self.emission(at + lane, &points, lane));
         if self.depth >= self.all.tracer.max_depth {
@@ -273,16 +288,14 @@ impl<F: Float> Stage<'_, '_, F> {
     #[inline(always)]
     fn model<M: LaneScatter<F>>(&self, event: &Event<F>, lanes: u32) -> Outcome<F> {
         let Event { group, point, light, u, varying } = *event;
-        let some = lanes.trailing_zeros() as usize;
-        let parameters = |lane: usize| {
-            let lane = if lanes >> lane & 1 == 1 { lane } else { some };
+        let parameters = in_lanes(lanes, |lane| {
             if varying >> lane & 1 == 1 {
                 &self.varying[lane]
             } else {
-                &self.all.objects[self.hits.objects[group.at + lane] as usize].parameters
+                &self.all.objects.rows[self.hits.objects[group.at + lane] as usize].parameters
             }
-        };
-        let model = M::new(|row| F::rows(|lane| &parameters(lane)[row]), point);
+        });
+        let model = M::new(|row| F::rows(|lane| &parameters[lane][row]), point);
         let (scattering, sample) = (model.scattering(point, light.wi), model.sampled(point, u));
         let one = F::splat(1.0);
         let weight = F::select(light.dirac, one, power(light.density, scattering.pdf)) / light.density;
@@ -386,6 +399,34 @@ impl<F: Float> Stage<'_, '_, F> {
             });
         }
         next.rays.set_len(end);
+    }
+
+    /// Adds the environment to the pixels of the `missed` lanes, whose paths leave the scene.
+    fn backgrounds(&mut self, at: usize, missed: F::Mask) {
+        let lights = self.all.tracer.scene.lights();
+        let Some((index, environment)) = lights.environment() else { return };
+        if self.depth == 0 && self.all.tracer.transparent {
+            return;
+        }
+        let (radiance, pdf) = environment.along_lanes(Vec3::load(&self.paths.rays.direction, at));
+        let mut light = Spectrum::<F>::load(&self.paths.beta, at) * radiance;
+        if self.depth > 0 {
+            let weight = power(F::load(&self.paths.pdf, at), lights.pmf_lanes::<F>(index) * pdf);
+            light = light * F::select(self.dirac(at), F::splat(1.0), weight);
+        }
+        for_each_bit(missed.bits(), |lane| {
+            self.colors[self.paths.pixels[at + lane] as usize] += light.lane(lane);
+        });
+    }
+
+    /// Returns the lanes of a group whose directions are Dirac ones.
+    #[inline(always)]
+    fn dirac(&self, at: usize) -> F::Mask {
+        if self.paths.rare.is_empty() {
+            return F::first(0);
+        }
+        let bit = |lane: usize| u32::from(self.paths.rare[at + lane].delta) << lane;
+        F::Mask::from_bits((0..F::LANES).fold(0, |bits, lane| bits | bit(lane)))
     }
 
     /// Adds the environment to the pixel of path number `at`, which leaves the scene.
