@@ -26,7 +26,7 @@ pub(super) mod flags {
 
 /// All objects.
 pub(super) struct Objects<'a> {
-    /// Their [`flags`].
+    /// Their [`flags`], and none for what is not an object.
     pub(super) flags: Vec<u8>,
     /// Data of kernels.
     pub(super) rows: Vec<ObjectRow<'a>>,
@@ -43,7 +43,9 @@ pub(super) struct ObjectRow<'a> {
 
 impl<'a> Objects<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
-        let (flags, rows) = (0..scene.geometry().objects.len()).map(|object| row(scene, object)).unzip();
+        let objects = 0..scene.geometry().objects.len();
+        let (mut flags, rows): (Vec<u8>, _) = objects.map(|object| row(scene, object)).unzip();
+        flags.push(0);
         Objects { flags, rows }
     }
 

@@ -22,6 +22,9 @@ use crate::scene::Edge;
 use crate::spectrum::Spectrum;
 use etendue_lanes::{Float, Int, Long, MOST_LANES, Mask, Vec3, for_each_bit};
 
+/// Bytes of a `u64`.
+const BYTES: usize = 8;
+
 /// Lanes of a group by what happens there, as bits.
 #[derive(Default)]
 struct Lanes {
@@ -44,10 +47,16 @@ struct Lanes {
 
 impl Lanes {
     fn new<F: Float>(flags: &[u8], hits: &Hits, at: usize, hit: F::Mask) -> Self {
+        // Rays without a hit have the largest number, for which the table ends with no flags.
+        let last = flags.len() as u32 - 1;
         let mut all = [0; MOST_LANES];
+        let objects = &hits.objects[at..at + F::LANES];
+        for (flags_of, &object) in all.iter_mut().zip(objects) {
+            *flags_of = flags[object.min(last) as usize];
+        }
         let hit = hit.bits();
-        for_each_bit(hit, |lane| all[lane] = flags[hits.objects[at + lane] as usize]);
-        let with = |flag: u8| bits_of(&all, flag);
+        let lanes = F::LANES.next_multiple_of(BYTES);
+        let with = |flag: u8| bits_of(&all[..lanes], flag) & hit;
         let single = with(flags::SINGLE);
         Lanes {
             met: hit & !single,
@@ -96,8 +105,7 @@ impl Lanes {
 
 /// Returns the lanes in which the bit `flag` is set, as bits.
 #[inline(always)]
-fn bits_of(flags: &[u8; MOST_LANES], flag: u8) -> u32 {
-    const BYTES: usize = 8;
+fn bits_of(flags: &[u8], flag: u8) -> u32 {
     let mut bits = 0;
     for (i, eight) in flags.chunks_exact(BYTES).enumerate() {
         let eight = eight.iter().rev().fold(0, |all, &byte| all << 8 | u64::from(byte));
