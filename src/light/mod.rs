@@ -12,7 +12,7 @@ mod punctual;
 mod sky;
 
 pub use area::{AreaLight, AreaLightRow, AreaLightSamples, Coverage, Emission};
-pub use choose::Lights;
+pub use choose::{ChosenLight, Lights};
 pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
 pub use environment::{Environment, EnvironmentSamples};
 pub use lat_long::EnvironmentMap;

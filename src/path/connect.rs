@@ -5,7 +5,7 @@ use super::mis::MisStrategy;
 use super::{SubpathVertex, Vertex};
 use crate::bsdf::{Scattering, Shading};
 use crate::camera::{Camera, LensPoint};
-use crate::light::EmitterPoint;
+use crate::light::{ChosenLight, EmitterPoint};
 use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
@@ -60,9 +60,11 @@ pub fn next_event<'v>(
 ) -> Option<Connection<'v>> {
     let bounce = z.sums.index - 1;
     let receiver = z.vertex.context()?;
-    let (index, pmf) = scene.lights().choose(&receiver, sampler.u1(bounce, Slot::LightPick))?;
+    let u = sampler.u2(bounce, Slot::LightPoint);
+    let chosen = scene.lights().choose(&receiver, u, || sampler.u1(bounce, Slot::LightPick));
+    let ChosenLight { index, pmf, u } = chosen?;
     let light = &scene.lights().all()[index];
-    let sample = light.sample_li(&receiver, sampler.u2(bounce, Slot::LightPoint))?;
+    let sample = light.sample_li(&receiver, u)?;
     let Scattering { f_cos, pdf } = shading.scattering(sample.wi)?;
     let pmf = f64::from(pmf.value());
     let emission = light.ray_density(scene.ball(), -sample.wi);

@@ -1,7 +1,7 @@
 //! The emitter endpoint of a path, independent of the technique that sampled it.
 
 use crate::geometry::{Ray, SurfacePoint};
-use crate::light::{EmitterPoint, LePdf, LeSample, Light, LightSample, LightSampleContext};
+use crate::light::{ChosenLight, EmitterPoint, LePdf, LeSample, Light, LightSample, LightSampleContext};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use glam::{DVec3, Vec3};
@@ -37,11 +37,16 @@ impl Emitter {
         Emitter { index, end: sample.end, radiance: sample.radiance * falloff }
     }
 
-    /// Chooses a light for `point` with the random numbers `pick` and `u`. Returns the endpoint and its emission
-    /// direction.
-    pub fn chosen(scene: &Scene, point: &SurfacePoint, pick: f32, u: [f32; 2]) -> Option<(Self, DVec3)> {
+    /// Chooses a light for `point` with the random numbers of [`Lights::choose`](crate::light::Lights::choose). Returns
+    /// the endpoint and its emission direction.
+    pub fn chosen(
+        scene: &Scene,
+        point: &SurfacePoint,
+        u: [f32; 2],
+        pick: impl FnOnce() -> f32,
+    ) -> Option<(Self, DVec3)> {
         let (lights, receiver) = (scene.lights(), LightSampleContext::from(point));
-        let (index, _) = lights.choose(&receiver, pick)?;
+        let ChosenLight { index, u, .. } = lights.choose(&receiver, u, pick)?;
         let sample = lights.all()[index].sample_li(&receiver, u)?;
         Some((Emitter::of_sample(index, &sample, point.p), -sample.wi.as_dvec3()))
     }

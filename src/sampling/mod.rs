@@ -27,7 +27,7 @@ pub enum Slot {
     Lobe = 0,
     /// Direction, two dimensions.
     Direction = 1,
-    /// Light selection.
+    /// Light selection, where the first number of the point does not also select.
     LightPick = 3,
     /// Point on a light, two dimensions.
     LightPoint = 4,

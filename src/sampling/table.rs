@@ -2,7 +2,7 @@
 
 use super::{Discrete, Pdf};
 use crate::numeric::BELOW_ONE;
-use etendue_lanes::{Float, Int, MOST_LANES};
+use etendue_lanes::{Float, Int};
 
 /// Samples an index with probability proportional to its weight, by monotone inversion of the CDF. Unlike alias tables,
 /// this preserves stratification.
@@ -62,13 +62,33 @@ impl Distribution {
         (i, self.pmf(i))
     }
 
-    /// Does [`Distribution::sample`] in every lane. Few indices are compared with all at once, which saves branches.
+    /// Whether there are so few indices that a number that has chosen one is precise enough to be used again.
+    #[inline]
+    pub fn is_short(&self) -> bool {
+        self.upper.len() <= FEW
+    }
+
+    /// Samples an index at each `u` in [0, 1). Returns it with its probability and the rescaled `u`, which is uniform in
+    /// [0, 1) again. Few indices are compared with all at once, which saves branches.
     #[inline(always)]
-    pub fn sample_lanes<F: Float>(&self, u: F) -> (F::Int, F) {
-        if self.upper.len() > FEW {
-            let index = F::Int::from_fn(|lane| self.sample(u.lane(lane)).0 as u32);
-            return (index, F::from_fn(|lane| self.pmf(index.lane(lane) as usize).value()));
-        }
+    pub fn sample_lanes<F: Float>(&self, u: F) -> (F::Int, F, F) {
+        let (index, lower, upper) = if self.is_short() { self.compared(u) } else { self.searched(u) };
+        let pmf = upper - lower;
+        (index, pmf, ((u - lower) / pmf).min(F::splat(BELOW_ONE)))
+    }
+
+    /// Returns the indices at `u` and their bounds.
+    #[inline(always)]
+    fn searched<F: Float>(&self, u: F) -> (F::Int, F, F) {
+        let index = F::Int::from_fn(|lane| self.upper.partition_point(|&c| c <= u.lane(lane)) as u32);
+        let bound = |at: usize| if at == 0 { 0.0 } else { self.upper[at - 1] };
+        let bounds = |beyond: usize| F::from_fn(|lane| bound(index.lane(lane) as usize + beyond));
+        (index, bounds(0), bounds(1))
+    }
+
+    /// Does [`Distribution::searched`] by comparisons with all bounds.
+    #[inline(always)]
+    fn compared<F: Float>(&self, u: F) -> (F::Int, F, F) {
         let (mut index, mut lower, mut upper) = (F::splat(0.0), F::splat(0.0), F::splat(self.upper[0]));
         for pair in self.upper.windows(2) {
             let beyond = !u.below(F::splat(pair[0]));
@@ -76,27 +96,7 @@ impl Distribution {
             lower = F::select(beyond, F::splat(pair[0]), lower);
             upper = F::select(beyond, F::splat(pair[1]), upper);
         }
-        (index.to_int(), upper - lower)
-    }
-
-    /// Samples the index at `u` in [0, 1); returns it with the rescaled `u`, which is uniform in [0, 1) again.
-    #[inline]
-    pub fn sample_within(&self, u: f32) -> (usize, f32) {
-        let (i, pmf) = self.sample(u);
-        let lower = if i == 0 { 0.0 } else { self.upper[i - 1] };
-        (i, ((u - lower) / pmf.value()).min(BELOW_ONE))
-    }
-
-    /// Does [`Distribution::sample_within`] in every lane.
-    #[inline(always)]
-    pub fn sample_within_lanes<F: Float>(&self, u: F) -> (F::Int, F) {
-        let mut rest = [0.0; MOST_LANES];
-        let index = F::Int::from_fn(|lane| {
-            let (index, within) = self.sample_within(u.lane(lane));
-            rest[lane] = within;
-            index as u32
-        });
-        (index, F::load(&rest, 0))
+        (index.to_int(), lower, upper)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use etendue::bsdf::Lobes;
 use etendue::camera::{Camera, LensPoint};
-use etendue::light::{EmitterPoint, Light, LightSampleContext};
+use etendue::light::{ChosenLight, EmitterPoint, Light, LightSampleContext};
 use etendue::path::{
     Arrival, Emitter, FullPath, MisStrategy, PartialMis, PathVertex, Subpath, SubpathVertex, SurfaceVertex, TraceStats,
     Vertex, connect, next_event, splat,
@@ -178,8 +178,10 @@ impl<'a> Studio<'a> {
     /// The light that next-event estimation samples from `z` with the random numbers of `bounce`, and its direction.
     fn sampled(&self, z: &SurfaceVertex, sampler: &mut IndependentSampler, bounce: u32) -> (Emitter, Vec3) {
         let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(&z.point));
-        let (index, _) = lights.choose(&receiver, sampler.u1(bounce, Slot::LightPick)).expect("a light");
-        let sample = lights.all()[index].sample_li(&receiver, sampler.u2(bounce, Slot::LightPoint)).expect("a sample");
+        let u = sampler.u2(bounce, Slot::LightPoint);
+        let chosen = lights.choose(&receiver, u, || sampler.u1(bounce, Slot::LightPick));
+        let ChosenLight { index, u, .. } = chosen.expect("a light");
+        let sample = lights.all()[index].sample_li(&receiver, u).expect("a sample");
         let falloff = if let EmitterPoint::Point(p) = sample.end { p.distance_squared(z.point.p) } else { 1.0 };
         (Emitter { index, end: sample.end, radiance: sample.radiance * falloff }, sample.wi)
     }

@@ -3,7 +3,7 @@
 use crate::models::{Model, direction, models};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::{Local, Ray};
-use etendue::light::{Light, LightSampleContext, Lights, PointLight};
+use etendue::light::{ChosenLight, Light, LightSampleContext, Lights, PointLight};
 use etendue::path::{PreviousVertex, RandomWalk, TraceStats};
 use etendue::sampling::{Address, Density, Distribution, IndependentSampler};
 use etendue::spectrum::Spectrum;
@@ -49,7 +49,8 @@ fn tables_choose_with_the_probabilities_that_they_state() {
         results.push(p_value(&observed, &expected));
         // What is left of the number is uniform in every interval.
         let cell = |u: f32| {
-            let (i, rest) = table.sample_within(u);
+            let (i, _, rest) = table.sample_lanes::<f32>(u);
+            let i = i as usize;
             assert!((0.0..1.0).contains(&rest));
             i * REST + (rest * REST as f32) as usize
         };
@@ -64,21 +65,29 @@ fn tables_choose_with_the_probabilities_that_they_state() {
     assert!(p_value(&observed, &[1.0, 3.0, 5.0].map(|w| w / 9.0 * f64::from(n))) < sidak(1));
 }
 
+/// Few lights, which are chosen by the first number of their point, and many. What is left of this number is uniform
+/// for every light.
 #[test]
 fn lights_are_chosen_with_the_probability_that_is_asked_for_later() {
     let lamp = |i: f32| Light::Point(PointLight { position: Vec3::X * i, intensity: Spectrum::splat(i) });
-    let lights = Lights::new([1.0, 0.0, 20.0, 3.0, 1e-3].map(lamp).into(), 1.0);
     let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Y };
     let n = samples(SAMPLES);
-    let (mut random, mut observed) = (Random::new(210), vec![0.0; 5]);
-    for _ in 0..n {
-        let (index, stated) = lights.choose(&at, random.f32()).expect("lights");
-        assert_eq!(stated, lights.pmf(&at, index));
-        observed[index] += 1.0;
+    let mut results = Vec::new();
+    for copies in [1, 3] {
+        let lamps = [1.0, 0.0, 20.0, 3.0, 1e-3].repeat(copies);
+        let lights = Lights::new(lamps.iter().copied().map(lamp).collect(), 1.0);
+        let (mut random, mut observed) = (Random::new(210), vec![0.0; lamps.len() * REST]);
+        for _ in 0..n {
+            let u: [f32; 3] = random.cube();
+            let ChosenLight { index, pmf, u } = lights.choose(&at, [u[0], u[1]], || u[2]).expect("lights");
+            assert_eq!(pmf, lights.pmf(&at, index));
+            assert!(lamps[index] > 0.0, "a dark light was chosen");
+            observed[index * REST + (u[0] * REST as f32) as usize] += 1.0;
+        }
+        let share = |i: usize| f64::from(lights.pmf(&at, i / REST).value()) / REST as f64 * f64::from(n);
+        results.push(p_value(&observed, &(0..observed.len()).map(share).collect::<Vec<_>>()));
     }
-    let expected: Vec<f64> = (0..5).map(|i| f64::from(lights.pmf(&at, i).value()) * f64::from(n)).collect();
-    assert!(p_value(&observed, &expected) > sidak(1), "{observed:?} {expected:?}");
-    assert!(observed[1] <= 0.0, "a dark light was chosen");
+    assert!(results.iter().all(|&p| p > sidak(results.len())), "{results:?}");
 }
 
 /// A lobe and the probability that it states; a mixture may mirror by its layer and by its glass, each with its own.

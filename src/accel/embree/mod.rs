@@ -133,9 +133,10 @@ impl Intersector for EmbreeScene {
     /// Rays go in packets as wide as the processor's registers.
     fn closest_all(&self, rays: &Rays, coherence: Coherence, any: &impl AnyHit, hits: &mut Hits) {
         let filter = self.filter(rays, any);
+        let alone = |at: usize| self.closest(&rays.ray(at), any);
         match self.packet {
-            Packet::Sixteen => packet::closest16(&self.top, rays, coherence, filter, hits),
-            Packet::Eight => packet::closest8(&self.top, rays, coherence, filter, hits),
+            Packet::Sixteen => packet::closest16(&self.top, rays, coherence, filter, alone, hits),
+            Packet::Eight => packet::closest8(&self.top, rays, coherence, filter, alone, hits),
             Packet::One => closest_of_each(self, rays, any, hits),
         }
     }

@@ -3,7 +3,7 @@
 use super::filter::{Filter, resume_panic};
 use super::geometry::Committed;
 use crate::accel::Coherence;
-use crate::geometry::{AnyHit, Hits, Rays};
+use crate::geometry::{AnyHit, Hit, Hits, Rays};
 use embree4_sys::{
     RTC_INVALID_GEOMETRY_ID, RTCFeatureFlags, RTCIntersectArguments, RTCOccludedArguments, RTCRay8, RTCRay16,
     RTCRayHit8, RTCRayHit16, RTCRayQueryFlags, rtcIntersect8, rtcIntersect16, rtcOccluded8, rtcOccluded16,
@@ -49,6 +49,23 @@ fn flags<const N: usize>(coherence: Coherence, rays: &Rays, at: usize) -> RTCRay
     }
 }
 
+/// Barycentric distance to a side below which a hit may be a tie. Hits of two triangles on both sides of an edge have the
+/// same distance, and which of them is found depends on the other rays of the packet. Embree accepts hits an ulp outside,
+/// which may be a thousand times further inside a neighbour of a thousandth of the size.
+const EDGE: f32 = 1e-4;
+
+/// Marks lanes with hits so close to a side of their triangles that they may be ties: −1, else 0.
+#[inline]
+fn ties<const N: usize>(u: &[f32; N], v: &[f32; N], geometry: &[u32; N]) -> [i32; N] {
+    let mut ties = [0; N];
+    for (lane, tie) in ties.iter_mut().enumerate() {
+        let (u, v) = (u[lane], v[lane]);
+        let is_near = (u < EDGE) | (v < EDGE) | (u + v > 1.0 - EDGE);
+        *tie = -i32::from(is_near & (geometry[lane] != RTC_INVALID_GEOMETRY_ID));
+    }
+    ties
+}
+
 /// Loads the rays from `at` on into a packet.
 macro_rules! fill {
     ($n:literal, $query:expr, $rays:ident, $at:ident) => {
@@ -66,12 +83,14 @@ macro_rules! fill {
 
 macro_rules! packets {
     ($n:literal, $closest:ident $intersect:ident $rayhit:ident, $occluded:ident $occlude:ident $ray:ident) => {
-        /// Finds the hits of `rays` that the filter accepts.
+        /// Finds the hits of `rays` that the filter accepts. Where there may be a tie, `alone` returns the hit of the ray
+        /// by itself, so that hits do not depend on how rays are packed.
         pub(super) fn $closest<A: AnyHit>(
             scene: &Committed,
             rays: &Rays,
             coherence: Coherence,
             mut filter: Option<Filter<'_, A, Rays>>,
+            alone: impl Fn(usize) -> Option<Hit>,
             hits: &mut Hits,
         ) {
             let mut arguments = RTCIntersectArguments {
@@ -100,6 +119,10 @@ macro_rules! packets {
                 let objects: [u32; $n] = std::array::from_fn(object);
                 hits.objects[at..at + $n].copy_from_slice(&objects);
                 hits.primitives[at..at + $n].copy_from_slice(&query.hit.primID);
+                let ties = ties(&query.hit.u, &query.hit.v, &geometry);
+                if ties.iter().fold(0, |any, tie| any | tie) != 0 {
+                    (0..$n).filter(|&lane| ties[lane] != 0).for_each(|lane| hits.set(at + lane, alone(at + lane)));
+                }
             }
             resume_panic(filter);
         }

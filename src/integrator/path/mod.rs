@@ -15,7 +15,7 @@ use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::camera::CameraSample;
 use crate::geometry::{Hit, Local, SurfacePoint};
-use crate::light::{Light, LightSample, LightSampleContext};
+use crate::light::{ChosenLight, Light, LightSample, LightSampleContext};
 use crate::path::{PreviousVertex, RandomWalk, TraceStats};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
 use crate::scene::{Edge, EdgeEnd, Scene};
@@ -157,8 +157,9 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         sampler: &mut impl Sampler,
     ) -> Option<(Edge, Spectrum)> {
         let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(shading.point));
-        let (index, pmf) = lights.choose(&receiver, sampler.u1(walk.bounce, Slot::LightPick))?;
         let u = sampler.u2(walk.bounce, Slot::LightPoint);
+        let chosen = lights.choose(&receiver, u, || sampler.u1(walk.bounce, Slot::LightPick));
+        let ChosenLight { index, pmf, u } = chosen?;
         // Borrowed, not moved out of the options: a copy of what was just written stalls.
         let Some(sample) = &lights.all()[index].sample_li(&receiver, u) else { return None };
         let Some(scattering) = &shading.scattering(sample.wi) else { return None };

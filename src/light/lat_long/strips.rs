@@ -59,7 +59,7 @@ impl Strips {
     /// Selects a height by the mean radiance at it.
     #[inline(always)]
     pub(super) fn sample<F: Float>(&self, u: F) -> Height<F> {
-        let (strip, rest) = self.choice.sample_within_lanes(u);
+        let (strip, _, rest) = self.choice.sample_lanes(u);
         let [from, extent, _, side, above, below, ..] = F::rows(|lane| &self.strips[strip.lane(lane) as usize]);
         let height = linear(rest, [above, below]);
         let (zero, one) = (F::splat(0.0), F::splat(1.0));

@@ -181,7 +181,7 @@ impl SubpathSampler<'_, '_> {
 
     /// Samples a light from `node`, and returns the endpoint with its emission direction.
     pub(super) fn sample_light(&mut self, node: &PathVertex) -> Option<(Emitter, DVec3)> {
-        Emitter::chosen(self.common.scene, &node.point, single(self.numbers), pair(self.numbers))
+        Emitter::chosen(self.common.scene, &node.point, pair(self.numbers), || single(self.numbers))
     }
 }
 

@@ -62,8 +62,8 @@ pub(super) fn path(
         }
         1 if !leaves => {
             let (z, bounce) = (&from_camera.nodes.last()?.point, t as u32 - 2);
-            let (pick, u) = (camera.u1(bounce, Slot::LightPick), camera.u2(bounce, Slot::LightPoint));
-            let (emitter, w) = Emitter::chosen(common.scene, z, pick, u)?;
+            let u = camera.u2(bounce, Slot::LightPoint);
+            let (emitter, w) = Emitter::chosen(common.scene, z, u, || camera.u1(bounce, Slot::LightPick))?;
             Proposal::join(common, emitter, SubpathBuffer::default(), w, from_camera)
         }
         _ if !leaves => {

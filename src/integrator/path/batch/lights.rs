@@ -81,17 +81,15 @@ pub(super) struct ShadowRays<F> {
 }
 
 impl<F: Float> LightSamples<F> {
-    /// Samples a light for the receivers at `p` with normals `ng` in the lanes of `wanted`, with the numbers `pick` and
-    /// `u`.
+    /// Samples the lights of [`Lights::choose_lanes`] for the receivers at `p` with normals `ng` in the lanes of `wanted`.
     #[inline(always)]
     pub(super) fn new(
-        lights: &Lights,
-        rows: &LightRows,
+        (lights, rows): (&Lights, &LightRows),
         [p, ng]: [Vec3<F>; 2],
         wanted: F::Mask,
-        (pick, u): (F, [F; 2]),
+        chosen: Option<(F::Int, F, [F; 2])>,
     ) -> Self {
-        let Some((index, pmf)) = lights.choose_lanes(pick) else { return Self::none() };
+        let Some((index, pmf, u)) = chosen else { return Self::none() };
         let mut samples = match rows.only {
             Some(Kind::Area) => Self::of_areas(&rows.areas, index, F::first(F::LANES).bits(), p, u),
             Some(Kind::Environment) => Self::of_environment(lights, u),

@@ -255,9 +255,10 @@ impl<F: Float> Stage<'_, '_, F> {
         let with_model = F::Mask::from_bits(lanes.scattering());
         let scatters = with_model & point.scatters;
         let mut sampler = numbers.of_keys(group.keys);
-        let light = (sampler.u1(self.depth, Slot::LightPick), sampler.u2(self.depth, Slot::LightPoint));
-        let (lights, rows) = (self.all.tracer.scene.lights(), &self.all.lights);
-        let light = LightSamples::new(lights, rows, [points.p, points.ng], scatters, light);
+        let lights = (self.all.tracer.scene.lights(), &self.all.lights);
+        let u = sampler.u2(self.depth, Slot::LightPoint);
+        let chosen = lights.0.choose_lanes(u, || sampler.u1(self.depth, Slot::LightPick));
+        let light = LightSamples::new(lights, [points.p, points.ng], scatters, chosen);
         let lobe = if lanes.metal_dielectric != 0 { sampler.u1(self.depth, Slot::Lobe) } else { F::splat(0.0) };
         let [u, v] = sampler.u2(self.depth, Slot::Direction);
         let event = Event { group, point: &point, light: &light, u: [lobe, u, v], varying: lanes.varying };
