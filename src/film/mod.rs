@@ -38,7 +38,7 @@ pub use pass_film::PassFilm;
 pub use pass_set::PassSet;
 pub use prior::{Known, Prior};
 pub use relmse::{RelMse, relmse_epsilon};
-pub use splats::Splats;
+pub use splats::{SplatQueue, Splats};
 pub(crate) use sums::{Sums, add_all};
 pub use tail_index::Peakedness;
 pub use trust::{Distrust, Reason, Trust};

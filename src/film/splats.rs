@@ -33,23 +33,32 @@ impl Splats {
         Splats { layout: layout.clone(), unit, sums: OnceLock::new(), large: Mutex::new(Vec::new()) }
     }
 
-    /// Adds a splat of `value` per pixel of film area at the raster position (x, y) in pixels; `key` seeds its
-    /// rounding.
-    pub fn add(&self, filter: Filter, film: [f32; 2], value: Spectrum, key: u64) {
-        let crop = self.layout.crop;
-        let columns = covered(filter, film[0], [crop.x0, crop.x1]);
-        let rows = covered(filter, film[1], [crop.y0, crop.y1]);
-        if columns.count == 0 || rows.count == 0 {
-            return;
-        }
-        let (rgb, width) = (value.to_rgb().map(f64::from), (crop.x1 - crop.x0) as usize);
-        let sums = self.sums.get_or_init(|| (0..self.layout.pixels() * LANES).map(|_| AtomicI64::new(0)).collect());
-        for (y, row) in rows.iter() {
-            for (x, column) in columns.iter() {
-                let first = (y * width + x) * LANES;
+    /// Returns a queue for the splats of a task.
+    pub fn queue(&self, filter: Filter) -> SplatQueue<'_> {
+        SplatQueue { splats: self, filter, waiting: None }
+    }
+
+    fn sums(&self) -> &[AtomicI64] {
+        self.sums.get_or_init(|| (0..self.layout.pixels() * LANES).map(|_| AtomicI64::new(0)).collect())
+    }
+
+    /// Returns where `rows` and `columns` begin in each row of the sums.
+    fn starts(&self, Splat { rows, columns, .. }: &Splat) -> impl Iterator<Item = usize> {
+        let width = (self.layout.crop.x1 - self.layout.crop.x0) as usize;
+        let first = columns.first;
+        (rows.first..rows.first + rows.count).map(move |y| (y * width + first) * LANES)
+    }
+
+    fn add(&self, splat: &Splat) {
+        let Splat { rows, columns, value, key } = splat;
+        let rgb = value.to_rgb().map(f64::from);
+        let sums = self.sums();
+        for (start, row) in self.starts(splat).zip(rows.densities()) {
+            for (x, column) in columns.densities().iter().enumerate() {
+                let first = start + x * LANES;
                 let scale = f64::from(row * column) / self.unit;
                 for (lane, light) in rgb.iter().enumerate() {
-                    self.add_to(&sums[first + lane], first + lane, light * scale, mix64(key ^ (first + lane) as u64));
+                    self.add_to(&sums[first + lane], first + lane, light * scale, mix64(*key ^ (first + lane) as u64));
                 }
             }
         }
@@ -94,6 +103,52 @@ impl Splats {
     }
 }
 
+/// A splat of `value` per pixel of film area. `key` seeds its rounding.
+struct Splat {
+    rows: Covered,
+    columns: Covered,
+    value: Spectrum,
+    key: u64,
+}
+
+/// Adds the splats of a task, each when the next one comes or the queue is dropped. Until then the memory has time to
+/// fetch the sums, which are seldom in a cache: a bidirectional path tracer takes 3 % less time.
+pub struct SplatQueue<'s> {
+    splats: &'s Splats,
+    filter: Filter,
+    waiting: Option<Splat>,
+}
+
+impl SplatQueue<'_> {
+    /// Adds a splat of `value` per pixel of film area at the raster position (x, y) in pixels; `key` seeds its
+    /// rounding.
+    pub fn add(&mut self, [x, y]: [f32; 2], value: Spectrum, key: u64) {
+        let crop = self.splats.layout.crop;
+        let columns = covered(self.filter, x, [crop.x0, crop.x1]);
+        let rows = covered(self.filter, y, [crop.y0, crop.y1]);
+        if columns.count == 0 || rows.count == 0 {
+            return;
+        }
+        let splat = Splat { rows, columns, value, key };
+        let sums = self.splats.sums();
+        self.splats.starts(&splat).for_each(|start| etendue_lanes::prefetch(&sums[start]));
+        self.flush();
+        self.waiting = Some(splat);
+    }
+
+    fn flush(&mut self) {
+        if let Some(splat) = self.waiting.take() {
+            self.splats.add(&splat);
+        }
+    }
+}
+
+impl Drop for SplatQueue<'_> {
+    fn drop(&mut self) {
+        self.flush();
+    }
+}
+
 /// Pixels covered by a filter along one axis, by index within the crop, with the filter density at each.
 struct Covered {
     first: usize,
@@ -102,8 +157,8 @@ struct Covered {
 }
 
 impl Covered {
-    fn iter(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
-        (self.first..).zip(self.densities[..self.count].iter().copied())
+    fn densities(&self) -> &[f32] {
+        &self.densities[..self.count]
     }
 }
 
@@ -153,14 +208,16 @@ mod tests {
             film.values().to_vec()
         };
         let mut forward = film(None);
-        all.iter().enumerate().for_each(|(i, s)| forward.splats().add(Filter::BlackmanHarris, s.0, s.1, i as u64));
+        all.iter()
+            .enumerate()
+            .for_each(|(i, s)| forward.splats().queue(Filter::BlackmanHarris).add(s.0, s.1, i as u64));
         let forward = fold(&mut forward);
         let mut parallel = film(None);
         let target = parallel.splats();
         (0..all.len())
             .into_par_iter()
             .rev()
-            .for_each(|i| target.add(Filter::BlackmanHarris, all[i].0, all[i].1, i as u64));
+            .for_each(|i| target.queue(Filter::BlackmanHarris).add(all[i].0, all[i].1, i as u64));
         assert_eq!(fold(&mut parallel), forward);
         assert!(forward.iter().any(|&v| f64::from(v) > LARGE * 2f64.powi(-24)));
     }
@@ -171,8 +228,8 @@ mod tests {
         let crop = Crop { x0: 3, y0: 2, x1: 9, y1: 7 };
         let (mut whole, mut part) = (film(None), film(Some(crop)));
         for (i, (at, value)) in splats(500).into_iter().enumerate() {
-            whole.splats().add(Filter::Gaussian, at, value, i as u64);
-            part.splats().add(Filter::Gaussian, at, value, i as u64);
+            whole.splats().queue(Filter::Gaussian).add(at, value, i as u64);
+            part.splats().queue(Filter::Gaussian).add(at, value, i as u64);
         }
         whole.fold_splats();
         part.fold_splats();
@@ -197,7 +254,7 @@ mod tests {
             let dim = 0.2 * 2f32.powi(-24);
             for key in 0..n {
                 let at = [4.0 + 8.0 * random.uniform() as f32, 4.0 + 4.0 * random.uniform() as f32];
-                pass.splats().add(filter, at, Spectrum([1.0, dim, 0.0]), key);
+                pass.splats().queue(filter).add(at, Spectrum([1.0, dim, 0.0]), key);
             }
             pass.fold_splats();
             let sum = |lane: usize| pass.values().chunks_exact(4).map(|p| f64::from(p[lane])).sum::<f64>() / n as f64;

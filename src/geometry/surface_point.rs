@@ -33,12 +33,15 @@ impl SurfacePoint {
     /// plane.
     #[inline(always)] // callers keep the point in registers
     pub fn new(geometry: &Geometry, hit: Hit, ray: &Ray) -> Option<Self> {
+        // Read before the triangle is met, so that their cache misses overlap.
+        let normals = geometry.corner_normals(hit);
         let triangle = geometry.triangle(hit);
         let meet = triangle.meet(ray)?;
         let (p, error) = triangle.point(meet.barycentric);
         let winding = geometry.winding(hit.object);
         let ng = (meet.normal * (winding / meet.normal.length())).as_vec3();
-        let ns = SurfacePoint::shading_normal(geometry, hit, meet.barycentric, ng);
+        let ns = normals.and_then(|normals| geometry.interpolated(hit.object, normals, meet.barycentric));
+        let ns = ns.map_or(ng, |ns| facing(ns, ng));
         let TriangleHit { barycentric, t, consistent, .. } = meet;
         Some(SurfacePoint { p, error, ng, frame: Frame::around(ns), barycentric, hit, t, touching: false, consistent })
     }

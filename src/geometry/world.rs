@@ -64,10 +64,23 @@ impl Geometry {
     /// interpolated normal vanishes.
     #[inline]
     pub fn shading_normal(&self, hit: Hit, barycentric: [f32; 2]) -> Option<Vec3> {
-        let object = &self.objects[hit.object as usize];
-        let mesh = &self.meshes[object.mesh as usize];
-        let n = mix(mesh.attributes().normals.as_ref()?, mesh.triangles()[hit.primitive as usize], barycentric);
-        match &object.placement {
+        self.interpolated(hit.object, self.corner_normals(hit)?, barycentric)
+    }
+
+    /// Returns the shading normals at the corners of the triangle of `hit`, as its mesh has them; `None` if it has none.
+    #[inline]
+    pub fn corner_normals(&self, hit: Hit) -> Option<[Vec3; 3]> {
+        let mesh = self.mesh_of(hit.object);
+        let normals = mesh.attributes().normals.as_ref()?;
+        let [a, b, c] = mesh.triangles()[hit.primitive as usize];
+        Some([normals[a as usize], normals[b as usize], normals[c as usize]])
+    }
+
+    /// Does [`Geometry::shading_normal`] with the [`Geometry::corner_normals`] of a triangle of `object`.
+    #[inline]
+    pub fn interpolated(&self, object: u32, normals: [Vec3; 3], barycentric: [f32; 2]) -> Option<Vec3> {
+        let n = between(normals, barycentric);
+        match &self.objects[object as usize].placement {
             None => n.try_normalize(),
             Some(m) => (m.matrix3.inverse().transpose() * n).try_normalize(),
         }
@@ -125,8 +138,15 @@ where
     V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>,
 {
     let [a, b, c] = corners;
-    let (a, b, c) = (values[a as usize], values[b as usize], values[c as usize]);
-    let [u, v] = barycentric;
+    between([values[a as usize], values[b as usize], values[c as usize]], barycentric)
+}
+
+/// Interpolates between the values at three corners.
+#[inline]
+fn between<V>([a, b, c]: [V; 3], [u, v]: [f32; 2]) -> V
+where
+    V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>,
+{
     a * (1.0 - u - v) + b * u + c * v
 }
 

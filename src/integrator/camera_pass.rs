@@ -82,6 +82,7 @@ impl<M: Radiance> Chunks for CameraPass<'_, M> {
         let address = Address::new(self.options.seed).with(pass);
         // A pass has as many light subpaths as pixels.
         let per_walk = (self.options.pixels() as f32).recip();
+        let mut queue = splats.queue(self.options.filter);
         for (i, values) in out.chunks_exact_mut(layout.channels()).enumerate() {
             // Borrowed, since a copy of what was just written stalls.
             let sample = &mut self.samples.of_pixel(layout, first + i, numbers);
@@ -89,7 +90,7 @@ impl<M: Radiance> Chunks for CameraPass<'_, M> {
             let mut splat = |film: [f32; 2], light: Spectrum| {
                 let light = limited(&self.options, light * per_walk, &mut valid, &mut record.report.guards);
                 key = key.with(0);
-                splats.add(self.options.filter, film, light, key.bits(0));
+                queue.add(film, light, key.bits(0));
             };
             let light = || numbers.of_light(sample.index);
             let tally = &mut record.tally;

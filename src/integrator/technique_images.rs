@@ -207,7 +207,7 @@ impl Recording<'_> {
             if !value.is_finite() {
                 self.valid = false;
             } else if !value.is_black() {
-                film_of.splats().add(filter, film, value, self.key.bits(i as u64));
+                film_of.splats().queue(filter).add(film, value, self.key.bits(i as u64));
             }
         }
     }

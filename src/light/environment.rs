@@ -1,25 +1,12 @@
 //! Light from outside the scene, one kind a file. Rays that leave the scene evaluate it, and light sampling uses the
 //! same density. Integrators may hide it from the camera.
 
-use super::{BoundingSphere, ConstantEnvironment, EnvironmentMap, LeRandom, LeSample, LightSample};
+use super::{BoundingSphere, ConstantEnvironment, EnvironmentMap, EnvironmentSamples, LeRandom, LeSample, LightSample};
 use crate::sampling::lanes::uniform_sphere;
 use crate::sampling::{Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
 use etendue_lanes::{Float, Vec3 as LaneVec3};
 use glam::Vec3;
-
-/// A direction toward the environment in each lane.
-#[derive(Debug, Clone, Copy)]
-pub struct EnvironmentSamples<F: Float> {
-    /// Unit directions.
-    pub wi: LaneVec3<F>,
-    /// Radiance.
-    pub radiance: Spectrum<F>,
-    /// Densities per solid angle.
-    pub pdf: F,
-    /// Lanes with light.
-    pub valid: F::Mask,
-}
 
 /// Environment light.
 #[derive(Debug)]

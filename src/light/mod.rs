@@ -14,7 +14,7 @@ mod sky;
 pub use area::{AreaLight, AreaLightRow, AreaLightSamples, Coverage, Emission};
 pub use choose::{ChosenLight, Lights};
 pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
-pub use environment::{Environment, EnvironmentSamples};
+pub use environment::Environment;
 pub use lat_long::EnvironmentMap;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 pub use sky::ConstantEnvironment;
@@ -22,6 +22,7 @@ pub use sky::ConstantEnvironment;
 use crate::geometry::{Bounds, Hit, SurfacePoint};
 use crate::sampling::Density;
 use crate::spectrum::Spectrum;
+use etendue_lanes::Float;
 use glam::Vec3;
 
 /// Receiver of light, with the data on which the selection of a light may depend.
@@ -79,6 +80,19 @@ pub struct LightSample {
     pub density: Density,
     /// Endpoint of the shadow ray.
     pub end: EmitterPoint,
+}
+
+/// A direction toward the environment in each lane.
+#[derive(Debug, Clone, Copy)]
+pub struct EnvironmentSamples<F: Float> {
+    /// Unit directions.
+    pub wi: etendue_lanes::Vec3<F>,
+    /// Radiance.
+    pub radiance: Spectrum<F>,
+    /// Densities per solid angle.
+    pub pdf: F,
+    /// Lanes with light.
+    pub valid: F::Mask,
 }
 
 /// A light source.

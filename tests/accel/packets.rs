@@ -3,7 +3,7 @@
 
 use crate::brute_force::{BruteForce, Candidate};
 use crate::filters::{Accept, is_even};
-use crate::scenes::{Random, built, placed_cube, scene_of, setups, triangle};
+use crate::scenes::{Random, built, icosphere, placed_cube, scene_of, setups, triangle};
 use etendue::accel::{Accel, Coherence, Intersector, Packet};
 use etendue::geometry::{AnyHit, Geometry, Hit, Hits, Opaque, PADDING, Ray, Rays};
 use etendue::lab::equivalence::{Agreement, agreement};
@@ -107,6 +107,37 @@ fn batches_of_any_length_answer_as_single_rays_do() {
                 println!("{setup:?} {width} {hint:?}: hits, of these by rounding elsewhere, with masks: {sum:?}");
                 assert!(sum[2] > 500 && sum[0] > sum[2], "{setup:?} {width}: {sum:?}");
             }
+        });
+    }
+}
+
+/// On the edges of a mesh each ray meets two triangles at one distance. Which of them it hits is a matter of the ray
+/// alone, and not of the rays that are packed with it.
+#[test]
+fn ties_do_not_depend_on_the_other_rays_of_a_packet() {
+    let ball = icosphere(3, 1.0, Vec3::ZERO);
+    let corners: Vec<[Vec3; 3]> = (0..ball.triangles().len()).map(|i| ball.corners(i as u32)).collect();
+    let geometry = scene_of(vec![ball], vec![(0, None, false)]);
+    for setup in setups() {
+        each_width(built(&geometry, setup), |accel, width| {
+            let mut random = Random(76);
+            let mut ties = 0;
+            for _ in 0..500 {
+                let mut rays = Rays::new(LARGEST);
+                let from = 0.5 * random.direction();
+                for _ in 0..LARGEST {
+                    let [a, b, _] = corners[(random.unit() * corners.len() as f32) as usize % corners.len()];
+                    rays.push(&Ray::new(from, (a.lerp(b, random.unit()) - from).normalize()));
+                }
+                let mut hits = Hits::new(LARGEST);
+                accel.closest_all(&rays, Coherence::Incoherent, &Opaque, &mut hits);
+                for at in 0..LARGEST {
+                    let alone = accel.closest(&rays.ray(at), &Opaque);
+                    assert_eq!(hits.get(at), alone, "{setup:?} {width}: {:?}", rays.ray(at));
+                    ties += usize::from(alone.is_some());
+                }
+            }
+            assert!(ties > 400 * LARGEST, "{setup:?} {width}: {ties} hits");
         });
     }
 }

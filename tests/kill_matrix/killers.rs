@@ -164,6 +164,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "session::lens::tests::an_f_stop_is_the_focal_length_over_the_diameter"),
     of("accel", "segments::a_segment_meets_neither_of_the_surfaces_that_it_joins"),
     with_embree("accel", "packets::batches_of_any_length_answer_as_single_rays_do"),
+    with_embree("accel", "packets::ties_do_not_depend_on_the_other_rays_of_a_packet"),
     with_embree("accel", "packets::filters_of_batches_get_their_own_rays"),
     with_embree("accel", "packets::a_filter_may_decide_by_the_ray"),
 ];

@@ -289,12 +289,13 @@ impl<'a, C: MarkovMethod> Metropolis<'a, C> {
             return ChainResult { report: ChainReport::lost_seed(), tally: *x.tally(), light };
         }
         let (address, mut key) = (pass.with(CHAIN_STREAM | id), pass.with(!id));
+        let mut queue = splats.queue(self.options.filter);
         let mut deposit = |state: &C::State, weight: f64| {
             let found = state.contribution();
             let per_scalar = weight * task.scale / found.scalar();
             for &(film, color) in found.splats() {
                 key = key.with(0);
-                splats.add(self.options.filter, film, color * per_scalar as f32, key.bits(0));
+                queue.add(film, color * per_scalar as f32, key.bits(0));
                 light.add(film, color, weight, task.scale / found.scalar());
             }
             light.pass(weight);

@@ -111,7 +111,7 @@ mod tests {
             let mut pass = PassFilm::new(&layout);
             for x in 0..side * side {
                 let at = [(x % side) as f32 + 0.5, (x / side) as f32 + 0.5];
-                pass.splats().add(crate::film::Filter::Box, at, crate::spectrum::Spectrum::splat(value), 0);
+                pass.splats().queue(crate::film::Filter::Box).add(at, crate::spectrum::Spectrum::splat(value), 0);
             }
             pass.fold_splats();
             film.commit(0, &pass);

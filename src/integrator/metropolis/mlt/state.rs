@@ -207,6 +207,7 @@ impl Proposal {
     ) -> Option<Proposal> {
         let (mut nodes, mut directions) = (light.nodes, light.directions);
         let to_camera = camera.nodes.is_empty();
+        nodes.reserve_exact(camera.nodes.len());
         nodes.extend(camera.nodes.into_iter().rev());
         let eye = common.camera.sample_wi(nodes.last()?.point.p, camera.lens)?;
         directions.push(if to_camera { eye.wi.as_dvec3() } else { across });
