@@ -36,6 +36,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("lib", "bsdf::lanes::tests::lanes_scatter_about_shading_normals_as_shading_does"),
     of("lib", "sampling::table::tests::choices_agree_with_their_probability_at_every_boundary"),
     of("lib", "sampling::table::tests::probabilities_sum_to_one_and_zero_weights_are_never_chosen"),
+    of("sampling", "choices::lights_are_chosen_with_the_probability_that_is_asked_for_later"),
     of("sampling", "choices::survivors_of_roulette_make_up_for_the_others"),
     of("lib", "geometry::world::tests::placed_normals_stay_perpendicular"),
     of("lib", "texture::tests::bilinear_lookup_is_exact_at_texel_centres_and_midway"),

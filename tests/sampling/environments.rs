@@ -4,6 +4,7 @@ use etendue::light::EnvironmentMap;
 use etendue::sampling::Density;
 use etendue::spectrum::{LANES, Spectrum};
 use etendue::texture::RadianceMap;
+use etendue_lanes::{Array, Float, Mask, Native};
 use etendue_testing::chi_square::{p_value, sidak};
 use etendue_testing::random::{Random, samples};
 use glam::{DVec3, Vec3};
@@ -293,6 +294,34 @@ fn environment_samples_match_lookup_and_density() {
             let off = (sample.radiance - radiance).map(f32::abs).max_lane();
             assert!(off < tolerance, "{}: radiance off by {off}", case.name);
             assert!((sample.wi.length() - 1.0).abs() < 4.0 * f32::EPSILON, "{}", case.name);
+        }
+    }
+}
+
+/// Kernels over lanes return the bits of the functions for one direction.
+#[test]
+fn lanes_are_those_of_single_directions() {
+    fn compare<F: Float>(case: &Case, random: &mut Random) {
+        let u: [Vec<f32>; 2] = [(); 2].map(|()| (0..F::LANES).map(|_| random.f32()).collect());
+        let sampled = case.light.sample_lanes([F::load(&u[0], 0), F::load(&u[1], 0)]);
+        let (radiance, pdf) = case.light.along_lanes(sampled.wi);
+        for (lane, (&u, &v)) in u[0].iter().zip(&u[1]).enumerate() {
+            let valid = sampled.valid.bits() >> lane & 1 == 1;
+            let single = case.light.sample([u, v]);
+            assert_eq!(single.is_some(), valid, "{}", case.name);
+            let Some(single) = single else { continue };
+            let wi = Vec3::from(sampled.wi.lane(lane));
+            let (sampled, density) = (sampled.radiance.lane(lane), sampled.pdf.lane(lane));
+            assert_eq!((wi, sampled, density), (single.wi, single.radiance, single.density.value()), "{}", case.name);
+            let along = case.light.along(wi);
+            assert_eq!((radiance.lane(lane), pdf.lane(lane)), (along.0, along.1.value()), "{}", case.name);
+        }
+    }
+    for case in cases() {
+        let mut random = Random::new(33);
+        for _ in 0..1000 {
+            compare::<Native>(&case, &mut random);
+            compare::<Array<3>>(&case, &mut random);
         }
     }
 }
