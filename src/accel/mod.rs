@@ -98,9 +98,9 @@ pub enum Build {
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum Backend {
-    /// Intel Embree 4, the fastest.
+    /// Intel Embree 4, the fastest for `path`, whose rays go in packets.
     Embree,
-    /// Pure Rust: trees built by obvhs.
+    /// Pure Rust: trees built by obvhs; the fastest for `bdpt` and chains, whose rays go one by one.
     Obvhs,
 }
 

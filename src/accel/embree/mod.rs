@@ -1,4 +1,4 @@
-//! The Embree 4 backend: the fastest queries on x86-64 and ARM, watertight across edges with every [`Build`] but
+//! The Embree 4 backend: packets as wide as the registers, watertight across edges with every [`Build`] but
 //! `Fast`.
 //!
 //! Objects without a placement are in the top scene; placed ones are instances of one scene per mesh. In both cases an

@@ -50,7 +50,7 @@ fn flags<const N: usize>(coherence: Coherence, rays: &Rays, at: usize) -> RTCRay
 }
 
 /// Barycentric distance to a side below which a hit may be a tie. Hits of two triangles on both sides of an edge have the
-/// same distance, and which of them is found depends on the other rays of the packet. Embree accepts hits an ulp outside,
+/// same distance, and which of them a coherent packet finds depends on its other rays. Embree accepts hits an ulp outside,
 /// which may be a thousand times further inside a neighbour of a thousandth of the size.
 const EDGE: f32 = 1e-4;
 
