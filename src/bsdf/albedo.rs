@@ -11,7 +11,7 @@ use super::ggx::{DIRAC_ALPHA, Ggx, reflect};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
-use etendue_lanes::{Float, Int};
+use etendue_lanes::{Float, Int, MOST_LANES, ROW};
 use std::sync::LazyLock;
 
 /// Largest error of an interpolated albedo, for f0 and f90 up to 1, α from 1e-4 to 1 and cosines from 1e-4 to 1.
@@ -70,20 +70,18 @@ impl<F: Float> LaneMoments<F> {
         let x = p * F::splat(CELLS as f32);
         let cell = x.min(F::splat((CELLS - 1) as f32)).to_int();
         let (row, part, rest) = (row.to_int(), x - F::from_int(cell), weight);
-        let interpolated = |rows: &Rows| {
-            let corner = |down: usize, right: usize| {
-                F::from_fn(|lane| rows[row.lane(lane) as usize + down][cell.lane(lane) as usize + right])
-            };
-            let across = |right: usize| {
-                let upper = corner(0, right);
-                upper + (corner(1, right) - upper) * rest
-            };
-            let (a, b) = (across(0), across(1));
+        let table = &*TABLE;
+        let mut corners = [&table.corners[0][0]; MOST_LANES];
+        for (lane, corners) in corners.iter_mut().enumerate().take(F::LANES) {
+            *corners = &table.corners[row.lane(lane) as usize][cell.lane(lane) as usize];
+        }
+        let interpolated = |[left, right, below_left, below_right]: [F; 4]| {
+            let (a, b) = (left + (below_left - left) * rest, right + (below_right - right) * rest);
             a + (b - a) * part
         };
-        let table = &*TABLE;
-        let m = (one - sum * interpolated(&table.cosine)).max(F::splat(0.0));
-        LaneMoments { white: interpolated(&table.white), schlick: (m * m) * (m * m) * m }
+        let [a, b, c, d, e, f, g, h] = F::rows(|lane| corners[lane]);
+        let m = (one - sum * interpolated([e, f, g, h])).max(F::splat(0.0));
+        LaneMoments { white: interpolated([a, b, c, d]), schlick: (m * m) * (m * m) * m }
     }
 
     /// See [`AlbedoMoments::albedo`].
@@ -137,6 +135,8 @@ type Rows = [[f32; CELLS + 1]; ROWS + 1];
 struct Table {
     white: Rows,
     cosine: Rows,
+    /// Both at the corners of each cell, as kernels read them: left, right, and these in the next row.
+    corners: Box<[[[f32; ROW]; CELLS]; ROWS]>,
     mean_white: [f32; ROWS + 1],
     mean_schlick: [f32; ROWS + 1],
 }
@@ -144,8 +144,13 @@ struct Table {
 impl Table {
     fn new() -> Self {
         let empty = [[0.0; CELLS + 1]; ROWS + 1];
-        let mut table =
-            Table { white: empty, cosine: empty, mean_white: [0.0; ROWS + 1], mean_schlick: [0.0; ROWS + 1] };
+        let mut table = Table {
+            white: empty,
+            cosine: empty,
+            corners: Box::new([[[0.0; ROW]; CELLS]; ROWS]),
+            mean_white: [0.0; ROWS + 1],
+            mean_schlick: [0.0; ROWS + 1],
+        };
         let rule = Rule::new(QUADRATURE);
         for row in 0..=ROWS {
             // Row 0 represents everything smoother than the least roughness.
@@ -164,6 +169,13 @@ impl Table {
                 (table.white[row][CELLS], table.cosine[row][CELLS]) = (1.0, 1.0);
             }
             (table.mean_white[row], table.mean_schlick[row]) = table.means(row, alpha as f32);
+        }
+        for (row, cells) in table.corners.iter_mut().enumerate() {
+            for (i, corners) in cells.iter_mut().enumerate() {
+                let of = |rows: &Rows| [rows[row][i], rows[row][i + 1], rows[row + 1][i], rows[row + 1][i + 1]];
+                let ([a, b, c, d], [e, f, g, h]) = (of(&table.white), of(&table.cosine));
+                *corners = [a, b, c, d, e, f, g, h];
+            }
         }
         table
     }

@@ -32,7 +32,8 @@ impl Scene {
     }
 
     fn coordinates(&self, object: &ObjectInfo, hit: Hit, barycentric: [f32; 2]) -> Coordinates {
-        let uvs = [0, 1].map(|set| self.geometry.uv(hit, barycentric, set));
+        // Written out, since `std::array::map` is not always inlined.
+        let uvs = [self.geometry.uv(hit, barycentric, 0), self.geometry.uv(hit, barycentric, 1)];
         let color = if object.colors { self.geometry.color(hit, barycentric) } else { glam::Vec4::ONE };
         Coordinates { uvs, color }
     }
