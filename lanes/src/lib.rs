@@ -49,6 +49,11 @@ pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + No
     fn any(self) -> bool {
         self.bits() != 0
     }
+    /// Returns `yes` in the lanes that are set, else `no`.
+    #[inline(always)]
+    fn select(self, yes: Self, no: Self) -> Self {
+        (self & yes) | (!self & no)
+    }
 }
 
 /// One `u32` per lane.

@@ -51,14 +51,18 @@ impl Columns {
         (F::Int::load(&cells, 0), F::load(&rest, 0))
     }
 
+    /// Returns the rows of `table`, of `count` numbers each, above and below a strip.
+    #[inline(always)]
+    fn rows<'a>(&self, table: &'a [f32], count: usize, strip: u32) -> [&'a [f32]; 2] {
+        super::strips::rows(strip as usize, self.height).map(|y| &table[y * count..][..count])
+    }
+
     /// Returns the first column of the block at `u`, and the sum to look for.
     #[inline(always)]
     fn block(&self, strip: u32, h: f32, u: f32) -> (usize, f32) {
-        let rows = super::strips::rows(strip as usize, self.height);
-        let [above, below] = rows.map(|y| &self.sums[y * self.width..][..self.width]);
+        let [above, below] = self.rows(&self.sums, self.width, strip);
         let target = u * mix(above[self.width - 1], below[self.width - 1], h);
-        let count = self.width.div_ceil(BLOCK);
-        let first = BLOCK * first_above(target, rows.map(|y| &self.blocks[y * count..][..count]), h);
+        let first = BLOCK * first_above(target, self.rows(&self.blocks, self.width.div_ceil(BLOCK), strip), h);
         [above, below].iter().for_each(|row| prefetch(&row[first]));
         (first, target)
     }
@@ -66,8 +70,7 @@ impl Columns {
     /// Returns the cell of the sum `target` in the block that begins at the column `first`, and the position in it.
     #[inline(always)]
     fn cell(&self, strip: u32, h: f32, target: f32, first: usize) -> (u32, f32) {
-        let rows = super::strips::rows(strip as usize, self.height);
-        let rows = rows.map(|y| &self.sums[y * self.width..][..self.width]);
+        let rows = self.rows(&self.sums, self.width, strip);
         let block = first..self.width.min(first + BLOCK);
         let cell = first + first_above(target, rows.map(|row| &row[block.clone()]), h);
         let sum = |i: usize| mix(rows[0][i], rows[1][i], h);

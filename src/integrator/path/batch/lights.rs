@@ -149,19 +149,18 @@ impl<F: Float> LightSamples<F> {
     /// Returns `other` in the lanes of `mask`, else these.
     #[inline(always)]
     fn merged(self, mask: F::Mask, other: Self) -> Self {
-        let either = |yes: F::Mask, no: F::Mask| (mask & yes) | (!mask & no);
         let ((p, error, ng, distant), other_end) = (self.end.parts(), other.end.parts());
         LightSamples {
             wi: Vec3::select(mask, other.wi, self.wi),
             radiance: Spectrum::select(mask, other.radiance, self.radiance),
             density: F::select(mask, other.density, self.density),
-            dirac: either(other.dirac, self.dirac),
-            valid: either(other.valid, self.valid),
+            dirac: mask.select(other.dirac, self.dirac),
+            valid: mask.select(other.valid, self.valid),
             end: End::Any {
                 p: Vec3::select(mask, other_end.0, p),
                 error: F::select(mask, other_end.1, error),
                 ng: Vec3::select(mask, other_end.2, ng),
-                distant: either(other_end.3, distant),
+                distant: mask.select(other_end.3, distant),
             },
         }
     }

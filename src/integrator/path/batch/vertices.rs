@@ -512,19 +512,18 @@ impl<F: Float> Outcome<F> {
     /// Returns `other` in the lanes of `mask`, else this one.
     #[inline(always)]
     fn merged(self, mask: F::Mask, other: Self) -> Self {
-        let either = |yes: F::Mask, no: F::Mask| (mask & yes) | (!mask & no);
         let (x, y) = (&self.sample, &other.sample);
         Outcome {
             light: Spectrum::select(mask, other.light, self.light),
-            lit: either(other.lit, self.lit),
+            lit: mask.select(other.lit, self.lit),
             sample: LaneSample {
                 direction: Vec3::select(mask, y.direction, x.direction),
                 weight: Spectrum::select(mask, y.weight, x.weight),
                 pdf: F::select(mask, y.pdf, x.pdf),
-                valid: either(y.valid, x.valid),
-                doubtful: either(y.doubtful, x.doubtful),
+                valid: mask.select(y.valid, x.valid),
+                doubtful: mask.select(y.doubtful, x.doubtful),
             },
-            doubtful: either(other.doubtful, self.doubtful),
+            doubtful: mask.select(other.doubtful, self.doubtful),
         }
     }
 }
