@@ -217,6 +217,10 @@ impl<const K: usize> Float for Array<K> {
         from_fn(|column| Array(rows.map(|row| row[column])))
     }
     #[inline(always)]
+    fn to_rows(columns: [Self; ROW], mut row: impl FnMut(usize, [f32; ROW])) {
+        (0..K).for_each(|lane| row(lane, from_fn(|column| columns[column].0[lane])));
+    }
+    #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
         Array(from_fn(|i| self.0[i].mul_add(a.0[i], b.0[i])))
     }

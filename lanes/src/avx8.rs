@@ -376,6 +376,13 @@ impl Float for Avx8 {
         crate::filled([zero; 8], |column| Avx8(columns[column]))
     }
     #[inline(always)]
+    fn to_rows(columns: [Self; ROW], mut row: impl FnMut(usize, [f32; ROW])) {
+        let rows = transposed(crate::filled([columns[0].0; 8], |column| columns[column].0));
+        for (lane, values) in rows.into_iter().enumerate() {
+            row(lane, cast(values));
+        }
+    }
+    #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
         Avx8(avx!(_mm256_fmadd_ps(self.0, a.0, b.0)))
     }

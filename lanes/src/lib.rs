@@ -179,6 +179,8 @@ pub trait Float:
     fn pack(self, mask: Self::Mask, to: &mut [f32], at: usize);
     /// Returns the columns of the rows `row(0)`, `row(1)` and so on, one row a lane.
     fn rows<'a>(row: impl FnMut(usize) -> &'a [f32; ROW]) -> [Self; ROW];
+    /// Calls `row` with each lane and the row of its values in `columns`, the inverse of [`Float::rows`].
+    fn to_rows(columns: [Self; ROW], row: impl FnMut(usize, [f32; ROW]));
     /// Returns `self` × `a` + `b`, rounded once.
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// The square root.

@@ -152,6 +152,10 @@ impl Float for f32 {
         *row(0)
     }
     #[inline(always)]
+    fn to_rows(columns: [Self; ROW], mut row: impl FnMut(usize, [f32; ROW])) {
+        row(0, columns);
+    }
+    #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
         f32::mul_add(self, a, b)
     }

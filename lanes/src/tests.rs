@@ -124,6 +124,9 @@ fn family_is_one_lane<F: Float>() {
     }
     let rows: Vec<[f32; ROW]> =
         (0..F::LANES).map(|row| std::array::from_fn(|column| (row * ROW + column) as f32)).collect();
+    let mut back = vec![[0.0; ROW]; F::LANES];
+    F::to_rows(F::rows(|lane| &rows[lane]), |lane, row| back[lane] = row);
+    assert_eq!(back, rows);
     for (column, lanes) in F::rows(|lane| &rows[lane]).into_iter().enumerate() {
         for (lane, row) in rows.iter().enumerate() {
             assert_eq!(lanes.lane(lane).to_bits(), row[column].to_bits());

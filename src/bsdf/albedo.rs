@@ -91,6 +91,44 @@ impl<F: Float> LaneMoments<F> {
     }
 }
 
+/// [`Albedo`] over lanes.
+#[derive(Debug, Clone, Copy)]
+pub struct LaneAlbedo<F> {
+    row: F,
+    weight: F,
+    alpha: F,
+}
+
+impl<F: Float> LaneAlbedo<F> {
+    /// See [`Albedo::of`]; `alpha` is that of [`Ggx::alpha`].
+    #[inline(always)]
+    pub fn of(alpha: F) -> Self {
+        let x = alpha.sqrt() * F::splat(ROWS as f32);
+        let row = F::from_int(x.min(F::splat((ROWS - 1) as f32)).to_int());
+        LaneAlbedo { row, weight: x - row, alpha }
+    }
+
+    /// See [`Albedo::place`].
+    #[inline(always)]
+    pub fn place(&self) -> [F; 3] {
+        [self.row, self.weight, self.alpha]
+    }
+
+    /// See [`Albedo::mean`].
+    #[inline(always)]
+    pub fn mean(&self, [f0, f90]: [Spectrum<F>; 2]) -> Spectrum<F> {
+        let (rows, table) = (self.row.to_int(), &*TABLE);
+        let mut means = [&table.means[0]; MOST_LANES];
+        for (lane, means) in means.iter_mut().enumerate().take(F::LANES) {
+            *means = &table.means[rows.lane(lane) as usize];
+        }
+        let [white, next_white, schlick, next_schlick, ..] = F::rows(|lane| means[lane]);
+        let white = white + (next_white - white) * self.weight;
+        let grazing = schlick + (next_schlick - schlick) * self.weight;
+        f0 * (white - grazing) + f90 * grazing
+    }
+}
+
 impl<T: Scalar> AlbedoMoments<T> {
     /// Returns the albedo for reflectance `f0` at normal and `f90` at grazing incidence.
     #[inline]
@@ -120,8 +158,9 @@ impl Albedo {
 
     /// Returns the albedo under uniform illumination, 2 ∫ E(μ) μ dμ.
     pub fn mean(&self, f0: Spectrum, f90: Spectrum) -> Spectrum {
-        let mix = |column: &[f32; ROWS + 1]| column[self.row] + (column[self.row + 1] - column[self.row]) * self.weight;
-        let (white, grazing) = (mix(&self.table.mean_white), mix(&self.table.mean_schlick));
+        let [white, next_white, schlick, next_schlick, ..] = self.table.means[self.row];
+        let mix = |here: f32, next: f32| here + (next - here) * self.weight;
+        let (white, grazing) = (mix(white, next_white), mix(schlick, next_schlick));
         f0 * (white - grazing) + f90 * grazing
     }
 }
@@ -137,8 +176,8 @@ struct Table {
     cosine: Rows,
     /// Both at the corners of each cell, as kernels read them: left, right, and these in the next row.
     corners: Box<[[[f32; ROW]; CELLS]; ROWS]>,
-    mean_white: [f32; ROWS + 1],
-    mean_schlick: [f32; ROWS + 1],
+    /// Hemispherical means of E₁ in a row and the next, then those of E₁ S.
+    means: [[f32; ROW]; ROWS],
 }
 
 impl Table {
@@ -148,10 +187,10 @@ impl Table {
             white: empty,
             cosine: empty,
             corners: Box::new([[[0.0; ROW]; CELLS]; ROWS]),
-            mean_white: [0.0; ROWS + 1],
-            mean_schlick: [0.0; ROWS + 1],
+            means: [[0.0; ROW]; ROWS],
         };
         let rule = Rule::new(QUADRATURE);
+        let mut means = Vec::with_capacity(ROWS + 1);
         for row in 0..=ROWS {
             // Row 0 represents everything smoother than the least roughness.
             let alpha = (row as f64 / ROWS as f64).powi(2).max(f64::from(DIRAC_ALPHA));
@@ -168,7 +207,10 @@ impl Table {
                 // Lookup position of a mirror at any angle.
                 (table.white[row][CELLS], table.cosine[row][CELLS]) = (1.0, 1.0);
             }
-            (table.mean_white[row], table.mean_schlick[row]) = table.means(row, alpha as f32);
+            means.push(table.row_means(row, alpha as f32));
+        }
+        for (row, pair) in means.windows(2).enumerate() {
+            table.means[row][..4].copy_from_slice(&[pair[0][0], pair[1][0], pair[0][1], pair[1][1]]);
         }
         for (row, cells) in table.corners.iter_mut().enumerate() {
             for (i, corners) in cells.iter_mut().enumerate() {
@@ -181,7 +223,7 @@ impl Table {
     }
 
     /// Returns 2 ∫ E₁ μ dμ and 2 ∫ E₁ S μ dμ of [`Table::at`] in a row.
-    fn means(&self, row: usize, alpha: f32) -> (f32, f32) {
+    fn row_means(&self, row: usize, alpha: f32) -> [f32; 2] {
         let (mut white, mut grazing) = (0.0, 0.0);
         for i in 0..MEAN_POINTS {
             let cos = (i as f64 + 0.5) / MEAN_POINTS as f64;
@@ -189,7 +231,7 @@ impl Table {
             white += 2.0 * cos * here.white / MEAN_POINTS as f64;
             grazing += 2.0 * cos * here.white * here.schlick / MEAN_POINTS as f64;
         }
-        (white as f32, grazing as f32)
+        [white as f32, grazing as f32]
     }
 
     #[inline]

@@ -95,7 +95,7 @@ impl MetallicRoughness {
     }
 
     /// Returns the reflectance of the dielectric layer [glTF20 KHR_materials_specular].
-    fn layer(&self) -> Schlick {
+    pub(super) fn layer(&self) -> Schlick {
         let root = (self.ior - 1.0) / (self.ior + 1.0);
         let f0 = self.specular_color.map(|color| (root * root * color).min(1.0) * self.specular);
         Schlick { f0, f90: Spectrum::splat(self.specular) }

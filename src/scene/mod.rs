@@ -23,6 +23,7 @@ mod view;
 pub use build::BuildOptions;
 pub use edge::{Edge, EdgeEnd, EdgeThroughput, Passage};
 pub use info::SceneInfo;
+pub use material::TexturedSurface;
 pub use rebase::Rebase;
 
 use crate::accel::{Accel, Backend};

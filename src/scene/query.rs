@@ -2,7 +2,7 @@
 
 use super::description::AlphaMode;
 use super::material::{Coordinates, Material};
-use super::{ObjectInfo, Scene};
+use super::{ObjectInfo, Scene, TexturedSurface};
 use crate::accel::{Coherence, Intersector};
 use crate::bsdf::Surface;
 use crate::geometry::{AnyHit, Bodies, Frame, Hit, Hits, Opaque, Ray, Rays, SurfacePoint};
@@ -120,8 +120,8 @@ impl Scene {
     pub(super) fn whole_surface(&self, point: &mut SurfacePoint, outside: f32) -> Surface {
         let (object, material) = self.material_of(point.hit);
         let at = self.coordinates(object, point.hit, point.barycentric);
-        if let Some(frame) = self.normal_map_frame(material, point, &at) {
-            point.frame = frame;
+        if let Some((texture, _)) = &material.source.normal_texture {
+            self.bend(point, texture.at(at.uvs[texture.uv_set]));
         }
         let whole = match material.constant() {
             Some([whole, _]) if !object.colors && is_vacuum(outside) => *whole,
@@ -133,11 +133,17 @@ impl Scene {
         whole
     }
 
-    /// Returns the frame around the normal of a normal map; `None` without a map or usable tangents.
-    fn normal_map_frame(&self, material: &Material, point: &SurfacePoint, at: &Coordinates) -> Option<Frame> {
-        let (texture, scale) = material.source.normal_texture.as_ref()?;
-        let [x, y, z, _] = texture.at(at.uvs[texture.uv_set]);
-        let ns = point.frame.n;
+    /// Perturbs the shading frame of `point` by `value` of the normal map of its surface.
+    pub fn bend(&self, point: &mut SurfacePoint, value: [f32; 4]) {
+        if let Some((texture, scale)) = &self.material_of(point.hit).1.source.normal_texture {
+            point.frame = self.mapped_frame(texture, *scale, point, value).unwrap_or(point.frame);
+        }
+    }
+
+    /// Returns the frame at `point` around the normal `value` of the normal map `texture` times `scale`; `None` without
+    /// usable tangents.
+    fn mapped_frame(&self, texture: &Texture, scale: f32, point: &SurfacePoint, value: [f32; 4]) -> Option<Frame> {
+        let ([x, y, z, _], ns) = (value, point.frame.n);
         let (tangent, handedness) =
             self.geometry.tangent(point.hit, point.barycentric).or_else(|| self.uv_tangent(point, texture))?;
         let s = (tangent - ns * ns.dot(tangent)).try_normalize()?;
@@ -192,6 +198,14 @@ impl Scene {
         let object = &self.objects[object];
         let [_, rest] = self.materials[object.material as usize].constant()?;
         object.plain.then_some(rest)
+    }
+
+    /// Returns the surface of object number `object` if textures alone make it vary, those of a [`TexturedSurface`].
+    pub fn textured_surface(&self, object: usize) -> Option<TexturedSurface<'_>> {
+        let object = &self.objects[object];
+        let source = &self.materials[object.material as usize].source;
+        let normal = source.normal_texture.as_ref().map(|(texture, _)| texture);
+        source.model.textured(normal).filter(|_| !object.colors)
     }
 
     /// Returns whether light may pass object number `object`.

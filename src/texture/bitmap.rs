@@ -3,6 +3,7 @@
 use super::Encoding;
 use super::block_extremes::{self, Stored};
 use crate::huge_vec::HugeVec;
+use etendue_lanes::prefetch;
 use glam::Vec4;
 use std::sync::{LazyLock, OnceLock};
 
@@ -137,6 +138,18 @@ impl Bitmap {
     ) -> [[Vec4; 2]; 2] {
         let at = |x: u32, y: u32| Vec4::from(texel(y as usize * self.width as usize + x as usize));
         [[at(left, top), at(right, top)], [at(left, bottom), at(right, bottom)]]
+    }
+
+    /// Asks for the memory that [`Bitmap::crossing`] will read.
+    #[inline]
+    pub fn prefetch(&self, columns: [u32; 2], rows: [u32; 2]) {
+        for (y, x) in rows.into_iter().flat_map(|y| columns.map(|x| (y, x))) {
+            let i = y as usize * self.width as usize + x as usize;
+            match &self.texels {
+                Texels::Rgba8(t) => prefetch(&t[i]),
+                Texels::Rgba16(t) => prefetch(&t[i]),
+            }
+        }
     }
 
     /// Returns the stored value of texel (x, y), 8 or 16 bits per channel.

@@ -60,44 +60,89 @@ pub struct Texture {
     pub transform: Affine2,
 }
 
+/// What a lookup reads: the texels where two columns and two rows cross, and how it mixes them.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Footprint {
+    columns: [u32; 2],
+    rows: [u32; 2],
+    /// Weights of the second column and the second row.
+    weights: Vec2,
+}
+
 impl Texture {
     /// Returns the linear value at texture coordinates `uv` of this texture's set; v = 0 is the first row.
     pub fn at(&self, uv: Vec2) -> [f32; 4] {
-        let [w, h] = self.image.size();
+        self.value(self.footprint(uv))
+    }
+
+    /// Returns the linear value of the texels of `footprint`.
+    #[inline]
+    pub fn value(&self, footprint: Footprint) -> [f32; 4] {
+        let Footprint { columns, rows, weights } = footprint;
+        let mix = |[a, b]: [Vec4; 2], t: f32| a + (b - a) * t;
+        let [above, below] = self.image.crossing(columns, rows, self.encoding);
+        mix([mix(above, weights.x), mix(below, weights.x)], weights.y).to_array()
+    }
+
+    /// Whether lookups at equal coordinates have equal footprints in both textures.
+    pub fn reads_like(&self, other: &Texture) -> bool {
+        let layout = |t: &Texture| (t.image.size(), t.wrap, t.filter, t.uv_set, t.transform);
+        layout(self) == layout(other)
+    }
+
+    /// Asks for the memory that [`Texture::value`] will read.
+    #[inline]
+    pub fn prefetch(&self, footprint: Footprint) {
+        self.image.prefetch(footprint.columns, footprint.rows);
+    }
+
+    /// Returns what a lookup at texture coordinates `uv` reads.
+    #[inline(always)] // else it is copied right after it was written
+    pub fn footprint(&self, uv: Vec2) -> Footprint {
+        let ([w, h], [across, down]) = (self.image.size(), self.wrap);
         let p = self.transform.transform_point2(uv) * Vec2::new(w as f32, h as f32);
-        let column = |x: f32| self.wrap[0].index(x as i64, w);
-        let row = |y: f32| self.wrap[1].index(y as i64, h);
         match self.filter {
-            TextureFilter::Nearest => self.image.texel(column(p.x.floor()), row(p.y.floor()), self.encoding),
+            TextureFilter::Nearest => {
+                let (column, row) = (across.index(p.x.floor() as i64, w), down.index(p.y.floor() as i64, h));
+                Footprint { columns: [column; 2], rows: [row; 2], weights: Vec2::ZERO }
+            }
             TextureFilter::Linear => {
                 let q = p - 0.5;
                 let base = q.floor();
-                let f = q - base;
-                let (columns, rows) = ([column(base.x), column(base.x + 1.0)], [row(base.y), row(base.y + 1.0)]);
-                let mix = |[a, b]: [Vec4; 2], t: f32| a + (b - a) * t;
-                let [above, below] = self.image.crossing(columns, rows, self.encoding);
-                mix([mix(above, f.x), mix(below, f.x)], f.y).to_array()
+                let (columns, rows) = (across.pair(base.x as i64, w), down.pair(base.y as i64, h));
+                Footprint { columns, rows, weights: q - base }
             }
         }
     }
 }
 
 impl Wrap {
+    /// Returns the texels of numbers `i` and `i` + 1 along a side of `size` texels.
     #[inline]
-    fn index(self, i: i64, size: u32) -> u32 {
-        let n = i64::from(size);
-        if (0..n).contains(&i) {
-            return i as u32;
+    fn pair(self, i: i64, size: u32) -> [u32; 2] {
+        if (0..i64::from(size) - 1).contains(&i) {
+            return [i as u32, i as u32 + 1];
         }
-        let wrapped = match self {
+        [self.index(i, size), self.index(i.saturating_add(1), size)]
+    }
+
+    fn wrapped(self, i: i64, n: i64) -> i64 {
+        match self {
+            Wrap::Repeat if n & (n - 1) == 0 => i & (n - 1),
             Wrap::Repeat => i.rem_euclid(n),
             Wrap::Clamp => i.clamp(0, n - 1),
             Wrap::Mirror => {
                 let j = i.rem_euclid(2 * n);
                 if j < n { j } else { 2 * n - 1 - j }
             }
-        };
-        wrapped as u32
+        }
+    }
+
+    #[inline]
+    fn index(self, i: i64, size: u32) -> u32 {
+        let n = i64::from(size);
+        let i = if (0..n).contains(&i) { i } else { self.wrapped(i, n) };
+        i as u32
     }
 }
 

@@ -92,8 +92,7 @@ impl<F: Float> LaneConductor<F> {
 
 impl<F: Float> LaneScatter<F> for LaneConductor<F> {
     #[inline(always)]
-    fn new(rows: impl Fn(usize) -> [F; ROW], _: &LanePoint<F>) -> Self {
-        let [r, g, b, r90, g90, b90, alpha, _] = rows(0);
+    fn new([[r, g, b, r90, g90, b90, alpha, _], ..]: [[F; ROW]; 3], _: &LanePoint<F>) -> Self {
         LaneConductor { f0: Spectrum([r, g, b]), f90: Spectrum([r90, g90, b90]), alpha }
     }
 

@@ -27,8 +27,7 @@ pub(super) fn cosine_pdf<F: Float>(w: Vec3<F>) -> F {
 
 impl<F: Float> LaneScatter<F> for LaneLambert<F> {
     #[inline(always)]
-    fn new(rows: impl Fn(usize) -> [F; ROW], _: &LanePoint<F>) -> Self {
-        let [r, g, b, ..] = rows(0);
+    fn new([[r, g, b, ..], ..]: [[F; ROW]; 3], _: &LanePoint<F>) -> Self {
         LaneLambert { albedo: Spectrum([r, g, b]) }
     }
 

@@ -41,12 +41,12 @@ impl<F: Float> LaneScatter<F> for LaneMetalDielectric<F> {
     const HAS_LOBES: bool = true;
 
     #[inline(always)]
-    fn new(rows: impl Fn(usize) -> [F; ROW], point: &LanePoint<F>) -> Self {
-        let [r, g, b, r90, g90, b90, alpha, row] = rows(0);
+    fn new([first, second, third]: [[F; ROW]; 3], point: &LanePoint<F>) -> Self {
+        let [r, g, b, r90, g90, b90, alpha, row] = first;
         let (f0, f90) = (Spectrum([r, g, b]), Spectrum([r90, g90, b90]));
-        let [r, g, b, r90, g90, b90, weight, _] = rows(1);
+        let [r, g, b, r90, g90, b90, weight, _] = second;
         let layer = [Spectrum([r, g, b]), Spectrum([r90, g90, b90])];
-        let [r, g, b, base_r, base_g, base_b, ..] = rows(2);
+        let [r, g, b, base_r, base_g, base_b, ..] = third;
         let (diffuse, base) = (Spectrum([r, g, b]), Spectrum([base_r, base_g, base_b]));
         let albedo = [row, weight, alpha];
         let moments = LaneMoments::new(albedo, point.known.z.abs());

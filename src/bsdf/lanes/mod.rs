@@ -7,12 +7,14 @@
 mod conductor;
 mod lambert;
 mod metal_dielectric;
+mod metallic_roughness;
 #[cfg(test)]
 mod tests;
 
 pub use conductor::LaneConductor;
 pub use lambert::LaneLambert;
 pub use metal_dielectric::LaneMetalDielectric;
+pub use metallic_roughness::LaneMetallicRoughness;
 
 use super::{Conductor, Fresnel, Lambert, Surface};
 use crate::geometry::lanes::tangents;
@@ -154,8 +156,8 @@ fn local<F: Float>(n: Vec3<F>, [s, t]: [Vec3<F>; 2], w: Vec3<F>) -> Vec3<F> {
 pub trait LaneScatter<F: Float>: Copy {
     /// Whether sampling needs a number that selects a lobe.
     const HAS_LOBES: bool = false;
-    /// Returns the surfaces at `point`; `rows` returns the columns of a row of their [`Parameters`].
-    fn new(rows: impl Fn(usize) -> [F; ROW], point: &LanePoint<F>) -> Self;
+    /// Returns the surfaces at `point`, of which `columns` are those of the rows of their [`Parameters`].
+    fn new(columns: [[F; ROW]; 3], point: &LanePoint<F>) -> Self;
     /// Returns value and density of the local direction `other`, on the side of the known one.
     fn eval_and_pdf(&self, known: Vec3<F>, other: Vec3<F>) -> (Spectrum<F>, F);
     /// Samples a local direction with u = [lobe, direction, direction].

@@ -6,7 +6,7 @@ use crate::geometry::{Frame, Hit, SurfacePoint};
 use crate::sampling::lanes::uniform_sphere;
 use crate::sampling::{Address, IndependentSampler, Sampler, Slot};
 use crate::transport::TransportMode;
-use etendue_lanes::{Array, Mask, Native};
+use etendue_lanes::{Array, MOST_LANES, Mask, Native};
 
 const EVENTS: usize = 4096;
 
@@ -77,7 +77,7 @@ fn compare<F: Float, M: LaneScatter<F>>(events: &Events, surface: &Surface) -> u
     for at in (0..EVENTS).step_by(F::LANES) {
         let normals = [0, 1].map(|k| vectors(at, |i| events.normals[i][k]));
         let point = LanePoint::<F>::new(normals, vectors(at, |i| events.known[i]));
-        let model = M::new(|k| F::rows(|_| &row.parameters[k]), &point);
+        let model = M::new([0, 1, 2].map(|k| F::rows(|_| &row.parameters[k])), &point);
         let scattering = model.scattering(&point, vectors(at, |i| events.others[i]));
         let numbers = [0, 1, 2].map(|k| F::from_fn(|lane| events.numbers[at + lane][k]));
         let sample = model.sampled(&point, numbers);
@@ -161,6 +161,74 @@ fn lanes_scatter_about_shading_normals_as_shading_does() {
     let bent = Events::new(0.1);
     family::<f32>(&bent, EVENTS / 5);
     family::<Native>(&bent, EVENTS / 5);
+}
+
+/// All models that textures make of one surface, among them both ends of each choice, by the lanes and one by one.
+fn chosen<F: Float>() {
+    let mut sampler = IndependentSampler::new(Address::new(5));
+    let ends = [0.0, 1.0, 0.004, 0.5];
+    for i in 0..EVENTS as u32 / 8 {
+        let mut number = |lane: usize, slot| {
+            let [pick, u] = sampler.u2(i * MOST_LANES as u32 + lane as u32, slot);
+            ends.get((pick * 8.0) as usize).copied().unwrap_or(u)
+        };
+        let values: Vec<[f32; ROW]> = (0..F::LANES)
+            .map(|lane| {
+                let black = lane % 5 == 4;
+                let [r, g, b, rough, metal] =
+                    [Slot::Film, Slot::Lens, Slot::Lobe, Slot::Direction, Slot::Event].map(|slot| number(lane, slot));
+                let tint = |x: f32| if black { 0.0 } else { x };
+                [tint(r), tint(g), tint(b), 1.0, 0.3, rough, metal, 1.0]
+            })
+            .collect();
+        let whole = MetallicRoughness {
+            base: Spectrum([0.9, 0.4, 1.0]),
+            metallic: 1.0,
+            roughness: 1.0,
+            specular: number(0, Slot::LightPick),
+            specular_color: Spectrum([1.0, number(0, Slot::LightPoint), 0.7]),
+            ior: 1.5,
+            outside: 1.0,
+            transmission: 0.0,
+            wall: Wall::Thin,
+            metal_f90: Spectrum::ONE,
+        };
+        let factors = whole.factors();
+        let lanes =
+            LaneMetallicRoughness::<F>::new([0, 1].map(|k| F::rows(|_| &factors[k])), F::rows(|lane| &values[lane]));
+        let mut rows = [Parameters::default(); MOST_LANES];
+        lanes.store(u32::MAX, &mut rows);
+        for (lane, [r, g, b, _, _, rough, metal, _]) in values.into_iter().enumerate() {
+            let base = whole.base * Spectrum([r, g, b]);
+            let surface = MetallicRoughness { base, metallic: metal, roughness: rough, ..whole }.surface();
+            let set = |mask: F::Mask| mask.bits() >> lane & 1 == 1;
+            let found = [
+                (lanes.lambert, LaneModel::Lambert),
+                (lanes.conductor, LaneModel::Conductor),
+                (lanes.metal_dielectric, LaneModel::MetalDielectric),
+            ];
+            let found = found.into_iter().filter(|(mask, _)| set(*mask)).map(|(_, model)| model);
+            let want = LaneSurface::new(&surface);
+            assert_eq!(found.collect::<Vec<_>>(), want.iter().map(|row| row.model).collect::<Vec<_>>(), "{surface:?}");
+            assert_eq!(set(lanes.mirror), want.is_none() && !matches!(surface, Surface::Black), "{surface:?}");
+            let Some(want) = want else { continue };
+            // What each model reads.
+            let read = match want.model {
+                LaneModel::Lambert => 3,
+                LaneModel::Conductor => 7,
+                LaneModel::MetalDielectric => 3 * ROW,
+            };
+            let bits = |rows: &Parameters| rows.as_flattened()[..read].iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&rows[lane]), bits(&want.parameters), "{surface:?}");
+        }
+    }
+}
+
+#[test]
+fn lanes_choose_the_models_of_textured_surfaces() {
+    chosen::<f32>();
+    chosen::<Native>();
+    chosen::<Array<4>>();
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod model;
 mod settle;
 
+pub use model::TexturedSurface;
 pub(super) use settle::settle;
 
 use super::description::{self, AlphaMode};

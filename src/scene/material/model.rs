@@ -8,6 +8,19 @@ use crate::scene::usage::Usage;
 use crate::spectrum::Spectrum;
 use crate::texture::{Extremes, Texture};
 
+/// An opaque metallic-roughness surface with textures of its colour, roughness and metalness, and a normal map.
+#[derive(Debug, Clone, Copy)]
+pub struct TexturedSurface<'a> {
+    /// Its parameters where the textures are white.
+    pub factors: MetallicRoughness,
+    /// Colour.
+    pub base_color: Option<&'a Texture>,
+    /// Roughness in green, metalness in blue.
+    pub metallic_roughness: Option<&'a Texture>,
+    /// Shading normals.
+    pub normal: Option<&'a Texture>,
+}
+
 /// Texture and vertex colour values at a point, 1 where the model has no such texture.
 pub(super) struct TextureValues {
     base: [f32; 4],
@@ -62,6 +75,19 @@ impl MaterialModel {
             ],
         };
         textures.into_iter().flatten()
+    }
+
+    /// Returns it with the normal map `normal`, if it is a [`TexturedSurface`].
+    pub(in crate::scene) fn textured<'a>(&'a self, normal: Option<&'a Texture>) -> Option<TexturedSurface<'a>> {
+        let MaterialModel::MetallicRoughness(m) = self else { return None };
+        let others = [&m.specular_texture, &m.specular_color_texture, &m.transmission_texture];
+        let is_plain = m.transmission <= 0.0 && m.metal_fresnel == MetalFresnel::Schlick;
+        (is_plain && others.iter().all(|texture| texture.is_none())).then(|| TexturedSurface {
+            factors: m.parameters(&TextureValues::ONE, 1.0),
+            base_color: m.base_color_texture.as_ref(),
+            metallic_roughness: m.metallic_roughness_texture.as_ref(),
+            normal,
+        })
     }
 
     /// Returns whether it has a glossy lobe.

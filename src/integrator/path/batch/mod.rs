@@ -8,17 +8,18 @@
 //!
 //! Not for scenes with surfaces on edges (blends, panes, nested bodies), contacts or absorption: see [`knows`].
 
+mod lane_sets;
 mod lights;
 mod objects;
 mod paths;
 mod points;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 mod vertices;
 
 use super::{Combined, PathTracer};
 use crate::accel::{Coherence, RayClass};
-use crate::bsdf::lanes::Parameters;
 use crate::camera::Camera;
 use crate::film::{Layout, Splats};
 use crate::geometry::{Hits, PADDING, RayState};
@@ -35,6 +36,7 @@ use paths::{Paths, Rare, Shadows};
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Mutex;
+use surfaces::VaryingSurfaces;
 
 /// Largest number of paths in a batch.
 const LARGEST: usize = 1024;
@@ -82,8 +84,7 @@ struct Batch {
     occluded: Vec<bool>,
     /// Light of each pixel.
     colors: Vec<Spectrum>,
-    /// Parameters of varying surfaces in a group of lanes.
-    varying: [Parameters; MOST_LANES],
+    varying: VaryingSurfaces,
     capacity: usize,
 }
 
@@ -96,7 +97,7 @@ impl Batch {
             hits: Hits::new(capacity),
             occluded: vec![false; capacity + PADDING],
             colors: vec![Spectrum::ZERO; capacity],
-            varying: [Parameters::default(); MOST_LANES],
+            varying: VaryingSurfaces::new(),
             capacity,
         }
     }

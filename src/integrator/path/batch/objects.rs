@@ -2,7 +2,8 @@
 
 use crate::bsdf::Surface;
 use crate::bsdf::lanes::{LaneModel, LaneSurface, Parameters};
-use crate::scene::Scene;
+use crate::scene::{Scene, TexturedSurface};
+use crate::texture::Texture;
 
 /// What happens at hits of an object, a bit each.
 pub(super) mod flags {
@@ -35,10 +36,33 @@ pub(super) struct Objects<'a> {
 /// An object.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ObjectRow<'a> {
-    /// Parameters of a constant surface.
+    /// Parameters of a constant surface, or factors of a textured one.
     pub(super) parameters: Parameters,
+    /// The surface, if it is textured and nothing else makes it vary.
+    pub(super) textured: Option<TexturedRow<'a>>,
     /// Coordinates of its triangles.
     pub(super) corners: &'a [[f32; 9]],
+}
+
+/// Textures of an object.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TexturedRow<'a> {
+    /// Those of colour, of roughness and metalness, and of the normal.
+    pub(super) textures: [Option<&'a Texture>; 3],
+    /// Whether each reads the same places of its image as the one before.
+    pub(super) follows: [bool; 3],
+}
+
+impl<'a> TexturedRow<'a> {
+    fn new(surface: &TexturedSurface<'a>) -> Self {
+        let textures = [surface.base_color, surface.metallic_roughness, surface.normal];
+        let (mut follows, mut before) = ([false; 3], None::<&Texture>);
+        for (follows, texture) in follows.iter_mut().zip(textures) {
+            *follows = texture.zip(before).is_some_and(|(texture, before)| texture.reads_like(before));
+            before = texture.or(before);
+        }
+        TexturedRow { textures, follows }
+    }
 }
 
 impl<'a> Objects<'a> {
@@ -70,13 +94,11 @@ fn row(scene: &Scene, object: usize) -> (u8, ObjectRow<'_>) {
         (None, _) if has_kernels => others | flags::VARYING,
         _ => flags::SINGLE,
     };
-    (
-        flags,
-        ObjectRow {
-            parameters: kernel.map_or(Parameters::default(), |row| row.parameters),
-            corners: mesh.corner_rows(),
-        },
-    )
+    let textured = scene.textured_surface(object).filter(|_| flags & flags::VARYING != 0);
+    let factors = textured.map(|surface| surface.factors.factors());
+    let parameters = kernel.map(|row| row.parameters).or(factors).unwrap_or_default();
+    let textured = textured.as_ref().map(TexturedRow::new);
+    (flags, ObjectRow { parameters, textured, corners: mesh.corner_rows() })
 }
 
 fn of_model(model: LaneModel) -> u8 {

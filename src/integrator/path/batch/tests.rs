@@ -5,15 +5,17 @@ use crate::camera::Camera;
 use crate::film::{Crop, Filter, Layout, PassFilm, Plane};
 use crate::integrator::camera_pass::CameraPass;
 use crate::integrator::path::{Combined, PathTracer};
-use crate::integrator::scenes::studio::{Ball, add_room, add_square, camera, matte, metal, point_light};
+use crate::integrator::scenes::studio::{Ball, add_room, add_square, camera, matte, metal, point_light, with_model};
 use crate::integrator::scenes::worlds::{self, World};
 use crate::integrator::{Integrator, IntegratorConfig, Method, PassReport};
 use crate::parallel::Cancel;
 use crate::sampling::SamplerKind;
-use crate::scene::description::{Description, Material};
+use crate::scene::description::{Description, Material, MetallicRoughnessMaterial};
 use crate::scene::{BuildOptions, Scene};
+use crate::texture::{Bitmap, Encoding, Texels, Texture, TextureFilter, Wrap};
 use etendue_lanes::{Array, Float, Native};
-use glam::{DVec3, Vec3};
+use glam::{Affine2, DVec3, Vec2, Vec3};
+use std::sync::Arc;
 
 const SIDE: u32 = 40;
 
@@ -70,6 +72,59 @@ fn mixed() -> Description {
     scene
 }
 
+/// A texture of 5 × 4 texels, each `of` its number, transformed by `scale` times the coordinates.
+fn texture(of: impl Fn(u8) -> [u8; 4], wrap: Wrap, filter: TextureFilter, scale: f32) -> Texture {
+    let texels: Vec<_> = (0..20).map(of).collect();
+    Texture {
+        image: Arc::new(Bitmap::new(5, 4, Texels::Rgba8(texels.into()))),
+        encoding: Encoding::Srgb,
+        wrap: [wrap; 2],
+        filter,
+        uv_set: 0,
+        transform: Affine2::from_scale_angle_translation(Vec2::splat(scale), 0.3, Vec2::new(-0.8, 0.4)),
+    }
+}
+
+/// Everything that textures of colour, roughness, metalness and normals make of a surface: all models, mirrors, and
+/// black; alone and together, at equal and at other places.
+fn textured() -> Description {
+    let mut scene = kernels_only();
+    let color = |i: u8| [40 + 11 * i, 255 - 7 * i, 30 * (i % 4), 255];
+    let ends = |i: u8| [7, [0, 90, 255][usize::from(i % 3)], [0, 255, 120, 0][usize::from(i / 5)], 9];
+    let lean = |i: u8| [128 + 9 * (i % 7), 110 + 6 * (i % 5), 245, 255];
+    let (repeat, linear) = (Wrap::Repeat, TextureFilter::Linear);
+    let tiles = |of: &dyn Fn(u8) -> [u8; 4], scale| Some(texture(of, repeat, linear, scale));
+    let of = |change: &dyn Fn(&mut MetallicRoughnessMaterial)| {
+        with_model(matte(1.0, 0.0), |m| {
+            (m.metallic, m.specular) = (1.0, 1.0);
+            change(m);
+        })
+    };
+    let both = of(&|m| {
+        m.base_color_texture = tiles(&color, 2.3);
+        m.metallic_roughness_texture = tiles(&ends, 2.3);
+    });
+    let bent = Material {
+        normal_texture: Some((texture(lean, repeat, linear, 0.7), 1.0)),
+        ..of(&|m| {
+            m.base_color_texture = Some(texture(color, Wrap::Mirror, TextureFilter::Nearest, 4.0));
+            m.metallic_roughness_texture = Some(texture(ends, Wrap::Clamp, linear, 0.9));
+        })
+    };
+    let only_bent = Material { normal_texture: Some((texture(lean, repeat, linear, 3.0), 1.0)), ..matte(0.6, 0.0) };
+    let matte = of(&|m| {
+        (m.metallic, m.specular) = (0.0, 0.0);
+        m.base_color_texture = tiles(&|i| if i % 3 == 0 { [0; 4] } else { color(i) }, 1.5);
+    });
+    for (at, material) in [both, bent, only_bent, matte].into_iter().enumerate() {
+        let center = Vec3::new(-0.6 + 0.4 * at as f32, -0.2, -0.1);
+        add_square(&mut scene, center, Vec3::X * 0.19, Vec3::Y * 0.5, material);
+        scene.meshes.last_mut().expect("just added").primitives[0].uvs[0] =
+            Some(vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
+    }
+    scene
+}
+
 fn built(name: &'static str, description: Description) -> World {
     let options = BuildOptions { threads: 1, ..BuildOptions::default() };
     World { name, scene: Scene::build(description, &options).expect("a valid scene"), alpha: 1.0 }
@@ -77,7 +132,7 @@ fn built(name: &'static str, description: Description) -> World {
 
 #[test]
 fn batches_have_the_bits_of_single_paths() {
-    let own = [built("kernels", kernels_only()), built("mixed", mixed())];
+    let own = [built("kernels", kernels_only()), built("mixed", mixed()), built("textured", textured())];
     let mut known = 0;
     for World { name, scene, .. } in own.into_iter().chain(worlds::all()).filter(|world| knows(&world.scene)) {
         known += 1;

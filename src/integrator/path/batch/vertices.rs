@@ -3,119 +3,21 @@
 //! Kernels work on groups of lanes. They leave to the code of single paths, lane by lane, what has no kernel: surfaces
 //! of other models, culled backs, and directions that rounding moves to the wrong side of a surface.
 
+use super::lane_sets::LaneSets;
 use super::lights::LightSamples;
-use super::objects::flags;
 use super::paths::{Paths, Rare, Shadows};
 use super::points::{Group, Points, in_lanes};
+use super::surfaces::{SurfaceFinder, VaryingSurfaces};
 use super::{Batch, BatchedPath};
-use crate::bsdf::Surface;
-use crate::bsdf::lanes::{
-    LaneConductor, LaneLambert, LaneMetalDielectric, LaneModel, LanePoint, LaneSample, LaneScatter, LaneSurface,
-    Parameters,
-};
+use crate::bsdf::lanes::{LaneConductor, LaneLambert, LaneMetalDielectric, LanePoint, LaneSample, LaneScatter};
 use crate::geometry::lanes::offset;
-use crate::geometry::{Bodies, Frame, Hit, Hits, SurfacePoint};
+use crate::geometry::{Hit, Hits, SurfacePoint};
 use crate::integrator::samples::PassNumbers;
 use crate::path::{LONGEST, ROULETTE_FROM, TraceStats, survival_probability};
 use crate::sampling::{Sampler, Slot, power};
 use crate::scene::Edge;
 use crate::spectrum::Spectrum;
-use etendue_lanes::{Float, Int, Long, MOST_LANES, Mask, Vec3, for_each_bit};
-
-/// Bytes of a `u64`.
-const BYTES: usize = 8;
-
-/// Lanes of a group by what happens there, as bits.
-#[derive(Default)]
-struct Lanes {
-    /// With a kernel for the hit point.
-    met: u32,
-    /// That emit, of these.
-    lit: u32,
-    /// That may be culled, of these.
-    may_be_culled: u32,
-    /// With shading normals.
-    bent: u32,
-    /// With a surface that is yet to be found.
-    varying: u32,
-    lambert: u32,
-    conductor: u32,
-    metal_dielectric: u32,
-    /// Without a kernel.
-    single: u32,
-}
-
-impl Lanes {
-    fn new<F: Float>(flags: &[u8], hits: &Hits, at: usize, hit: F::Mask) -> Self {
-        // Rays without a hit have the largest number, for which the table ends with no flags.
-        let last = flags.len() as u32 - 1;
-        let mut all = [0; MOST_LANES];
-        let objects = &hits.objects[at..at + F::LANES];
-        for (flags_of, &object) in all.iter_mut().zip(objects) {
-            *flags_of = flags[object.min(last) as usize];
-        }
-        let hit = hit.bits();
-        let lanes = F::LANES.next_multiple_of(BYTES);
-        let with = |flag: u8| bits_of(&all[..lanes], flag) & hit;
-        let single = with(flags::SINGLE);
-        Lanes {
-            met: hit & !single,
-            lit: with(flags::EMITS),
-            may_be_culled: with(flags::MAY_BE_CULLED),
-            bent: with(flags::HAS_NORMALS),
-            varying: with(flags::VARYING),
-            lambert: with(flags::LAMBERT),
-            conductor: with(flags::CONDUCTOR),
-            metal_dielectric: with(flags::METAL_DIELECTRIC),
-            single,
-        }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, model: LaneModel, bits: u32) {
-        match model {
-            LaneModel::Lambert => self.lambert |= bits,
-            LaneModel::Conductor => self.conductor |= bits,
-            LaneModel::MetalDielectric => self.metal_dielectric |= bits,
-        }
-    }
-
-    /// Those with a model.
-    #[inline(always)]
-    fn scattering(&self) -> u32 {
-        self.lambert | self.conductor | self.metal_dielectric
-    }
-
-    /// Removes lanes from all but the single ones.
-    #[inline(always)]
-    fn remove(&mut self, bits: u32) {
-        for lanes in [
-            &mut self.met,
-            &mut self.lit,
-            &mut self.bent,
-            &mut self.varying,
-            &mut self.lambert,
-            &mut self.conductor,
-            &mut self.metal_dielectric,
-        ] {
-            *lanes &= !bits;
-        }
-    }
-}
-
-/// Returns the lanes in which the bit `flag` is set, as bits.
-#[inline(always)]
-fn bits_of(flags: &[u8], flag: u8) -> u32 {
-    let mut bits = 0;
-    for (i, eight) in flags.chunks_exact(BYTES).enumerate() {
-        let eight = eight.iter().rev().fold(0, |all, &byte| all << 8 | u64::from(byte));
-        let set = eight >> flag.trailing_zeros() & 0x0101_0101_0101_0101;
-        // Eight copies, in which bit 8 i of copy 7 − i moves to bit 56 + i.
-        let gathered = set.wrapping_mul(0x0102_0408_1020_4080) >> 56;
-        bits |= (gathered as u32) << (BYTES * i);
-    }
-    bits
-}
+use etendue_lanes::{Float, Int, Long, Mask, Vec3, for_each_bit};
 
 impl<F: Float> BatchedPath<'_, F> {
     /// Takes the paths of `batch`, whose hits are found, to their next edges, and collects shadow rays. Adds emission
@@ -139,8 +41,7 @@ struct Stage<'s, 'a, F: Float> {
     shadows: &'s mut Shadows,
     hits: &'s Hits,
     colors: &'s mut [Spectrum],
-    /// Parameters of varying surfaces, by lane.
-    varying: &'s mut [Parameters; MOST_LANES],
+    varying: &'s mut VaryingSurfaces,
     /// Number of scattering events before this vertex.
     depth: u32,
     tally: &'s mut TraceStats,
@@ -153,7 +54,7 @@ impl<F: Float> Stage<'_, '_, F> {
         if (live & missed).any() {
             self.backgrounds(at, live & missed);
         }
-        let mut lanes = Lanes::new::<F>(&self.all.objects.flags, self.hits, at, live & !missed);
+        let mut lanes = LaneSets::new::<F>(&self.all.objects.flags, self.hits, at, live & !missed);
         if lanes.met != 0 {
             self.met(at, &mut lanes, numbers);
         }
@@ -163,7 +64,7 @@ impl<F: Float> Stage<'_, '_, F> {
     /// The lanes of a group with a kernel for the hit point. Lanes that kernels cannot finish are added to the single
     /// ones.
     #[inline(always)]
-    fn met(&mut self, at: usize, lanes: &mut Lanes, numbers: impl PassNumbers) {
+    fn met(&mut self, at: usize, lanes: &mut LaneSets, numbers: impl PassNumbers) {
         let group = Group {
             at,
             direction: Vec3::load(&self.paths.rays.direction, at),
@@ -178,15 +79,21 @@ impl<F: Float> Stage<'_, '_, F> {
         if self.depth >= self.all.tracer.max_depth {
             return;
         }
-        let n = if lanes.bent | lanes.varying == 0 { points.ng } else { self.resolve(at, &points, lanes) };
+        let n = if lanes.bent | lanes.varying == 0 { points.ng } else { self.finder(at).resolve(&points, lanes) };
         if lanes.scattering() != 0 {
             self.scatter(&group, &points, n, lanes, numbers);
         }
     }
 
+    /// Returns a finder of the varying surfaces of a group.
+    fn finder(&mut self, at: usize) -> SurfaceFinder<'_, '_> {
+        let Stage { all, paths, hits, varying, .. } = self;
+        SurfaceFinder { scene: all.tracer.scene, rows: &all.objects.rows, paths, hits, found: varying, at }
+    }
+
     /// Removes the lanes that cannot be finished by kernels or have no point.
     #[inline(always)]
-    fn except(&mut self, group: &Group<F>, points: &Points<F>, lanes: &mut Lanes) {
+    fn except(&mut self, group: &Group<F>, points: &Points<F>, lanes: &mut LaneSets) {
         let mut removed = lanes.met & !points.valid.bits();
         for_each_bit(removed, |lane| self.background(group.at + lane));
         if self.depth == 0 && lanes.may_be_culled != 0 {
@@ -199,48 +106,6 @@ impl<F: Float> Stage<'_, '_, F> {
         lanes.remove(removed);
     }
 
-    /// Finds the varying surfaces of a group, and returns its shading normals.
-    #[inline(never)]
-    fn resolve(&mut self, at: usize, points: &Points<F>, lanes: &mut Lanes) -> Vec3<F> {
-        let mut normals = [glam::Vec3::ZERO; MOST_LANES];
-        for (lane, ng) in normals.iter_mut().enumerate().take(F::LANES) {
-            *ng = points.ng.lane(lane).into();
-        }
-        let geometry = self.all.tracer.scene.geometry();
-        for_each_bit(lanes.bent | lanes.varying, |lane| {
-            let (hit, ng) = (self.hits.hit(at + lane), normals[lane]);
-            let barycentric = points.weights(lane);
-            if lanes.bent >> lane & 1 == 1 {
-                normals[lane] = SurfacePoint::shading_normal(geometry, hit, barycentric, ng);
-            }
-            if lanes.varying >> lane & 1 == 1 {
-                let (p, error) = (points.p.lane(lane).into(), points.error.lane(lane));
-                let frame = Frame::around(normals[lane]);
-                let (touching, consistent, t) = (false, true, 0.0);
-                let mut point = SurfacePoint { p, error, ng, frame, barycentric, hit, t, touching, consistent };
-                self.find(at, lane, &mut point, lanes);
-                normals[lane] = point.frame.n;
-            }
-        });
-        let column = |axis: usize| F::from_fn(|lane| normals[lane][axis]);
-        Vec3::new(column(0), column(1), column(2))
-    }
-
-    /// Finds the varying surface at `point` in `lane`, and sets the shading frame.
-    #[inline(always)]
-    fn find(&mut self, at: usize, lane: usize, point: &mut SurfacePoint, lanes: &mut Lanes) {
-        let bodies = self.paths.rare.get(at + lane).map_or(Bodies::NONE, |rare| rare.state.bodies);
-        let surface = self.all.tracer.scene.surface(point, bodies);
-        match LaneSurface::new(&surface) {
-            Some(LaneSurface { model, parameters }) => {
-                lanes.add(model, 1 << lane);
-                self.varying[lane] = parameters;
-            }
-            None if matches!(*surface, Surface::Black) => {}
-            None => lanes.single |= 1 << lane,
-        }
-    }
-
     /// Light sampling, and the next edge, in the lanes with a model.
     #[inline(always)]
     fn scatter(
@@ -248,7 +113,7 @@ impl<F: Float> Stage<'_, '_, F> {
         group: &Group<F>,
         points: &Points<F>,
         n: Vec3<F>,
-        lanes: &mut Lanes,
+        lanes: &mut LaneSets,
         numbers: impl PassNumbers,
     ) {
         let point = LanePoint::new([n, points.ng], -group.direction);
@@ -272,7 +137,7 @@ impl<F: Float> Stage<'_, '_, F> {
 
     /// Scattering by all models of a group.
     #[inline(always)]
-    fn outcome(&self, event: &Event<F>, lanes: &Lanes) -> Outcome<F> {
+    fn outcome(&self, event: &Event<F>, lanes: &LaneSets) -> Outcome<F> {
         let mut outcome = None;
         let mut add = |bits: u32, of: Outcome<F>| {
             let merged = outcome.map_or(of, |before: Outcome<F>| before.merged(F::Mask::from_bits(bits), of));
@@ -299,12 +164,17 @@ impl<F: Float> Stage<'_, '_, F> {
         let Event { group, point, light, u, varying } = *event;
         let parameters = in_lanes(lanes, |lane| {
             if varying >> lane & 1 == 1 {
-                &self.varying[lane]
+                &self.varying.parameters[lane]
             } else {
                 &self.all.objects.rows[self.hits.objects[group.at + lane] as usize].parameters
             }
         });
-        let model = M::new(|row| F::rows(|lane| &parameters[lane][row]), point);
+        let columns = [
+            F::rows(|lane| &parameters[lane][0]),
+            F::rows(|lane| &parameters[lane][1]),
+            F::rows(|lane| &parameters[lane][2]),
+        ];
+        let model = M::new(columns, point);
         let (scattering, sample) = (model.scattering(point, light.wi), model.sampled(point, u));
         let one = F::splat(1.0);
         let weight = F::select(light.dirac, one, power(light.density, scattering.pdf)) / light.density;
