@@ -169,8 +169,13 @@ mod tests {
             uv_set: 0,
             transform: Affine2::IDENTITY,
         };
-        for (u, want) in [(0.25, 0.0), (0.5, 0.5), (0.75, 1.0), (9.0, 1.0)] {
-            assert_eq!(texture.at(Vec2::new(u, 0.5))[0], want);
+        let repeated = Texture { wrap: [Wrap::Repeat; 2], ..texture.clone() };
+        let mirrored = Texture { wrap: [Wrap::Mirror; 2], ..texture.clone() };
+        let cases =
+            [(0.25, [0.0; 3]), (0.5, [0.5; 3]), (0.75, [1.0; 3]), (1.0, [1.0, 0.5, 1.0]), (-3.0, [0.0, 0.5, 1.0])];
+        for (u, want) in cases {
+            let found = [&texture, &repeated, &mirrored].map(|texture| texture.at(Vec2::new(u, 0.5))[0]);
+            assert_eq!(found, want, "at {u}");
         }
     }
 }
