@@ -22,6 +22,7 @@ conventions and what becomes of them here:
 """
 import json
 import math
+import random
 import struct
 import sys
 import zlib
@@ -205,6 +206,8 @@ CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "ajar-door": ((-1.3, -1.8, 1.35), math.atan2(-0.4, math.hypot(1.65, 3.8)), 60.0, math.atan2(1.65, 3.8)),
            "caustic-pool": ((0.0, -2.5, 1.9), math.radians(-46.0), 48.0),
            "mirror-caustic": ((0.0, -2.8, 1.15), math.radians(11.0), 32.0),
+           "many-lights": ((0.0, -11.0, 6.0), math.atan2(-6.0, 10.0), 50.0),
+           "street": ((0.6, -6.0, 1.7), math.radians(4.0), 62.0),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
 CAMERAS["door-2cm"] = CAMERAS["ajar-door"]
 # Point lights: position and radiant intensity.
@@ -391,9 +394,107 @@ def sphere_cap():
     return [("sphere", (positions, rest, None), "gray"), ("cap", (positions, cap, None), "lamp")], {"gray": gray, "lamp": lamp}
 
 
+def merged(meshes):
+    """One mesh of several without normals."""
+    points, triangles = [], []
+    for positions, faces, _ in meshes:
+        triangles += [tuple(len(points) + i for i in face) for face in faces]
+        points += positions
+    return points, triangles, None
+
+
+def on_sphere(numbers):
+    z, turn = numbers.uniform(-1, 1), numbers.uniform(0, 2 * math.pi)
+    r = math.sqrt(1 - z * z)
+    return (r * math.cos(turn), r * math.sin(turn), z)
+
+
+def many_lights():
+    """Ten thousand triangles of 4 cm that float over hills, in eight colours, each in a direction of its own."""
+    numbers = random.Random(5)
+
+    def height(x, y):
+        return 0.5 * math.sin(0.7 * x) * math.cos(0.6 * y) + 0.2 * math.sin(1.9 * x + 1) * math.sin(2.3 * y)
+
+    n = 120
+    axis = [24 * i / (n - 1) - 12 for i in range(n)]
+    corners = [(j * n + i, j * n + i + 1, j * n + i + n + 1, j * n + i + n) for j in range(n - 1) for i in range(n - 1)]
+    ground = [(x, y, height(x, y)) for y in axis for x in axis], [t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))], None
+    boxes = []
+    for _ in range(120):
+        x, y, w, h = (numbers.uniform(*span) for span in ((-9, 9), (-9, 9), (0.15, 0.5), (0.4, 1.8)))
+        z = height(x, y)
+        boxes.append(box((x - w, y - w, z - 0.4), (x + w, y + w, z + h), numbers.uniform(0.1, 1.5)))
+
+    def lamp():
+        x, y = numbers.uniform(-9.5, 9.5), numbers.uniform(-9.5, 9.5)
+        centre, a, b = (x, y, height(x, y) + numbers.uniform(0.15, 2.2)), on_sphere(numbers), on_sphere(numbers)
+        b = normalized(cross(a, b))
+        corners = ((1.0, 0.0), (-0.5, 0.866), (-0.5, -0.866))
+        return [tuple(c + 0.02 * (s * p + t * q) for c, p, q in zip(centre, a, b)) for s, t in corners], [(0, 1, 2)], None
+
+    colors = ((1, 0.5, 0.2, 60), (0.2, 0.6, 1, 30), (1, 1, 1, 100), (0.3, 1, 0.4, 15),
+              (1, 0.2, 0.3, 200), (1, 0.9, 0.5, 40), (0.6, 0.3, 1, 80), (0.5, 1, 1, 400))
+    lamps = [(f"lights{k}", merged([lamp() for _ in range(1250)]), f"lights{k}") for k in range(8)]
+    materials = {f"lights{k}": emitter(*(c * strength for c in rgb)) for k, (*rgb, strength) in enumerate(colors)}
+    return [("ground", ground, "ground"), ("boxes", merged(boxes), "box")] + lamps, \
+        {"ground": diffuse(0.5, 0.5, 0.5), "box": diffuse(0.6, 0.55, 0.5), **materials}
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def street():
+    """A wet street at night: lamps of 6 m on both sides, houses with lit windows, signs in colours."""
+    numbers = random.Random(11)
+    houses, windows, signs, posts, lamps = [], [[], [], []], [[], [], []], [], []
+    for side in (-1, 1):
+        y = -4.0
+        while y < 60:
+            width, depth, height = numbers.uniform(5, 9), numbers.uniform(4, 7), 3.2 * numbers.randint(2, 6)
+            x = side * numbers.uniform(5.2, 5.6)
+            front, back = sorted((x, x + side * depth))
+            houses.append(box((front, y, 0), (back, y + width, height)))
+            columns = int((width - 0.8) / 1.5)
+            for floor in range(1, int(height / 3.2)):
+                for column in range(columns):
+                    if numbers.random() < 0.45:
+                        left, low = y + 0.8 + 1.5 * column, 3.2 * floor + 0.9
+                        numbers.choice(windows).append(facing(side, x - side * 0.02, (left, low), (left + 0.9, low + 1.5)))
+            for _ in range(numbers.randint(0, 2)):
+                left, low = y + numbers.uniform(0.5, width - 2.5), numbers.uniform(2.6, 3.1)
+                numbers.choice(signs).append(facing(side, x - side * 0.06, (left, low), (left + numbers.uniform(0.6, 2.0), low + 0.35)))
+            y += width + numbers.choice((0.0, 0.0, 1.2))
+        for y in range(0, 60, 8):
+            x = side * 3.8
+            posts.append(box((x - 0.05, y - 0.05, 0), (x + 0.05, y + 0.05, 6.0)))
+            arm = x - side * 0.9
+            low, high = sorted((x, arm - side * 0.25))
+            posts.append(box((low, y - 0.06, 6.0), (high, y + 0.06, 6.08)))
+            lamps.append(quad((arm - 0.2, y - 0.1, 5.99), (arm - 0.2, y + 0.1, 5.99), (arm + 0.2, y + 0.1, 5.99), (arm + 0.2, y - 0.1, 5.99)))
+    ground = [("road", quad((-3.4, -12, 0), (3.4, -12, 0), (3.4, 70, 0), (-3.4, 70, 0)), "wet"),
+              ("pavement", merged([box((s * 4.5 - 1.1, -12, -0.1), (s * 4.5 + 1.1, 70, 0.12)) for s in (-1, 1)]), "stone")]
+    glows = {"warm": (9, 6, 3), "white": (7, 7, 6.5), "cold": (3, 4.5, 6), "red": (30, 3, 2), "green": (2, 24, 9), "blue": (3, 8, 36)}
+    lit = [(name, merged(quads), name) for name, quads in zip(glows, windows + signs)]
+    wet = {"pbrMetallicRoughness": surface((0.04, 0.04, 0.045), 0.0, 0.22)}
+    return ground + [("houses", merged(houses), "plaster"), ("posts", merged(posts), "iron"), ("lamps", merged(lamps), "lamp")] + lit, {
+        "wet": wet, "stone": {"pbrMetallicRoughness": surface((0.25, 0.25, 0.25), 0.0, 0.5)}, "plaster": diffuse(0.45, 0.4, 0.36),
+        "iron": {"pbrMetallicRoughness": surface((0.5, 0.5, 0.5), 1.0, 0.4)}, "lamp": emitter(420, 330, 190),
+        **{name: emitter(*color) for name, color in glows.items()}}
+
+
+def facing(side, x, low, high):
+    """A rectangle in the plane of `x` that faces the middle of the street."""
+    (a, b), (c, d) = low, high
+    corners = ((x, a, b), (x, c, b), (x, c, d), (x, a, d))
+    return quad(*(corners if side < 0 else corners[::-1]))
+
+
 SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door,
           "door-2cm": door_2cm, "caustic-pool": caustic_pool, "mirror-caustic": mirror_caustic,
-          "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
+          "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "many-lights": many_lights, "street": street,
+          "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
 

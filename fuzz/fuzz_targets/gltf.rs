@@ -3,7 +3,7 @@
 
 #![no_main]
 
-use etendue::accel::{Backend, Build};
+use etendue::accel::Backend;
 use etendue::io::scene_file::ReadOptions;
 use etendue::light::EmitterPoint;
 use etendue::scene::{BuildOptions, Edge, EdgeEnd, Scene};
@@ -12,7 +12,7 @@ use libfuzzer_sys::{fuzz_crossover, fuzz_mutator, fuzz_target, fuzzer_mutate};
 use std::path::Path;
 
 fuzz_target!(|bytes: &[u8]| {
-    let options = BuildOptions { backend: Backend::Obvhs, build: Build::Robust, threads: 1 };
+    let options = BuildOptions { backend: Backend::Obvhs, threads: 1, ..BuildOptions::default() };
     // As much as libFuzzer leaves.
     let load = |seconds| {
         let reading = ReadOptions { seconds, memory: 1 << 28, ..ReadOptions::default() };

@@ -1,6 +1,6 @@
 //! Emitting triangles with constant or textured radiance.
 
-use super::{EmitterPoint, LeRandom, LeSample, LightSample};
+use super::{Cone, EmitterPoint, LeRandom, LeSample, LightSample, Reach};
 use crate::geometry::lanes::{point_at, rounding_at};
 use crate::geometry::{Bounds, Frame, Hit, Local, Triangle, leave};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
@@ -8,7 +8,7 @@ use crate::spectrum::Spectrum;
 use crate::texture::Texture;
 use etendue_lanes::{self as lanes, Float, ROW};
 use glam::{Vec2, Vec3};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// Emission of a triangle.
@@ -89,6 +89,33 @@ impl Emission {
         dark || self.coverage.as_ref().is_some_and(|c| c.is_nothing())
     }
 
+    /// Returns the mean radiance over the triangle, from points as dense as its texels as far as these are not too many.
+    /// It is positive if it is not black.
+    fn mean(&self) -> Spectrum {
+        if self.texture.is_none() && self.corners.is_none() && self.coverage.is_none() {
+            return self.radiance;
+        }
+        let points = centroids(self.divisions());
+        let value = |&b: &[f32; 2]| self.at(b) * self.coverage.as_ref().map_or(1.0, |c| c.at(b));
+        let sum = points.iter().map(value).fold(Spectrum::ZERO, |sum, value| sum + value);
+        let (mean, count) = (sum / points.len() as f32, points.len() as f32);
+        let missed = mean.is_black() && !self.is_black();
+        if missed { self.radiance * (1.0 + count).recip() } else { mean }
+    }
+
+    /// Returns the number of parts of a side of the triangle that are about as long as two texels.
+    fn divisions(&self) -> u32 {
+        let span = |textured: Option<&(Arc<Texture>, [Vec2; 3])>| {
+            let Some((texture, uvs)) = textured else { return 0.0 };
+            let size = Vec2::from(texture.image.size().map(|side| side as f32));
+            let [a, b, c] = uvs.map(|uv| texture.transform.transform_point2(uv) * size);
+            (a.max(b).max(c) - a.min(b).min(c)).max_element()
+        };
+        let coverage = self.coverage.as_ref().and_then(|c| c.texture.as_ref());
+        let texels = span(self.texture.as_deref()).max(span(coverage));
+        ((0.5 * texels).ceil() as u32).clamp(LEAST_DIVISIONS, MOST_DIVISIONS)
+    }
+
     /// Returns the radiance at a point.
     #[inline]
     fn at(&self, barycentric: [f32; 2]) -> Spectrum {
@@ -101,6 +128,20 @@ impl Emission {
         let [red, green, blue, _] = texture.at(mix(uvs, barycentric));
         radiance * Spectrum::from_rgb([red, green, blue])
     }
+}
+
+/// Parts of a side of a triangle over which emission varies, for its mean.
+const LEAST_DIVISIONS: u32 = 2;
+const MOST_DIVISIONS: u32 = 16;
+
+/// Returns the centroids of the n² equal parts of a triangle with n of them along a side, by barycentric weights.
+fn centroids(n: u32) -> Vec<[f32; 2]> {
+    let at = |i: u32, j: u32, third: f32| [i, j].map(|k| (k as f32 + third / 3.0) / n as f32);
+    let column = |i: u32| {
+        let upright = (0..n - i).map(move |j| at(i, j, 1.0));
+        upright.chain((0..n - i - 1).map(move |j| at(i, j, 2.0)))
+    };
+    (0..n).flat_map(column).collect()
 }
 
 /// An emitting triangle, sampled uniformly over its area. It emits from the front (counter-clockwise winding), and also
@@ -116,18 +157,17 @@ pub struct AreaLight {
 }
 
 impl AreaLight {
-    /// Creates the light on `triangle`, whose front is the side of its winding times `winding` (±1). `mean_texture` is
-    /// the mean colour of the texture, white without one.
-    pub fn new(triangle: Triangle, winding: f64, emission: Emission, mean_texture: Spectrum) -> Self {
-        Self::touched(triangle, Hit::NONE, winding, emission, mean_texture)
+    /// Creates the light on `triangle`, whose front is the side of its winding times `winding` (±1).
+    pub fn new(triangle: Triangle, winding: f64, emission: Emission) -> Self {
+        Self::touched(triangle, Hit::NONE, winding, emission)
     }
 
     /// Like [`AreaLight::new`], on the primitive `touched`, which is in contact with another one.
-    pub fn touched(triangle: Triangle, touched: Hit, winding: f64, emission: Emission, mean_texture: Spectrum) -> Self {
+    pub fn touched(triangle: Triangle, touched: Hit, winding: f64, emission: Emission) -> Self {
         let normal = triangle.scaled_normal() * winding;
         let area = triangle.area() as f32;
         let density = if area.recip().is_finite() { Pdf::new(area.recip()) } else { Pdf::new(0.0) };
-        let mean_radiance = emission.radiance * mean_texture;
+        let mean_radiance = emission.mean();
         AreaLight { triangle, touched, ng: normal.normalize_or_zero().as_vec3(), density, emission, mean_radiance }
     }
 
@@ -231,6 +271,18 @@ impl AreaLight {
         self.emission.only_seen
     }
 
+    /// Returns where it shines, for the light tree; `None` if it does not illuminate.
+    pub(super) fn reach(&self) -> Option<Reach> {
+        let sides = if self.emission.two_sided { 2.0 } else { 1.0 };
+        (self.power() > 0.0).then(|| Reach {
+            bounds: Bounds::around(self.triangle.vertices),
+            normals: Cone { axis: self.ng.as_dvec3(), angle: 0.0 },
+            spread: FRAC_PI_2,
+            two_sided: self.emission.two_sided,
+            intensity: self.power() / (sides * PI),
+        })
+    }
+
     /// Returns π × area × mean radiance × number of emitting sides. 0 for an emitter that does not illuminate, so that
     /// it is never sampled.
     pub fn power(&self) -> f64 {
@@ -288,4 +340,46 @@ fn toward<F: Float>(q: lanes::Vec3<F>, p: lanes::Vec3<F>) -> (lanes::Vec3<F>, F)
     let d2 = to.length_squared();
     let distance = d2.sqrt();
     (to.map(|x| x / distance), d2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texture::{Bitmap, Encoding, Texels, TextureFilter, Wrap};
+    use glam::Affine2;
+
+    /// A light whose texture of 64² texels is `texel`, over a triangle that covers half of it.
+    fn textured(texel: impl Fn(u32, u32) -> u8) -> AreaLight {
+        let texels: Vec<_> = (0..64 * 64).map(|i| [texel(i % 64, i / 64); 4]).collect();
+        let texture = Texture {
+            image: Arc::new(Bitmap::new(64, 64, Texels::Rgba8(texels.into()))),
+            encoding: Encoding::Linear,
+            wrap: [Wrap::Clamp; 2],
+            filter: TextureFilter::Linear,
+            uv_set: 0,
+            transform: Affine2::IDENTITY,
+        };
+        let triangle = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y);
+        let texture = Some(Box::new((Arc::new(texture), [Vec2::ZERO, Vec2::X, Vec2::Y])));
+        AreaLight::new(triangle, 1.0, Emission { radiance: Spectrum::ONE, texture, ..Emission::NONE })
+    }
+
+    #[test]
+    fn the_power_of_a_textured_light_is_that_of_its_part_of_the_texture() {
+        let white = textured(|_, _| 255).power();
+        assert!((white / (0.5 * PI) - 1.0).abs() < 1e-6, "{white}");
+        assert!(textured(|x, y| if x + y < 60 { 0 } else { 255 }).power() < 0.2 * white);
+        assert!(textured(|x, y| if x + y < 70 { 255 } else { 0 }).power() > 0.99 * white);
+        // Texels of the box around it shine, so that it counts as lit, but weakly.
+        assert!(textured(|x, y| if x + y < 70 { 0 } else { 255 }).power() < 0.01 * white);
+        assert_eq!(textured(|_, _| 0).power(), 0.0);
+    }
+
+    /// It may shine between the points at which it is looked at.
+    #[test]
+    fn a_single_bright_texel_is_power() {
+        for at in [[3, 3], [10, 31], [1, 20], [32, 7]] {
+            assert!(textured(|x, y| if [x, y] == at { 255 } else { 0 }).power() > 0.0, "{at:?}");
+        }
+    }
 }

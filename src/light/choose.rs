@@ -1,19 +1,49 @@
-//! Selection of lights: by power, with a uniform floor.
+//! Selection of lights: by what they contribute to a receiver, or by power with a uniform floor.
 
+use super::by_receiver::ByReceiver;
 use super::{EmitterPoint, Environment, Light, LightSampleContext};
-use crate::sampling::{Discrete, Distribution, Pdf};
-use etendue_lanes::Float;
+use crate::sampling::{Discrete, Distribution, Pdf, mix64};
+use etendue_lanes::{Float, Int, MOST_LANES, Mask, for_each_bit};
 use glam::Vec3;
 
 /// Uniform share of the selection among lights with nonzero power. It keeps a nearby weak lamp sampled beside a strong
 /// one, and above rounding in the table.
 const FLOOR: f64 = 0.05;
 
+/// How a light is selected for a receiver.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    serde::Serialize,
+    serde::Deserialize,
+    strum::VariantArray,
+    strum::IntoStaticStr,
+    strum::EnumMessage,
+)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum LightChoice {
+    /// By the light tree if there are more than a few lights, else by power.
+    #[default]
+    Auto,
+    /// By the light tree: distance, orientation and power.
+    Tree,
+    /// By power.
+    Power,
+    /// Equally often.
+    Uniform,
+}
+
 /// All lights of a scene, with their selection probabilities.
 #[derive(Debug, Default)]
 pub struct Lights {
     lights: Vec<Light>,
     by_power: Option<Distribution>,
+    by_receiver: Option<ByReceiver>,
     environment: Option<usize>,
 }
 
@@ -29,15 +59,26 @@ pub struct ChosenLight {
 }
 
 impl Lights {
-    /// Creates the distribution over `lights` of a scene with bounding radius `radius`. Lights without power are never
+    /// Creates the distributions over `lights` of a scene with bounding radius `radius`. Lights without power are never
     /// chosen.
-    pub fn new(lights: Vec<Light>, radius: f32) -> Self {
+    pub fn new(lights: Vec<Light>, radius: f32, choice: LightChoice) -> Self {
         let powers: Vec<f64> = lights.iter().map(|l| l.power(radius)).collect();
         let shining = powers.iter().filter(|&&p| p > 0.0).count();
         let floor = FLOOR * powers.iter().sum::<f64>() / shining.max(1) as f64;
-        let by_power = Distribution::new(powers.iter().map(|&p| if p > 0.0 { p + floor } else { 0.0 }));
+        let weight = |&p: &f64| match choice {
+            _ if p <= 0.0 => 0.0,
+            LightChoice::Uniform => 1.0,
+            LightChoice::Auto | LightChoice::Tree | LightChoice::Power => p + floor,
+        };
+        let by_power = Distribution::new(powers.iter().map(weight));
+        let is_short = by_power.as_ref().is_none_or(Distribution::is_short);
+        let by_receiver = match choice {
+            LightChoice::Tree => ByReceiver::new(&lights),
+            LightChoice::Auto if !is_short => ByReceiver::new(&lights),
+            LightChoice::Auto | LightChoice::Power | LightChoice::Uniform => None,
+        };
         let environment = lights.iter().position(|l| matches!(l, Light::Environment(_)));
-        Lights { lights, by_power, environment }
+        Lights { lights, by_power, by_receiver, environment }
     }
 
     /// Returns all lights in their original order.
@@ -62,14 +103,26 @@ impl Lights {
     /// [`Slot::LightPoint`]: crate::sampling::Slot::LightPoint
     /// [`Slot::LightPick`]: crate::sampling::Slot::LightPick
     #[inline]
-    pub fn choose(&self, _at: &LightSampleContext, point: [f32; 2], pick: impl FnOnce() -> f32) -> Option<ChosenLight> {
-        let (index, pmf, u) = self.choose_lanes::<f32>(point, pick)?;
-        Some(ChosenLight { index: index as usize, pmf: Pdf::new(pmf), u })
+    pub fn choose(&self, at: &LightSampleContext, point: [f32; 2], pick: impl FnOnce() -> f32) -> Option<ChosenLight> {
+        let at = [at.p, at.ng].map(etendue_lanes::Vec3::from);
+        let (index, pmf, u) = self.choose_lanes::<f32>(at, true, point, pick)?;
+        (pmf > 0.0).then_some(ChosenLight { index: index as usize, pmf: Pdf::new(pmf), u })
     }
 
-    /// Does [`Lights::choose`] in every lane. Returns indices, probabilities, and numbers for points.
+    /// Does [`Lights::choose`] in the `wanted` lanes, for receivers with the positions and normals `at`. Returns indices,
+    /// probabilities, which are 0 where there is no light, and numbers for points.
     #[inline(always)]
-    pub fn choose_lanes<F: Float>(&self, [u, v]: [F; 2], pick: impl FnOnce() -> F) -> Option<(F::Int, F, [F; 2])> {
+    pub fn choose_lanes<F: Float>(
+        &self,
+        at: [etendue_lanes::Vec3<F>; 2],
+        wanted: F::Mask,
+        [u, v]: [F; 2],
+        pick: impl FnOnce() -> F,
+    ) -> Option<(F::Int, F, [F; 2])> {
+        if let Some(by_receiver) = &self.by_receiver {
+            let (index, pmf) = each_chosen(by_receiver, at, wanted, [pick(), u, v]);
+            return Some((index, pmf, [u, v]));
+        }
         let by_power = self.by_power.as_ref()?;
         if by_power.is_short() {
             let (index, pmf, u) = by_power.sample_lanes(u);
@@ -101,15 +154,56 @@ impl Lights {
 
     /// Returns the probability that [`Lights::choose`] selects light `i` for the receiver `at`.
     #[inline]
-    pub fn pmf(&self, _at: &LightSampleContext, i: usize) -> Pdf<Discrete> {
-        self.by_power.as_ref().map_or(Pdf::new(0.0), |d| d.pmf(i))
+    pub fn pmf(&self, at: &LightSampleContext, i: usize) -> Pdf<Discrete> {
+        match &self.by_receiver {
+            Some(by_receiver) => Pdf::new(by_receiver.pmf(at, i) as f32),
+            None => self.emitter_pmf(i),
+        }
     }
 
-    /// Does [`Lights::pmf`] in every lane.
+    /// Does [`Lights::pmf`] in the `wanted` lanes, for receivers with the positions and normals `at`.
     #[inline(always)]
-    pub fn pmf_lanes<F: Float>(&self, i: usize) -> F {
-        F::splat(self.emitter_pmf(i).value())
+    pub fn pmf_lanes<F: Float>(&self, at: [etendue_lanes::Vec3<F>; 2], wanted: F::Mask, i: usize) -> F {
+        let Some(by_receiver) = &self.by_receiver else { return F::splat(self.emitter_pmf(i).value()) };
+        let mut pmf = [0.0; MOST_LANES];
+        for_each_bit(wanted.bits(), |lane| pmf[lane] = by_receiver.pmf(&receiver(at, lane), i) as f32);
+        F::load(&pmf, 0)
     }
+
+    /// Returns the memory of the light tree in bytes, 0 without one.
+    pub fn tree_bytes(&self) -> usize {
+        self.by_receiver.as_ref().map_or(0, ByReceiver::bytes)
+    }
+}
+
+/// Selects a light for each of the `wanted` receivers by the numbers of the selection and of the point.
+#[inline(never)]
+fn each_chosen<F: Float>(
+    by_receiver: &ByReceiver,
+    at: [etendue_lanes::Vec3<F>; 2],
+    wanted: F::Mask,
+    numbers: [F; 3],
+) -> (F::Int, F) {
+    let (mut indices, mut pmf) = ([0; MOST_LANES], [0.0; MOST_LANES]);
+    let (mut receivers, mut u) = ([LightSampleContext::NOWHERE; MOST_LANES], [0.0; MOST_LANES]);
+    for_each_bit(wanted.bits(), |lane| {
+        receivers[lane] = receiver(at, lane);
+        u[lane] = finer(numbers.map(|number| number.lane(lane)));
+    });
+    let found = |lane: usize, light, probability| (indices[lane], pmf[lane]) = (light, probability as f32);
+    by_receiver.sample_all(wanted.bits(), &receivers, &u, found);
+    (F::Int::load(&indices, 0), F::load(&pmf, 0))
+}
+
+fn receiver<F: Float>([p, ng]: [etendue_lanes::Vec3<F>; 2], lane: usize) -> LightSampleContext {
+    LightSampleContext { p: p.lane(lane).into(), ng: ng.lane(lane).into() }
+}
+
+/// Returns `u`, of 24 bits, with more bits, which are a hash of the numbers `v` and `w`: a tree of a million lights needs
+/// more than 24.
+fn finer([u, v, w]: [f32; 3]) -> f64 {
+    let rest = mix64(u64::from(v.to_bits()) << 32 | u64::from(w.to_bits()));
+    f64::from(u) + (rest >> 40) as f64 * (2.0f64).powi(-48)
 }
 
 #[cfg(test)]
@@ -121,7 +215,7 @@ mod tests {
 
     fn lamps(intensities: &[f32]) -> Lights {
         let lamp = |&i: &f32| Light::Point(PointLight { position: Vec3::ZERO, intensity: Spectrum::splat(i) });
-        Lights::new(intensities.iter().map(lamp).collect(), 1.0)
+        Lights::new(intensities.iter().map(lamp).collect(), 1.0, LightChoice::Auto)
     }
 
     #[test]

@@ -4,26 +4,30 @@
 //! density of a given direction. [`Lights`] selects the light.
 
 mod area;
+mod by_receiver;
 mod choose;
 mod emit;
 mod environment;
 mod lat_long;
 mod punctual;
 mod sky;
+mod tree;
 
 pub use area::{AreaLight, AreaLightRow, AreaLightSamples, Coverage, Emission};
-pub use choose::{ChosenLight, Lights};
+pub use choose::{ChosenLight, LightChoice, Lights};
 pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
 pub use environment::Environment;
 pub use lat_long::EnvironmentMap;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 pub use sky::ConstantEnvironment;
+pub use tree::{Cone, LightTree, Reach};
 
 use crate::geometry::{Bounds, Hit, SurfacePoint};
 use crate::sampling::Density;
 use crate::spectrum::Spectrum;
 use etendue_lanes::Float;
 use glam::Vec3;
+use std::f64::consts::PI;
 
 /// Receiver of light, with the data on which the selection of a light may depend.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +36,11 @@ pub struct LightSampleContext {
     pub p: Vec3,
     /// Geometric normal; zero in a medium.
     pub ng: Vec3,
+}
+
+impl LightSampleContext {
+    /// The origin, in a medium.
+    const NOWHERE: LightSampleContext = LightSampleContext { p: Vec3::ZERO, ng: Vec3::ZERO };
 }
 
 impl From<&SurfacePoint> for LightSampleContext {
@@ -138,6 +147,27 @@ impl Light {
             Light::Spot(light) => Some(Bounds::around([light.position()])),
             Light::Area(light) => Some(light.bounds()),
             Light::Directional(_) | Light::Environment(_) => None,
+        }
+    }
+
+    /// Returns where it shines, for the light tree; `None` at infinity and for a light that does not illuminate.
+    fn reach(&self) -> Option<Reach> {
+        match self {
+            Light::Point(light) => light.reach(),
+            Light::Spot(light) => light.reach(),
+            Light::Area(light) => light.reach(),
+            Light::Directional(_) | Light::Environment(_) => None,
+        }
+    }
+
+    /// Returns the irradiance (mean over lanes) of light from infinity on a surface that faces it; `None` for lights with
+    /// a place.
+    fn distant_irradiance(&self) -> Option<f64> {
+        match self {
+            Light::Directional(light) => Some(light.power(1.0) / PI),
+            // That of a uniform one of equal power.
+            Light::Environment(light) => Some(light.power(1.0) / (4.0 * PI)),
+            Light::Point(_) | Light::Spot(_) | Light::Area(_) => None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! Punctual lights: point, spot, directional (KHR_lights_punctual). Only light sampling reaches them.
 
-use super::{BoundingSphere, EmitterPoint, LeSample, LightSample};
-use crate::geometry::{Frame, Local, Ray};
+use super::{BoundingSphere, Cone, EmitterPoint, LeSample, LightSample, Reach};
+use crate::geometry::{Bounds, Frame, Local, Ray};
 use crate::sampling::{Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -38,6 +38,13 @@ impl PointLight {
     fn emit_along(&self, direction: Vec3, pdf: Pdf<SolidAngle>) -> LeSample {
         let ray = Ray::new(self.position, direction);
         LeSample { end: EmitterPoint::Point(self.position), ray, power: self.intensity / pdf.value() }
+    }
+
+    /// Returns where it shines, for the light tree.
+    pub(super) fn reach(&self) -> Option<Reach> {
+        let intensity = f64::from(self.intensity.mean());
+        let bounds = Bounds::around([self.position]);
+        (intensity > 0.0).then_some(Reach { bounds, normals: Cone::ALL, spread: PI, two_sided: false, intensity })
     }
 
     /// Returns 4π times the mean intensity.
@@ -101,6 +108,14 @@ impl SpotLight {
     /// Returns the density per solid angle of [`SpotLight::sample_le`].
     pub(super) fn emission_pdf(&self, w: Vec3) -> f64 {
         if w.dot(self.axis) >= self.cos_outer { f64::from(warp::cap_pdf(1.0 - self.cos_outer).value()) } else { 0.0 }
+    }
+
+    /// Returns where it shines, for the light tree: with full intensity up to the inner angle.
+    pub(super) fn reach(&self) -> Option<Reach> {
+        let outer = f64::from(self.cos_outer).acos();
+        let inner = f64::from(self.cos_outer + self.slope.recip()).min(1.0).acos();
+        let normals = Cone { axis: self.axis.as_dvec3(), angle: inner };
+        self.point.reach().map(|reach| Reach { normals, spread: outer - inner, ..reach })
     }
 
     /// Returns the intensity integrated over the cone: 2π (1 − cos inner) plus a third of the ramp's share. A cone

@@ -15,7 +15,8 @@ use crate::bsdf::Lobes;
 use crate::error::Result;
 use crate::geometry::{Geometry, Hit};
 use crate::light::{
-    AreaLight, BoundingSphere, DirectionalLight, Emission, Environment, Light, Lights, PointLight, SpotLight,
+    AreaLight, BoundingSphere, DirectionalLight, Emission, Environment, Light, LightChoice, Lights, PointLight,
+    SpotLight,
 };
 use std::sync::Arc;
 use std::time::Instant;
@@ -29,6 +30,8 @@ pub struct BuildOptions {
     pub build: Build,
     /// Number of threads for its construction; 0 leaves it to the backend.
     pub threads: usize,
+    /// How lights are selected.
+    pub light_choice: LightChoice,
 }
 
 impl Scene {
@@ -97,7 +100,7 @@ impl Scene {
         info.accel_bytes = accel.bytes();
         let views = Views::new(description.cameras, extent.min, extent.max);
         let names = description.instances.into_iter().map(|instance| instance.name).collect();
-        let lights = Lights::new(lights, ball.radius);
+        let lights = Lights::new(lights, ball.radius, options.light_choice);
         let mut scene = Scene {
             geometry,
             objects,
@@ -160,18 +163,13 @@ fn area_lights(
         }
         info.first_light = Some(lights.len() as u32);
         let object = index as u32;
-        let (winding, mean) = (geometry.winding(object), material.mean_emission_texture());
+        let winding = geometry.winding(object);
         lights.extend((0..geometry.mesh_of(object).triangles().len() as u32).map(|primitive| {
             let hit = Hit { object, primitive };
             let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), geometry.corner_colors(hit));
             let touched = if contacts.is_some_and(|c| c.flags(hit)) { hit } else { Hit::NONE };
-            Light::Area(AreaLight::touched(
-                geometry.triangle(hit),
-                touched,
-                winding,
-                emission.unwrap_or(Emission::NONE),
-                mean,
-            ))
+            let emission = emission.unwrap_or(Emission::NONE);
+            Light::Area(AreaLight::touched(geometry.triangle(hit), touched, winding, emission))
         }));
     }
     lights

@@ -75,7 +75,7 @@ mod tests {
         for (name, projection) in [("eye", perspective), ("flat", Projection::Orthographic { xmag: 4.0, ymag: 4.0 })] {
             description.cameras.push(CameraDescription { name: name.into(), projection, transform, lens: None });
         }
-        let options = BuildOptions { backend: Backend::Obvhs, build: Default::default(), threads: 1 };
+        let options = BuildOptions { backend: Backend::Obvhs, threads: 1, ..BuildOptions::default() };
         Scene::build(description, &options).expect("a valid scene")
     }
 

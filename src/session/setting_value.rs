@@ -5,6 +5,7 @@ use crate::accel::{Backend, Build};
 use crate::film::Filter;
 use crate::integrator::{Execution, Method, Mutations};
 use crate::io::png::ToneCurve;
+use crate::light::LightChoice;
 use crate::named::Named;
 use crate::path::Technique;
 use crate::sampling::{Heuristic, SamplerKind};
@@ -60,7 +61,7 @@ macro_rules! named {
     };
 }
 
-named!(Aov, Backend, Build, Execution, Filter, Heuristic, Method, SamplerKind, Technique, ToneCurve);
+named!(Aov, Backend, Build, Execution, Filter, Heuristic, LightChoice, Method, SamplerKind, Technique, ToneCurve);
 
 /// Parses the name of a value.
 fn named<T: Named>(text: &str) -> Result<T, String> {

@@ -7,6 +7,7 @@ use crate::camera::Camera;
 use crate::error::Result;
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{Execution, IntegratorConfig, MethodConfig};
+use crate::light::LightChoice;
 use crate::sampling::SamplerKind;
 use crate::scene::description::Lens;
 use crate::scene::{BuildOptions, Scene};
@@ -50,6 +51,8 @@ pub struct RenderSettings {
     pub backend: Backend,
     /// Build of the acceleration structure. It decides ties between surfaces.
     pub build: Build,
+    /// How lights are selected.
+    pub light_choice: LightChoice,
     /// Execution of `path`. It changes no pixel, so that no hash or file knows it.
     #[serde(skip)]
     pub execution: Option<Execution>,
@@ -72,7 +75,7 @@ impl RenderSettings {
 
     /// Returns the options for building the scene on `threads` threads.
     pub fn build_options(&self, threads: usize) -> BuildOptions {
-        BuildOptions { backend: self.backend, build: self.build, threads }
+        BuildOptions { backend: self.backend, build: self.build, threads, light_choice: self.light_choice }
     }
 
     /// Returns the time and animation of the scene that are rendered.

@@ -14,6 +14,7 @@ use crate::integrator::{
     BdptConfig, ChainsConfig, Execution, Method, MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig,
 };
 use crate::io::png::ToneCurve;
+use crate::light::LightChoice;
 use crate::path::{Technique, Techniques};
 use crate::sampling::{Heuristic, SamplerKind};
 use std::ops::RangeInclusive;
@@ -144,6 +145,8 @@ settings! {
     "backend" => backend: Backend { value: "BACKEND", example: r#""obvhs""# }
     /// Build of the acceleration structure [default: robust]
     "build" => build: Build { value: "BUILD", example: r#""robust""# }
+    /// How a light is chosen to light a point [default: auto]
+    "light-choice" => light_choice: LightChoice { value: "CHOICE", example: r#""tree""# }
     /// Execution of path: one path after the other, or many together; the pixels are the same [default: the faster one]
     "execution" => execution: Execution { value: "EXECUTION", example: r#""batched""# }
     /// Extra layers of the EXR image, separated by commas
@@ -263,6 +266,7 @@ impl SettingsPatch {
             replicates: in_range("replicates", self.replicates(), 256)?,
             backend: self.backend.unwrap_or_default(),
             build: self.build.unwrap_or_default(),
+            light_choice: self.light_choice.unwrap_or_default(),
             execution: self.execution,
             aovs,
             clamp: self.clamp.map(positive).transpose()?,

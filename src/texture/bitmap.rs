@@ -23,7 +23,6 @@ pub struct Bitmap {
     texels: Texels,
     /// Cached properties, since many materials may share an image.
     hash: OnceLock<blake3::Hash>,
-    means: [OnceLock<[f32; 4]>; 2],
     blocks: OnceLock<Box<[Stored]>>,
 }
 
@@ -80,7 +79,7 @@ impl Bitmap {
             width > 0 && height > 0 && count == width as usize * height as usize,
             "{count} texels for {width}x{height}"
         );
-        Bitmap { width, height, texels, hash: OnceLock::new(), means: Default::default(), blocks: OnceLock::new() }
+        Bitmap { width, height, texels, hash: OnceLock::new(), blocks: OnceLock::new() }
     }
 
     /// Returns a hash of the stored texels.
@@ -174,21 +173,5 @@ impl Bitmap {
     /// Returns the extremes of its blocks.
     pub(super) fn blocks(&self) -> &[Stored] {
         self.blocks.get_or_init(|| block_extremes::blocks(self.size(), |x, y| self.stored(x, y)))
-    }
-
-    /// Returns the mean linear value of all texels.
-    pub fn mean(&self, encoding: Encoding) -> [f32; 4] {
-        *self.means[encoding as usize].get_or_init(|| self.sum_up(encoding))
-    }
-
-    fn sum_up(&self, encoding: Encoding) -> [f32; 4] {
-        let mut sum = [0.0f64; 4];
-        for y in 0..self.height {
-            for x in 0..self.width {
-                let t = self.texel(x, y, encoding);
-                sum.iter_mut().zip(t).for_each(|(s, t)| *s += f64::from(t));
-            }
-        }
-        sum.map(|s| (s / (f64::from(self.width) * f64::from(self.height))) as f32)
     }
 }

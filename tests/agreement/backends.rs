@@ -1,7 +1,7 @@
 //! Embree and obvhs on real scenes: the same surfaces at the pixel centres but for ties, and the same pictures.
 
 use crate::picture::{Shot, agree, render};
-use etendue::accel::{Backend, Build};
+use etendue::accel::Backend;
 use etendue::geometry::{Ray, SurfacePoint};
 use etendue::integrator::Method;
 use etendue::io::scene_file;
@@ -41,7 +41,7 @@ fn scenes() -> Vec<PathBuf> {
 
 fn load(path: &Path, backend: Backend) -> Scene {
     let description = scene_file::load(path).unwrap_or_else(|e| panic!("{}: {}", path.display(), e.chain()));
-    Scene::build(description, &BuildOptions { backend, build: Build::Robust, threads: 2 }).expect("a valid scene")
+    Scene::build(description, &BuildOptions { backend, threads: 2, ..BuildOptions::default() }).expect("a valid scene")
 }
 
 /// How far the distance of a hit may be off in f32: 16 roundings of the farthest vertex, magnified at grazing angles,

@@ -28,7 +28,7 @@ fn ball(world: &mut Description, at: [f64; 3], radius: f32, material: etendue::s
 }
 
 fn built(world: Description) -> Scene {
-    let options = BuildOptions { backend: Default::default(), build: Default::default(), threads: 1 };
+    let options = BuildOptions { threads: 1, ..BuildOptions::default() };
     Scene::build(world, &options).expect("a valid world")
 }
 

@@ -77,7 +77,7 @@ fn load(document: &Value, home: &Path, backend: Backend) -> Scene {
     let path = temporary.path().join("scene.gltf");
     std::fs::write(&path, document.to_string()).expect("written");
     let description = scene_file::load(&path).expect("a valid scene");
-    Scene::build(description, &BuildOptions { backend, build: Default::default(), threads: 1 }).expect("a valid scene")
+    Scene::build(description, &BuildOptions { backend, threads: 1, ..BuildOptions::default() }).expect("a valid scene")
 }
 
 /// How far a picture is from the one it should equal.

@@ -52,7 +52,7 @@ pub(crate) fn scene(description: Description) -> Scene {
 
 /// Builds a scene whose rays `backend` answers.
 pub(crate) fn scene_under(backend: Backend, description: Description) -> Scene {
-    Scene::build(description, &BuildOptions { backend, build: Default::default(), threads: 1 }).expect("a valid scene")
+    Scene::build(description, &BuildOptions { backend, threads: 1, ..BuildOptions::default() }).expect("a valid scene")
 }
 
 /// Renders the first camera's view, unless told otherwise with a box filter; no guard may fire.

@@ -21,10 +21,7 @@ pub(crate) fn load(name: &str) -> Option<Scene> {
         return None;
     }
     let description = scene_file::load(&path).expect("a valid scene");
-    Some(
-        Scene::build(description, &BuildOptions { backend: Default::default(), build: Default::default(), threads: 2 })
-            .expect("a valid scene"),
-    )
+    Some(Scene::build(description, &BuildOptions { threads: 2, ..BuildOptions::default() }).expect("a valid scene"))
 }
 
 /// A converged image whose own relMSE (mean of (x − truth)² / (truth² + 0.01)) is `noise`.

@@ -40,7 +40,8 @@ fn survives<T>(file: &Path, read: impl FnOnce() -> Result<T, Error> + std::panic
 }
 
 fn built(description: Description) -> Result<(), Error> {
-    let options = BuildOptions { backend: Backend::default(), build: Build::Compact, threads: 1 };
+    let options =
+        BuildOptions { backend: Backend::default(), build: Build::Compact, threads: 1, ..BuildOptions::default() };
     match Scene::build(description, &options) {
         // Without a backend what comes before it is all there is to test.
         Err(error) if error.kind == Kind::Usage => Ok(()),

@@ -3,7 +3,7 @@
 use crate::models::{Model, direction, models};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::geometry::{Local, Ray};
-use etendue::light::{ChosenLight, Light, LightSampleContext, Lights, PointLight};
+use etendue::light::{ChosenLight, Light, LightChoice, LightSampleContext, Lights, PointLight};
 use etendue::path::{PreviousVertex, RandomWalk, TraceStats};
 use etendue::sampling::{Address, Density, Distribution, IndependentSampler};
 use etendue::spectrum::Spectrum;
@@ -75,7 +75,7 @@ fn lights_are_chosen_with_the_probability_that_is_asked_for_later() {
     let mut results = Vec::new();
     for copies in [1, 3] {
         let lamps = [1.0, 0.0, 20.0, 3.0, 1e-3].repeat(copies);
-        let lights = Lights::new(lamps.iter().copied().map(lamp).collect(), 1.0);
+        let lights = Lights::new(lamps.iter().copied().map(lamp).collect(), 1.0, LightChoice::Power);
         let (mut random, mut observed) = (Random::new(210), vec![0.0; lamps.len() * REST]);
         for _ in 0..n {
             let u: [f32; 3] = random.cube();

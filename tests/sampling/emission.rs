@@ -32,7 +32,7 @@ fn lights() -> Vec<(&'static str, Light)> {
             only_seen: false,
             coverage: None,
         };
-        Light::Area(AreaLight::new(triangle, winding, emission, Spectrum::ONE))
+        Light::Area(AreaLight::new(triangle, winding, emission))
     };
     let point = PointLight { position: Vec3::new(0.2, -0.1, 0.5), intensity: Spectrum([1.0, 2.0, 4.0]) };
     let spot = |inner, outer| Light::Spot(SpotLight::new(point, Vec3::new(-0.2, 0.1, -1.0).normalize(), inner, outer));

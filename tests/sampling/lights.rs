@@ -24,7 +24,7 @@ fn two_sided(vertices: [Vec3; 3]) -> (Triangle, Light) {
         only_seen: false,
         coverage: None,
     };
-    (triangle, Light::Area(AreaLight::new(triangle, 1.0, emission, Spectrum::ONE)))
+    (triangle, Light::Area(AreaLight::new(triangle, 1.0, emission)))
 }
 
 /// What `light` says of the unit direction `w` from the origin if it meets the triangle, by the plane and three edges.

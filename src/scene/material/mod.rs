@@ -189,14 +189,6 @@ impl Material {
         (!emission.is_black()).then_some(emission)
     }
 
-    /// Returns the mean linear colour of the emission texture, white without one.
-    pub(super) fn mean_emission_texture(&self) -> Spectrum {
-        self.emission_texture.as_ref().map_or(Spectrum::ONE, |t| {
-            let [r, g, b, _] = t.image.mean(t.encoding);
-            Spectrum::from_rgb([r, g, b])
-        })
-    }
-
     /// Returns all its textures.
     pub(super) fn images(&self) -> impl Iterator<Item = &Texture> {
         let m = &self.source;

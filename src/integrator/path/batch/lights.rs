@@ -97,6 +97,7 @@ impl<F: Float> LightSamples<F> {
             None => Self::of_several((lights, rows), index, [p, ng], wanted, u),
         };
         samples.density = samples.density * pmf;
+        samples.valid = samples.valid & pmf.above(F::splat(0.0));
         samples
     }
 

@@ -122,7 +122,8 @@ impl<F: Float> Stage<'_, '_, F> {
         let mut sampler = numbers.of_keys(group.keys);
         let lights = (self.all.tracer.scene.lights(), &self.all.lights);
         let u = sampler.u2(self.depth, Slot::LightPoint);
-        let chosen = lights.0.choose_lanes(u, || sampler.u1(self.depth, Slot::LightPick));
+        let pick = || sampler.u1(self.depth, Slot::LightPick);
+        let chosen = lights.0.choose_lanes([points.p, points.ng], scatters, u, pick);
         let light = LightSamples::new(lights, [points.p, points.ng], scatters, chosen);
         let lobe = if lanes.metal_dielectric != 0 { sampler.u1(self.depth, Slot::Lobe) } else { F::splat(0.0) };
         let [u, v] = sampler.u2(self.depth, Slot::Direction);
@@ -290,7 +291,8 @@ impl<F: Float> Stage<'_, '_, F> {
         let (radiance, pdf) = environment.along_lanes(Vec3::load(&self.paths.rays.direction, at));
         let mut light = Spectrum::<F>::load(&self.paths.beta, at) * radiance;
         if self.depth > 0 {
-            let weight = power(F::load(&self.paths.pdf, at), lights.pmf_lanes::<F>(index) * pdf);
+            let from = [&self.paths.from, &self.paths.from_ng].map(|columns| Vec3::<F>::load(columns, at));
+            let weight = power(F::load(&self.paths.pdf, at), lights.pmf_lanes(from, missed, index) * pdf);
             light = light * F::select(self.dirac(at), F::splat(1.0), weight);
         }
         for_each_bit(missed.bits(), |lane| {

@@ -28,7 +28,7 @@ pub struct World {
 
 fn build(name: &'static str, alpha: f64, mut description: Description) -> World {
     description.cameras.push(camera(EYE, DVec3::new(-0.05, -0.2, -0.3)));
-    let options = BuildOptions { backend: Backend::Obvhs, build: Default::default(), threads: 1 };
+    let options = BuildOptions { backend: Backend::Obvhs, threads: 1, ..BuildOptions::default() };
     World { name, scene: Scene::build(description, &options).expect("a valid scene"), alpha }
 }
 
@@ -120,10 +120,14 @@ fn bent() -> World {
     build("bent", 0.16, scene)
 }
 
-/// Lights of every kind under a map, nothing around.
+/// Lights of every kind under a map, nothing around; so many that the light tree selects them.
 fn open() -> World {
     let mut scene = Description::default();
     lamp(&mut scene, true);
+    for (x, double_sided) in [(-0.7, false), (0.0, true), (0.7, false)] {
+        let material = Material { emission: LAMP * 4.0, double_sided, ..matte(0.0, 0.0) };
+        add_square(&mut scene, Vec3::new(x, 0.1, -0.8), Vec3::X * 0.05, Vec3::Y * 0.05, material);
+    }
     add_square(&mut scene, Vec3::new(0.0, -0.9, 0.0), Vec3::X, Vec3::NEG_Z, matte(0.6, 0.0));
     Ball::new(2, 0.35).add(&mut scene, DVec3::new(-0.4, -0.5, -0.2), lacquer(0.5));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.5, 0.1), metal(0.9, 0.0));

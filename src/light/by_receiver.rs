@@ -1,0 +1,203 @@
+//! Selection of lights for a receiver: by the light tree, and beside it the lights at infinity.
+
+use super::tree::Descent;
+use super::{Light, LightSampleContext, LightTree, Reach};
+use etendue_lanes::{MOST_LANES, for_each_bit};
+
+/// Least share of the lights with a place, and of those at infinity, where both exist: the tree does not know what
+/// stands before a light.
+const LEAST_SHARE: f64 = 0.1;
+
+/// Importance of a light at infinity that grazes the receiver, as a share of the greatest.
+const GRAZING: f64 = 1e-3;
+
+/// The lights of a scene, ordered for receivers.
+#[derive(Debug)]
+pub(super) struct ByReceiver {
+    tree: Option<LightTree>,
+    /// Sum of the intensities in the tree.
+    unit: f64,
+    distant: Vec<Distant>,
+}
+
+/// The selection of a light.
+enum Begun {
+    /// In the tree.
+    InTree(Descent),
+    /// A light at infinity, with its probability.
+    Distant(u32, f64),
+}
+
+/// A light at infinity.
+#[derive(Debug)]
+struct Distant {
+    light: u32,
+    irradiance: f64,
+    /// Where it comes from, if from one direction.
+    toward: Option<glam::Vec3>,
+}
+
+impl ByReceiver {
+    /// Returns the selection of `lights`; `None` without a light that shines.
+    pub(super) fn new(lights: &[Light]) -> Option<Self> {
+        let reaches: Vec<Option<Reach>> = lights.iter().map(Light::reach).collect();
+        let unit = reaches.iter().flatten().map(|reach| reach.intensity).sum();
+        let distant = lights.iter().enumerate().filter_map(|(i, light)| {
+            let toward = if let Light::Directional(light) = light { Some(light.toward) } else { None };
+            let irradiance = light.distant_irradiance().filter(|&irradiance| irradiance > 0.0)?;
+            Some(Distant { light: i as u32, irradiance, toward })
+        });
+        let (tree, distant) = (LightTree::new(&reaches), distant.collect::<Vec<_>>());
+        (tree.is_some() || !distant.is_empty()).then_some(ByReceiver { tree, unit, distant })
+    }
+
+    /// Returns the memory in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.tree.as_ref().map_or(0, LightTree::bytes)
+    }
+
+    /// Selects lights for the receivers `at` in the given `lanes` by numbers `u` in [0, 1). Calls `found` with each lane,
+    /// its light and its probability. The receivers go down the tree side by side, so that waiting times of different
+    /// ones overlap.
+    #[inline]
+    pub(super) fn sample_all(
+        &self,
+        lanes: u32,
+        at: &[LightSampleContext; MOST_LANES],
+        u: &[f64; MOST_LANES],
+        mut found: impl FnMut(usize, u32, f64),
+    ) {
+        let mut descents = [Descent::new(0.0, 0.0); MOST_LANES];
+        let mut active = 0;
+        for_each_bit(lanes, |lane| match self.begin(&at[lane], u[lane]) {
+            Begun::InTree(descent) => {
+                descents[lane] = descent;
+                active |= 1 << lane;
+            }
+            Begun::Distant(light, pmf) => found(lane, light, pmf),
+        });
+        let Some(tree) = &self.tree else { return };
+        while active != 0 {
+            let mut rest = active;
+            for_each_bit(active, |lane| {
+                let descent = &mut descents[lane];
+                tree.step(&at[lane], descent);
+                if let Some(light) = descent.light() {
+                    found(lane, light, descent.pmf);
+                    rest &= !(1 << lane);
+                }
+            });
+            active = rest;
+        }
+    }
+
+    /// Selects between the tree and the lights at infinity.
+    #[inline]
+    fn begin(&self, at: &LightSampleContext, u: f64) -> Begun {
+        let (near, distant) = self.shares(at);
+        if u < near {
+            return Begun::InTree(Descent::new(u / near, near));
+        }
+        let mut rest = (u - near) / (1.0 - near) * distant;
+        let pmf = |light: &Distant| (1.0 - near) * (light.importance(at) / distant);
+        let last = self.distant.len().saturating_sub(1);
+        let chosen = self.distant.iter().enumerate().find(|(i, light)| {
+            rest -= light.importance(at);
+            rest < 0.0 || *i == last
+        });
+        chosen.map_or(Begun::Distant(0, 0.0), |(_, light)| Begun::Distant(light.light, pmf(light)))
+    }
+
+    /// Returns the probability that [`ByReceiver::sample_all`] selects light `i` for the receiver `at`.
+    #[inline]
+    pub(super) fn pmf(&self, at: &LightSampleContext, i: usize) -> f64 {
+        let (near, distant) = self.shares(at);
+        match self.distant.iter().find(|light| light.light as usize == i) {
+            Some(light) => (1.0 - near) * (light.importance(at) / distant),
+            None if near > 0.0 => self.tree.as_ref().map_or(0.0, |tree| tree.pmf(at, i, near)),
+            None => 0.0,
+        }
+    }
+
+    /// Returns the share of the lights with a place, and the sum of the importance of the others.
+    #[inline]
+    fn shares(&self, at: &LightSampleContext) -> (f64, f64) {
+        let Some(tree) = &self.tree else { return (0.0, self.sum(at)) };
+        if self.distant.is_empty() {
+            return (1.0, 0.0);
+        }
+        let (near, distant) = (tree.importance(at) * self.unit, self.sum(at));
+        if near <= 0.0 {
+            return (0.0, distant);
+        }
+        ((near / (near + distant)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE), distant)
+    }
+
+    fn sum(&self, at: &LightSampleContext) -> f64 {
+        self.distant.iter().map(|light| light.importance(at)).sum()
+    }
+}
+
+impl Distant {
+    /// Returns an estimate of its irradiance at the receiver.
+    #[inline]
+    fn importance(&self, at: &LightSampleContext) -> f64 {
+        let cos = |toward: glam::Vec3| if at.ng == glam::Vec3::ZERO { 1.0 } else { f64::from(toward.dot(at.ng)).abs() };
+        self.irradiance * self.toward.map_or(1.0, cos).max(GRAZING)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::{ConstantEnvironment, DirectionalLight, Environment, PointLight};
+    use crate::sampling::lanes::uniform_sphere;
+    use crate::sampling::{Address, IndependentSampler, Sampler, Slot};
+    use crate::spectrum::Spectrum;
+    use glam::Vec3;
+
+    fn lights(near: usize, suns: usize, sky: bool) -> Vec<Light> {
+        let point =
+            |i| PointLight { position: Vec3::new(i as f32, 1.0, 0.5), intensity: Spectrum::splat(1.0 + i as f32) };
+        let sun = |i| DirectionalLight {
+            toward: Vec3::new(i as f32, 1.0, 0.0).normalize(),
+            irradiance: Spectrum::splat(0.5 + i as f32),
+        };
+        let sky =
+            sky.then(|| Light::Environment(Environment::Uniform(ConstantEnvironment { radiance: Spectrum::ONE })));
+        let near = (0..near).map(|i| Light::Point(point(i)));
+        near.chain((0..suns).map(|i| Light::Directional(sun(i)))).chain(sky).collect()
+    }
+
+    /// Probabilities of every mixture of lights sum to 1, and a light is selected with the bits of its probability.
+    #[test]
+    fn lights_with_a_place_and_at_infinity_share_the_selection() {
+        let mut sampler = IndependentSampler::new(Address::new(7));
+        for (near, suns, sky) in
+            [(0, 1, false), (0, 3, true), (1, 0, true), (20, 2, true), (20, 0, false), (20, 5, false)]
+        {
+            let lights = lights(near, suns, sky);
+            let choice = ByReceiver::new(&lights).expect("lights");
+            let mut seen = vec![false; lights.len()];
+            for i in 0..500 {
+                let p: Vec3 = uniform_sphere(sampler.u2(i, Slot::Film)).into();
+                let ng = if i % 7 == 0 { Vec3::ZERO } else { uniform_sphere(sampler.u2(i, Slot::Lens)).into() };
+                let at = LightSampleContext { p: p * 3.0, ng };
+                let sum: f64 = (0..lights.len()).map(|light| choice.pmf(&at, light)).sum();
+                // Rounding of a few dozen sums of numbers below 1.
+                assert!((sum - 1.0).abs() < 1e-12, "{near} {suns} {sky}: {sum}");
+                let found = |_: usize, light: u32, pmf: f64| {
+                    seen[light as usize] = true;
+                    assert_eq!(pmf.to_bits(), choice.pmf(&at, light as usize).to_bits());
+                };
+                choice.sample_all(
+                    1,
+                    &[at; MOST_LANES],
+                    &[f64::from(sampler.u1(i, Slot::LightPick)); MOST_LANES],
+                    found,
+                );
+            }
+            assert!(seen.iter().filter(|seen| **seen).count() * 2 > lights.len(), "{seen:?}");
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! The light tree: selection of a light for a receiver by bounds on what groups of lights contribute [ContyKulla18].
+//!
+//! A node has eight children, so that the tree of a thousand lights has three or four levels, and computes their
+//! importance at once. Selection descends from the root by importance, and [`LightTree::pmf`] repeats the descent to a
+//! known light with the same operations, so that both agree bit for bit. Where no light can arrive it selects one
+//! nevertheless.
+//!
+//! It pays where many lights differ in distance or orientation. It does not know what stands between a light and the
+//! receiver, nor how the receiver scatters. Lights at infinity are not in the tree.
+
+mod build;
+mod node;
+mod reach;
+#[cfg(test)]
+mod tests;
+
+pub use reach::{Cone, Reach};
+
+use super::LightSampleContext;
+use build::Item;
+use node::{LEAF, Node};
+use smallvec::SmallVec;
+
+/// Lights whose intensity is below this share of the mean count as this strong, so that no light vanishes beside
+/// others.
+const FLOOR: f64 = 1e-6;
+
+/// The largest f64 below 1.
+const BELOW_ONE_F64: f64 = 1.0 - f64::EPSILON / 2.0;
+
+/// A tree over lights with a place.
+#[derive(Debug)]
+pub struct LightTree {
+    /// The root comes first.
+    nodes: Vec<Node>,
+    /// Node of each light and the place in it; `None` for lights that are not in the tree.
+    places: Vec<Option<(u32, u32)>>,
+}
+
+/// The selection of a light, on its way.
+#[derive(Debug, Clone, Copy)]
+pub struct Descent {
+    /// The node, or the light with [`LEAF`].
+    at: u32,
+    u: f64,
+    /// Probability of the selection so far.
+    pub pmf: f64,
+}
+
+impl Descent {
+    /// Begins at the root with `u` in [0, 1), where a descent begins with the probability `pmf`.
+    pub fn new(u: f64, pmf: f64) -> Self {
+        Descent { at: 0, u, pmf }
+    }
+
+    /// Returns the light at its end; `None` on the way.
+    #[inline]
+    pub fn light(&self) -> Option<u32> {
+        (self.at & LEAF != 0).then_some(self.at & !LEAF)
+    }
+}
+
+impl LightTree {
+    /// Returns the tree over the lights with bounds; `None` if there are none.
+    pub fn new(lights: &[Option<Reach>]) -> Option<Self> {
+        let numbered = lights.iter().enumerate();
+        let mut items: Vec<Item> =
+            numbered.filter_map(|(i, reach)| Some(Item { light: i as u32, reach: (*reach)? })).collect();
+        let sum: f64 = items.iter().map(|item| item.reach.intensity).sum();
+        let floor = FLOOR * sum / items.len() as f64;
+        items.iter_mut().for_each(|item| item.reach.intensity = item.reach.intensity.max(floor));
+        if items.is_empty() || sum <= 0.0 {
+            return None;
+        }
+        let nodes = build::grow(&mut items, sum);
+        let mut places = vec![None; lights.len()];
+        for (number, node) in nodes.iter().enumerate() {
+            for (slot, &child) in node.children.iter().enumerate().filter(|(_, child)| **child & LEAF != 0) {
+                places[(child & !LEAF) as usize] = Some((number as u32, slot as u32));
+            }
+        }
+        Some(LightTree { nodes, places })
+    }
+
+    /// Returns the memory in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.places)
+    }
+
+    /// Takes `descent` one level down for the receiver `at`.
+    #[inline]
+    pub fn step(&self, at: &LightSampleContext, descent: &mut Descent) {
+        let node = &self.nodes[descent.at as usize];
+        let weights = node.weights(at);
+        let target = descent.u * weights.total();
+        let (slot, below) = weights.find(target);
+        let weight = f64::from(weights.of[slot]);
+        descent.pmf *= weight / weights.total();
+        descent.u = ((target - below) / weight).clamp(0.0, BELOW_ONE_F64);
+        descent.at = node.children[slot];
+    }
+
+    /// Returns the probability that a descent for the receiver `at`, begun with the probability `begun`, selects `light`.
+    pub fn pmf(&self, at: &LightSampleContext, light: usize, begun: f64) -> f64 {
+        let Some(mut place) = self.places[light] else { return 0.0 };
+        let mut path = SmallVec::<[(u32, u32); 16]>::new();
+        loop {
+            path.push(place);
+            if place.0 == 0 {
+                break;
+            }
+            place = self.nodes[place.0 as usize].parent;
+        }
+        let share = |&(node, slot): &(u32, u32)| {
+            let weights = self.nodes[node as usize].weights(at);
+            f64::from(weights.of[slot as usize]) / weights.total()
+        };
+        path.iter().rev().map(share).fold(begun, |pmf, share| pmf * share)
+    }
+
+    /// Returns an estimate of the irradiance of all its lights at the receiver, in units of the sum of intensities.
+    pub fn importance(&self, at: &LightSampleContext) -> f64 {
+        self.nodes[0].importance(at).into_iter().map(f64::from).sum()
+    }
+}

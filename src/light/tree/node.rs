@@ -1,0 +1,166 @@
+//! A node of a light tree: bounds of eight children side by side, whose importance is computed at once.
+
+use super::reach::Reach;
+use crate::light::LightSampleContext;
+use etendue_lanes::{Float, Native, Vec3};
+
+/// Number of children.
+pub(super) const WIDTH: usize = 8;
+
+/// A child that is a light.
+pub(super) const LEAF: u32 = 1 << 31;
+
+/// Margin of cosines, above their rounding: bounds are wider by it, so that no light is taken for invisible that is
+/// not.
+const MARGIN: f32 = 1e-5;
+
+/// Least squared distance, in scene units; it keeps importance finite.
+const LEAST_D2: f32 = 1e-30;
+
+/// Bounds of up to eight children.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    centre: [[f32; WIDTH]; 3],
+    /// Radius around the centre.
+    radius: [f32; WIDTH],
+    axis: [[f32; WIDTH]; 3],
+    /// Cosine and sine of the angle of the cone of normals.
+    normals: [[f32; WIDTH]; 2],
+    /// Cosine of the angle to a normal up to which light leaves.
+    spread: [f32; WIDTH],
+    /// −1 where light leaves along both directions of a normal, else 1.
+    other_side: [f32; WIDTH],
+    /// Inverse square of the radius.
+    nearest: [f32; WIDTH],
+    /// Relative intensity; 0 without a child.
+    intensity: [f32; WIDTH],
+    /// Node numbers, or light numbers with [`LEAF`].
+    pub(super) children: [u32; WIDTH],
+    /// Number of the parent, and the place in it.
+    pub(super) parent: (u32, u32),
+}
+
+/// Weights of the selection of a child.
+pub(super) struct Weights {
+    pub(super) of: [f32; WIDTH],
+    /// Sums of the first 0 to 8.
+    sums: [f64; WIDTH + 1],
+}
+
+impl Weights {
+    #[inline(always)]
+    fn new(of: [f32; WIDTH]) -> Self {
+        let mut sums = [0.0; WIDTH + 1];
+        for (k, weight) in of.into_iter().enumerate() {
+            sums[k + 1] = sums[k] + f64::from(weight);
+        }
+        Weights { of, sums }
+    }
+
+    #[inline(always)]
+    pub(super) fn total(&self) -> f64 {
+        self.sums[WIDTH]
+    }
+
+    /// Returns the child at `target`, from 0 to the total, and the sum of the weights before it.
+    #[inline(always)]
+    pub(super) fn find(&self, target: f64) -> (usize, f64) {
+        // Without branches: children without weight end where they begin.
+        let slot = self.sums[1..].iter().map(|&end| usize::from(end <= target)).sum::<usize>();
+        if slot < WIDTH { (slot, self.sums[slot]) } else { self.last() }
+    }
+
+    /// The last child with a weight, if rounding takes the target to the end.
+    #[cold]
+    fn last(&self) -> (usize, f64) {
+        let slot = self.of.iter().rposition(|&weight| weight > 0.0).unwrap_or(0);
+        (slot, self.sums[slot])
+    }
+}
+
+impl Node {
+    /// Returns a node of `children` and their bounds, with intensities in units of `unit`.
+    pub(super) fn new(children: &[(u32, Reach)], unit: f64) -> Self {
+        let zero = [0.0; WIDTH];
+        let mut node = Node {
+            centre: [zero; 3],
+            radius: zero,
+            axis: [zero; 3],
+            normals: [zero; 2],
+            spread: zero,
+            other_side: zero,
+            nearest: zero,
+            intensity: zero,
+            children: [0; WIDTH],
+            parent: (0, 0),
+        };
+        for (slot, (child, reach)) in children.iter().enumerate() {
+            let (centre, axis) = (reach.bounds.center(), reach.normals.axis);
+            for k in 0..3 {
+                (node.centre[k][slot], node.axis[k][slot]) = (centre[k], axis[k] as f32);
+            }
+            let extent = (reach.bounds.max - centre).max(centre - reach.bounds.min);
+            node.radius[slot] = extent.length() * (1.0 + MARGIN);
+            let (sin, cos) = reach.normals.angle.sin_cos();
+            (node.normals[0][slot], node.normals[1][slot]) = (cos as f32, sin as f32);
+            node.spread[slot] = reach.spread.cos() as f32;
+            node.other_side[slot] = if reach.two_sided { -1.0 } else { 1.0 };
+            node.nearest[slot] = (node.radius[slot] * node.radius[slot]).max(LEAST_D2).recip();
+            node.intensity[slot] = (reach.intensity / unit) as f32;
+            node.children[slot] = *child;
+        }
+        node
+    }
+
+    /// Returns the node with all numbers of nodes `by` higher.
+    pub(super) fn renumbered(mut self, by: u32) -> Self {
+        self.children = self.children.map(|child| if child & LEAF == 0 { child + by } else { child });
+        self.parent.0 += by;
+        self
+    }
+
+    /// Returns the weights of the children for the receiver `at`: their importance, or their intensity if no light can
+    /// arrive from any of them.
+    #[inline]
+    pub(super) fn weights(&self, at: &LightSampleContext) -> Weights {
+        let weights = Weights::new(self.importance(at));
+        if weights.total() > 0.0 { weights } else { Weights::new(self.intensity) }
+    }
+
+    /// Returns the importance of each child for the receiver `at`: an estimate of its irradiance, 0 only where no light
+    /// can arrive [ContyKulla18 §4.2]. Receivers get light on both sides. Cosines are bounded by cos (a − b) ≤ cos a +
+    /// sin b for the angle b under which a child is seen.
+    #[inline]
+    pub(super) fn importance(&self, at: &LightSampleContext) -> [f32; WIDTH] {
+        type F = Native;
+        let row = |values: &[f32; WIDTH]| F::load(values, 0);
+        let rows = |values: &[[f32; WIDTH]; 3]| Vec3::new(row(&values[0]), row(&values[1]), row(&values[2]));
+        let all = |v: glam::Vec3| Vec3::new(F::splat(v.x), F::splat(v.y), F::splat(v.z));
+        let [zero, one, margin] = [0.0, 1.0, MARGIN].map(F::splat);
+        let to = rows(&self.centre) - all(at.p);
+        let inverse = to.length_squared().max(F::splat(LEAST_D2)).sqrt().recip();
+        let wi = to * inverse;
+        let sin_seen = row(&self.radius) * inverse;
+        let inside = one.at_most(sin_seen);
+        let along = -wi.dot(rows(&self.axis));
+        let along = along.max(along * row(&self.other_side));
+        let off_normals = less(along, [row(&self.normals[0]), row(&self.normals[1])]);
+        let leaving = F::select(inside, one, (off_normals + sin_seen).min(one));
+        let everywhere = if at.ng == glam::Vec3::ZERO { one } else { zero };
+        let arriving = (wi.dot(all(at.ng)).abs() + sin_seen + everywhere).min(one);
+        let shines = leaving.above(row(&self.spread) - margin);
+        let near = (inverse * inverse).min(row(&self.nearest));
+        let importance = row(&self.intensity) * leaving.max(margin) * arriving.max(margin) * near;
+        let mut each = [0.0; WIDTH];
+        F::select(shines, importance, zero).store(&mut each, 0);
+        each
+    }
+}
+
+/// Returns the cosine of an angle from 0 to π less that of `cos_b` and `sin_b`, 1 if that is negative.
+#[inline(always)]
+fn less<F: Float>(cos: F, [cos_b, sin_b]: [F; 2]) -> F {
+    let one = F::splat(1.0);
+    let sin = (one - cos * cos).max(F::splat(0.0)).sqrt();
+    F::select(cos.above(cos_b), one, cos * cos_b + sin * sin_b)
+}

@@ -1,0 +1,183 @@
+//! Selection by the tree against sums over all lights.
+
+use super::{Descent, LightTree, Reach};
+use crate::geometry::Triangle;
+use crate::light::{AreaLight, Emission, Light, LightSampleContext, PointLight, SpotLight};
+use crate::sampling::lanes::uniform_sphere;
+use crate::sampling::{Address, IndependentSampler, Sampler, Slot};
+use crate::spectrum::Spectrum;
+use glam::Vec3;
+
+/// Random numbers in a row.
+struct Numbers(IndependentSampler, u32);
+
+impl Numbers {
+    fn new(key: u64) -> Self {
+        Numbers(IndependentSampler::new(Address::new(key)), 0)
+    }
+
+    fn next(&mut self) -> f32 {
+        self.1 += 1;
+        self.0.u1(self.1, Slot::Film)
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        uniform_sphere([self.next(), self.next()]).into()
+    }
+
+    /// Returns a point in the cube of side 2.
+    fn point(&mut self) -> Vec3 {
+        Vec3::from([self.next(), self.next(), self.next()]) * 2.0 - 1.0
+    }
+}
+
+/// Triangles from a thousandth to one in size, one- and two-sided, points, and spots.
+fn lights(count: usize, numbers: &mut Numbers) -> Vec<Light> {
+    let mut light = |i: usize| {
+        let (p, strength) = (numbers.point(), 10.0f32.powf(numbers.next() * 8.0 - 4.0));
+        let point = PointLight { position: p, intensity: Spectrum::splat(strength) };
+        match i % 4 {
+            0 => Light::Point(point),
+            1 => {
+                let outer = 0.01 + 1.5 * numbers.next();
+                Light::Spot(SpotLight::new(point, numbers.direction(), outer * numbers.next(), outer))
+            }
+            sides => {
+                let size = 10.0f32.powf(-3.0 * numbers.next());
+                let triangle = Triangle::new(p, p + numbers.direction() * size, p + numbers.direction() * size);
+                let two_sided = sides == 3;
+                let emission = Emission { radiance: Spectrum::splat(strength), two_sided, ..Emission::NONE };
+                Light::Area(AreaLight::new(triangle, 1.0, emission))
+            }
+        }
+    };
+    (0..count).map(&mut light).collect()
+}
+
+fn select(tree: &LightTree, at: &LightSampleContext, u: f64) -> (u32, f64) {
+    let mut descent = Descent::new(u, 1.0);
+    loop {
+        tree.step(at, &mut descent);
+        if let Some(light) = descent.light() {
+            return (light, descent.pmf);
+        }
+    }
+}
+
+fn tree(lights: &[Light]) -> LightTree {
+    LightTree::new(&lights.iter().map(Light::reach).collect::<Vec<Option<Reach>>>()).expect("lights that shine")
+}
+
+/// A receiver anywhere, some without a normal, and some very near a light.
+fn receiver(lights: &[Light], i: usize, numbers: &mut Numbers) -> LightSampleContext {
+    let ng = if i % 5 == 0 { Vec3::ZERO } else { numbers.direction() };
+    let near = lights[i % lights.len()].bounds().expect("a place").center();
+    let p = if i % 3 == 0 { near + numbers.direction() * 10.0f32.powf(-6.0 * numbers.next()) } else { numbers.point() };
+    LightSampleContext { p, ng }
+}
+
+#[test]
+fn probabilities_of_all_lights_sum_to_one() {
+    let mut numbers = Numbers::new(1);
+    for count in [1, 2, 7, 8, 9, 64, 65, 1000] {
+        let lights = lights(count, &mut numbers);
+        let tree = tree(&lights);
+        for i in 0..50 {
+            let at = receiver(&lights, i, &mut numbers);
+            let sum: f64 = (0..count).map(|light| tree.pmf(&at, light, 1.0)).sum();
+            // Rounding of products and sums of a thousand numbers below 1.
+            assert!((sum - 1.0).abs() < 1e-12, "{count} lights: {sum}");
+        }
+    }
+}
+
+#[test]
+fn samples_have_the_bits_of_their_probability() {
+    let mut numbers = Numbers::new(2);
+    let lights = lights(500, &mut numbers);
+    let tree = tree(&lights);
+    for i in 0..2000 {
+        let at = receiver(&lights, i, &mut numbers);
+        let (light, pmf) = select(&tree, &at, f64::from(numbers.next()));
+        assert_eq!(pmf.to_bits(), tree.pmf(&at, light as usize, 1.0).to_bits());
+    }
+}
+
+/// Sampled frequencies against probabilities, by χ² at one in a million.
+#[test]
+fn lights_are_selected_as_often_as_their_probability_says() {
+    const DRAWS: u32 = 1 << 16;
+    let mut numbers = Numbers::new(3);
+    let lights = lights(20, &mut numbers);
+    let tree = tree(&lights);
+    for i in 0..5 {
+        let at = receiver(&lights, i, &mut numbers);
+        let mut counts = [0u32; 20];
+        for _ in 0..DRAWS {
+            let (light, _) = select(&tree, &at, f64::from(numbers.next()));
+            counts[light as usize] += 1;
+        }
+        let expected = |light: usize| tree.pmf(&at, light, 1.0) * f64::from(DRAWS);
+        let cells: Vec<usize> = (0..20).filter(|&light| expected(light) >= 10.0).collect();
+        let term = |&light: &usize| (f64::from(counts[light]) - expected(light)).powi(2) / expected(light);
+        let chi2: f64 = cells.iter().map(term).sum();
+        // χ² of 20 degrees of freedom exceeds 69 with probability 2e-7 (each test).
+        assert!(chi2 < 69.0, "{chi2} in {} cells", cells.len());
+        assert!((0..20).all(|light| expected(light) > 0.0 || counts[light] == 0));
+    }
+}
+
+/// Wherever a light sample carries light, its light has a probability.
+#[test]
+fn lights_that_contribute_have_a_probability() {
+    let mut numbers = Numbers::new(4);
+    let lights = lights(300, &mut numbers);
+    let tree = tree(&lights);
+    let mut lit = 0;
+    for i in 0..3000 {
+        let at = receiver(&lights, i, &mut numbers);
+        for k in 0..10 {
+            let light = (i * 7 + k * 31) % lights.len();
+            let u = [numbers.next(), numbers.next()];
+            let Some(sample) = lights[light].sample_li(&at, u).filter(|sample| !sample.radiance.is_black()) else {
+                continue;
+            };
+            lit += 1;
+            assert!(tree.pmf(&at, light, 1.0) > 0.0, "light {light} at {at:?}: {sample:?}");
+        }
+    }
+    assert!(lit > 10_000, "{lit}");
+}
+
+/// A light a hundred times as near as others of its kind is chosen almost always; one that faces away, never.
+#[test]
+fn near_lights_are_preferred_and_those_that_face_away_are_not_chosen() {
+    let lamp = |z: f32, up: bool| {
+        let (a, b) = if up { (Vec3::X, Vec3::Y) } else { (Vec3::Y, Vec3::X) };
+        let p = Vec3::new(0.0, 0.0, z);
+        let emission = Emission { radiance: Spectrum::ONE, ..Emission::NONE };
+        Light::Area(AreaLight::new(Triangle::new(p, p + a * 0.01, p + b * 0.01), 1.0, emission))
+    };
+    let lights: Vec<Light> =
+        (1..=20).map(|i| lamp(i as f32, false)).chain([lamp(0.1, false), lamp(0.05, true)]).collect();
+    let tree = tree(&lights);
+    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Z };
+    assert!(tree.pmf(&at, 20, 1.0) > 0.9, "{}", tree.pmf(&at, 20, 1.0));
+    assert_eq!(tree.pmf(&at, 21, 1.0), 0.0);
+}
+
+/// A million coincident lights, and lights of 1e30 beside 1e-30.
+#[test]
+fn hard_lights_have_a_tree() {
+    let point = |position, strength| Light::Point(PointLight { position, intensity: Spectrum::splat(strength) });
+    let same: Vec<Light> = (0..1_000_000).map(|_| point(Vec3::ONE, 1.0)).collect();
+    let same = tree(&same);
+    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Z };
+    let (light, pmf) = select(&same, &at, 0.123_456_789);
+    assert!((0.5..2.0).contains(&(pmf * 1e6)), "light {light}: {pmf}");
+    let uneven: Vec<Light> =
+        (0..100).map(|i| point(Vec3::X * (1 + i) as f32, if i % 2 == 0 { 1e30 } else { 1e-30 })).collect();
+    let uneven = tree(&uneven);
+    let pmf: Vec<f64> = (0..100).map(|light| uneven.pmf(&at, light, 1.0)).collect();
+    assert!(pmf.iter().all(|&pmf| pmf > 0.0) && (pmf.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+}
