@@ -44,6 +44,7 @@ struct Memory {
     geometry_bytes: u64,
     accel_bytes: u64,
     texture_bytes: u64,
+    light_tree_bytes: u64,
     total_bytes: u64,
 }
 
@@ -78,7 +79,9 @@ impl Memory {
             geometry_bytes: info.geometry_bytes as u64,
             accel_bytes: info.accel_bytes as u64,
             texture_bytes: info.texture_bytes as u64,
-            total_bytes: film_bytes + (info.geometry_bytes + info.accel_bytes + info.texture_bytes) as u64,
+            light_tree_bytes: info.light_tree_bytes as u64,
+            total_bytes: film_bytes
+                + (info.geometry_bytes + info.accel_bytes + info.texture_bytes + info.light_tree_bytes) as u64,
         }
     }
 }
@@ -90,7 +93,11 @@ impl Document {
             format!("scene      {} ({})", self.path, self.hash),
             format!("triangles  {} in {} meshes, {} instances", info.triangles, info.meshes, info.instances),
             format!("materials  {}", info.materials),
-            format!("lights     {}", info.lights),
+            format!(
+                "lights     {}{}",
+                info.lights,
+                if info.light_tree_bytes > 0 { ", selected by a light tree" } else { "" }
+            ),
             format!("images     {}", info.images),
             format!("cameras    {}", list(&self.cameras)),
             format!("animations {}", list(&info.animations)),
@@ -98,7 +105,7 @@ impl Document {
             format!("execution  {} for path", self.execution.name()),
             format!("extent     centre {:?}, scale {}", info.centre.to_array(), info.scale),
             format!(
-                "memory     {} in all: film {} ({}x{}, {} replicates), geometry {}, ray tracing {}, textures {}",
+                "memory     {} in all: film {} ({}x{}, {} replicates), geometry {}, ray tracing {}, textures {}, light tree {}",
                 megabytes(memory.total_bytes),
                 megabytes(memory.film_bytes),
                 settings.width,
@@ -106,7 +113,8 @@ impl Document {
                 settings.replicates,
                 megabytes(memory.geometry_bytes),
                 megabytes(memory.accel_bytes),
-                megabytes(memory.texture_bytes)
+                megabytes(memory.texture_bytes),
+                megabytes(memory.light_tree_bytes)
             ),
             format!("loading    {:.3} s, building {:.3} s", self.load_seconds, self.build_seconds),
         ];

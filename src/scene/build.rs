@@ -101,6 +101,7 @@ impl Scene {
         let views = Views::new(description.cameras, extent.min, extent.max);
         let names = description.instances.into_iter().map(|instance| instance.name).collect();
         let lights = Lights::new(lights, ball.radius, options.light_choice);
+        info.light_tree_bytes = lights.tree_bytes();
         let mut scene = Scene {
             geometry,
             objects,

@@ -23,6 +23,9 @@ pub struct SceneInfo {
     pub geometry_bytes: usize,
     /// Bytes of the acceleration structure, as reported by the backend.
     pub accel_bytes: usize,
+    /// Bytes of the light tree; 0 where lights are selected by power.
+    #[serde(default)]
+    pub light_tree_bytes: usize,
     /// Names of the file's animations, by index.
     #[serde(default)]
     pub animations: Vec<String>,

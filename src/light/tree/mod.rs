@@ -63,16 +63,19 @@ impl Descent {
 impl LightTree {
     /// Returns the tree over the lights with bounds; `None` if there are none.
     pub fn new(lights: &[Option<Reach>]) -> Option<Self> {
-        let numbered = lights.iter().enumerate();
-        let mut items: Vec<Item> =
-            numbered.filter_map(|(i, reach)| Some(Item { light: i as u32, reach: (*reach)? })).collect();
-        let sum: f64 = items.iter().map(|item| item.reach.intensity).sum();
-        let floor = FLOOR * sum / items.len() as f64;
-        items.iter_mut().for_each(|item| item.reach.intensity = item.reach.intensity.max(floor));
-        if items.is_empty() || sum <= 0.0 {
+        let shining = lights.iter().flatten();
+        let (count, sum) = shining.fold((0, 0.0), |(count, sum), reach| (count + 1, sum + reach.intensity));
+        if sum <= 0.0 {
             return None;
         }
-        let nodes = build::grow(&mut items, sum);
+        let floor = FLOOR * sum / f64::from(count);
+        let reach = |light: u32| {
+            let reach = lights[light as usize].unwrap_or(Reach::NOTHING);
+            Reach { intensity: reach.intensity.max(floor), ..reach }
+        };
+        let numbers = (0..lights.len() as u32).filter(|&light| lights[light as usize].is_some());
+        let mut items: Vec<Item> = numbers.map(|light| Item::new(light, &reach(light))).collect();
+        let nodes = build::grow(&mut items, &reach, sum).nodes;
         let mut places = vec![None; lights.len()];
         for (number, node) in nodes.iter().enumerate() {
             for (slot, &child) in node.children.iter().enumerate().filter(|(_, child)| **child & LEAF != 0) {

@@ -2,7 +2,7 @@
 
 use crate::geometry::Bounds;
 use glam::DVec3;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 /// Bounds of one light or of several: their positions, the directions in which they shine, and how strongly.
 #[derive(Debug, Clone, Copy)]
@@ -76,18 +76,6 @@ impl Reach {
             two_sided: self.two_sided || other.two_sided,
             intensity: self.intensity + other.intensity,
         }
-    }
-
-    /// Returns an estimate of how uncertain the light of these bounds is, to be kept small in a tree: intensity times
-    /// solid angle of the directions times area of the box [ContyKulla18 §4.4].
-    pub fn cost(&self) -> f64 {
-        let extent = (self.bounds.max - self.bounds.min).as_dvec3().max(DVec3::ZERO);
-        let area = extent.x * extent.y + extent.y * extent.z + extent.z * extent.x;
-        let (angle, widest) = (self.normals.angle, (self.normals.angle + self.spread).min(PI));
-        let (sin, cos) = angle.sin_cos();
-        let ramp = 2.0 * widest * sin - (angle - 2.0 * widest).cos() - 2.0 * angle * sin + cos;
-        let directions = 2.0 * PI * (1.0 - cos) + FRAC_PI_2 * ramp;
-        self.intensity * directions * area
     }
 }
 
