@@ -63,8 +63,9 @@ impl Summary {
     fn cost(&self) -> f64 {
         let size2 = f64::from((self.bounds.max - self.bounds.min).max(Vec3::ZERO).length_squared());
         let aligned = self.axis.length() / self.intensity.max(f64::MIN_POSITIVE);
-        // Half a sphere of directions has a mean of length 1/2 and is nearly as uncertain as all of it.
-        let directions = 1.0 + (ALL_DIRECTIONS - 1.0) * (2.0 * (1.0 - aligned)).clamp(0.0, 1.0);
+        // The mean of a cap of directions is (1 + cos) / 2 long: 1/2 for half a sphere, which is nearly as uncertain as
+        // all of it. The root is within a tenth of the solid angle for caps of 30 and 60 degrees.
+        let directions = 1.0 + (ALL_DIRECTIONS - 1.0) * (2.0 * (1.0 - aligned)).clamp(0.0, 1.0).sqrt();
         self.intensity * size2 * directions
     }
 }
@@ -125,7 +126,8 @@ fn joined(children: Vec<Child>, unit: f64) -> Subtree {
             root.parent = (0, slot as u32);
         }
     }
-    Subtree { nodes, reach: rows.iter().fold(Reach::NOTHING, |all, (_, reach)| all.union(reach)) }
+    let parts: Vec<Reach> = rows.into_iter().map(|(_, reach)| reach).collect();
+    Subtree { nodes, reach: Reach::around(&parts) }
 }
 
 /// Orders `items` into at most eight groups, and returns their sizes.

@@ -32,22 +32,11 @@ impl Cone {
     /// All directions.
     pub const ALL: Cone = Cone { axis: DVec3::Z, angle: PI };
 
-    /// Returns a cone around both, the smallest one but for rounding.
-    fn union(self, other: Cone) -> Cone {
-        let (a, b) = if self.angle >= other.angle { (self, other) } else { (other, self) };
-        let between = a.axis.dot(b.axis).clamp(-1.0, 1.0).acos();
-        if (between + b.angle).min(PI) <= a.angle {
-            return a;
-        }
-        let angle = 0.5 * (a.angle + between + b.angle);
-        let across = a.axis.cross(b.axis);
-        if angle >= PI || across.length_squared() <= 0.0 {
-            return Cone::ALL;
-        }
-        // Turns the axis of the wider one toward the other.
-        let aside = across.cross(a.axis).normalize();
-        let turn = angle - a.angle;
-        Cone { axis: (a.axis * turn.cos() + aside * turn.sin()).normalize(), angle }
+    /// Returns a cone around all of `cones`: around their mean direction, as wide as the farthest needs.
+    fn around(cones: &[Cone]) -> Cone {
+        let Some(axis) = cones.iter().map(|cone| cone.axis).sum::<DVec3>().try_normalize() else { return Cone::ALL };
+        let reach = |cone: &Cone| axis.dot(cone.axis).clamp(-1.0, 1.0).acos() + cone.angle;
+        Cone { axis, angle: cones.iter().map(reach).fold(0.0, f64::max).min(PI) }
     }
 }
 
@@ -61,20 +50,15 @@ impl Reach {
         intensity: 0.0,
     };
 
-    /// Returns bounds of both.
-    pub fn union(&self, other: &Reach) -> Reach {
-        if self.bounds.is_empty() {
-            return *other;
-        }
-        if other.bounds.is_empty() {
-            return *self;
-        }
+    /// Returns bounds of all of `parts`.
+    pub fn around(parts: &[Reach]) -> Reach {
+        let cones: Vec<Cone> = parts.iter().map(|part| part.normals).collect();
         Reach {
-            bounds: self.bounds.union(other.bounds),
-            normals: self.normals.union(other.normals),
-            spread: self.spread.max(other.spread),
-            two_sided: self.two_sided || other.two_sided,
-            intensity: self.intensity + other.intensity,
+            bounds: parts.iter().fold(Bounds::EMPTY, |all, part| all.union(part.bounds)),
+            normals: Cone::around(&cones),
+            spread: parts.iter().map(|part| part.spread).fold(0.0, f64::max),
+            two_sided: parts.iter().any(|part| part.two_sided),
+            intensity: parts.iter().map(|part| part.intensity).sum(),
         }
     }
 }
@@ -84,13 +68,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_union_of_cones_contains_both() {
+    fn a_cone_around_others_contains_them() {
         let axes = [DVec3::X, DVec3::new(0.6, 0.8, 0.0), DVec3::NEG_X, DVec3::new(-1.0, 1e-9, 0.0).normalize()];
         let cones = axes.iter().flat_map(|&axis| [0.0, 0.1, 1.0, 2.0, PI].map(|angle| Cone { axis, angle }));
         let cones: Vec<Cone> = cones.collect();
         for a in &cones {
             for b in &cones {
-                let both = a.union(*b);
+                let both = Cone::around(&[*a, *b]);
                 for part in [a, b] {
                     let farthest = both.axis.dot(part.axis).clamp(-1.0, 1.0).acos() + part.angle;
                     // Rounding of the arc cosine near 1 is 2e-8.
