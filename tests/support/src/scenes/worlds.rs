@@ -125,7 +125,7 @@ fn open() -> World {
     let mut scene = Description::default();
     lamp(&mut scene, true);
     for (x, double_sided) in [(-0.7, false), (0.0, true), (0.7, false)] {
-        let material = Material { emission: LAMP * 4.0, double_sided, ..matte(0.0, 0.0) };
+        let material = Material { emission: LAMP, double_sided, ..matte(0.0, 0.0) };
         add_square(&mut scene, Vec3::new(x, 0.1, -0.8), Vec3::X * 0.05, Vec3::Y * 0.05, material);
     }
     add_square(&mut scene, Vec3::new(0.0, -0.9, 0.0), Vec3::X, Vec3::NEG_Z, matte(0.6, 0.0));
