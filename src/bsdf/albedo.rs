@@ -59,6 +59,17 @@ pub struct LaneMoments<F> {
     schlick: F,
 }
 
+/// Returns the columns of a row of a table in each lane. All rows are found before the first is read: calls of closures
+/// that search are not inlined into [`Float::rows`].
+#[inline(always)]
+fn columns_of<F: Float>(row: impl Fn(usize) -> &'static [f32; ROW]) -> [F; ROW] {
+    let mut rows = [row(0); MOST_LANES];
+    for (lane, found) in rows.iter_mut().enumerate().take(F::LANES) {
+        *found = row(lane);
+    }
+    F::rows(|lane| rows[lane])
+}
+
 impl<F: Float> LaneMoments<F> {
     /// Does [`Albedo::at`] in every lane, for the albedos that [`Albedo::place`] describes.
     #[inline(always)]
@@ -71,15 +82,12 @@ impl<F: Float> LaneMoments<F> {
         let cell = x.min(F::splat((CELLS - 1) as f32)).to_int();
         let (row, part, rest) = (row.to_int(), x - F::from_int(cell), weight);
         let table = &*TABLE;
-        let mut corners = [&table.corners[0][0]; MOST_LANES];
-        for (lane, corners) in corners.iter_mut().enumerate().take(F::LANES) {
-            *corners = &table.corners[row.lane(lane) as usize][cell.lane(lane) as usize];
-        }
         let interpolated = |[left, right, below_left, below_right]: [F; 4]| {
             let (a, b) = (left + (below_left - left) * rest, right + (below_right - right) * rest);
             a + (b - a) * part
         };
-        let [a, b, c, d, e, f, g, h] = F::rows(|lane| corners[lane]);
+        let [a, b, c, d, e, f, g, h] =
+            columns_of::<F>(|lane| &table.corners[row.lane(lane) as usize][cell.lane(lane) as usize]);
         let m = (one - sum * interpolated([e, f, g, h])).max(F::splat(0.0));
         LaneMoments { white: interpolated([a, b, c, d]), schlick: (m * m) * (m * m) * m }
     }
@@ -118,11 +126,8 @@ impl<F: Float> LaneAlbedo<F> {
     #[inline(always)]
     pub fn mean(&self, [f0, f90]: [Spectrum<F>; 2]) -> Spectrum<F> {
         let (rows, table) = (self.row.to_int(), &*TABLE);
-        let mut means = [&table.means[0]; MOST_LANES];
-        for (lane, means) in means.iter_mut().enumerate().take(F::LANES) {
-            *means = &table.means[rows.lane(lane) as usize];
-        }
-        let [white, next_white, schlick, next_schlick, ..] = F::rows(|lane| means[lane]);
+        let [white, next_white, schlick, next_schlick, ..] =
+            columns_of::<F>(|lane| &table.means[rows.lane(lane) as usize]);
         let white = white + (next_white - white) * self.weight;
         let grazing = schlick + (next_schlick - schlick) * self.weight;
         f0 * (white - grazing) + f90 * grazing
@@ -140,9 +145,8 @@ impl<T: Scalar> AlbedoMoments<T> {
 impl Albedo {
     /// Returns the albedo of `ggx`.
     pub fn of(ggx: Ggx) -> Self {
-        let x = ggx.alpha().sqrt() * ROWS as f32;
-        let row = (x as usize).min(ROWS - 1);
-        Albedo { table: &TABLE, row, weight: x - row as f32, alpha: ggx.alpha() }
+        let LaneAlbedo { row, weight, alpha } = LaneAlbedo::of(ggx.alpha());
+        Albedo { table: &TABLE, row: row as usize, weight, alpha }
     }
 
     /// Returns the row of its table, the weight of the next one, and α, for [`LaneMoments::new`].

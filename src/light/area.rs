@@ -96,7 +96,7 @@ impl Emission {
             return self.radiance;
         }
         let points = centroids(self.divisions());
-        let value = |&b: &[f32; 2]| self.at(b) * self.coverage.as_ref().map_or(1.0, |c| c.at(b));
+        let value = |&b: &[f32; 2]| self.at(b) * self.covered(b);
         let sum = points.iter().map(value).fold(Spectrum::ZERO, |sum, value| sum + value);
         let (mean, count) = (sum / points.len() as f32, points.len() as f32);
         let missed = mean.is_black() && !self.is_black();
@@ -114,6 +114,17 @@ impl Emission {
         let coverage = self.coverage.as_ref().and_then(|c| c.texture.as_ref());
         let texels = span(self.texture.as_deref()).max(span(coverage));
         ((0.5 * texels).ceil() as u32).clamp(LEAST_DIVISIONS, MOST_DIVISIONS)
+    }
+
+    /// Returns the alpha at a point.
+    #[inline]
+    fn covered(&self, barycentric: [f32; 2]) -> f32 {
+        self.coverage.as_ref().map_or(1.0, |coverage| coverage.at(barycentric))
+    }
+
+    /// Returns the number of emitting sides.
+    fn sides(&self) -> f64 {
+        if self.two_sided { 2.0 } else { 1.0 }
     }
 
     /// Returns the radiance at a point.
@@ -191,7 +202,7 @@ impl AreaLight {
         let (q, error) = self.triangle.point(barycentric);
         let (wi, d2) = toward(q.into(), p.into());
         let wi = Vec3::from(wi);
-        let coverage = self.emission.coverage.as_ref().map_or(1.0, |c| c.at(barycentric));
+        let coverage = self.emission.covered(barycentric);
         let radiance = self.radiance(barycentric, -wi) * coverage;
         let pdf = self.pdf_li(d2, wi);
         if radiance.is_black() || pdf.value() <= 0.0 || d2 == 0.0 {
@@ -229,7 +240,7 @@ impl AreaLight {
             false => (self.ng, 1.0),
         };
         let w = Frame::around(normal).to_world(Local::from(warp::cosine_hemisphere(u.direction)));
-        let coverage = self.emission.coverage.as_ref().map_or(1.0, |c| c.at(barycentric));
+        let coverage = self.emission.covered(barycentric);
         // The cosine is in the density of the direction.
         let power = self.emission.at(barycentric) * (coverage * sides * std::f32::consts::PI / self.density.value());
         let ray = leave(p, error, self.ng, self.touched, w);
@@ -273,13 +284,12 @@ impl AreaLight {
 
     /// Returns where it shines, for the light tree; `None` if it does not illuminate.
     pub(super) fn reach(&self) -> Option<Reach> {
-        let sides = if self.emission.two_sided { 2.0 } else { 1.0 };
         (self.power() > 0.0).then(|| Reach {
             bounds: Bounds::around(self.triangle.vertices),
             normals: Cone { axis: self.ng.as_dvec3(), angle: 0.0 },
             spread: FRAC_PI_2,
             two_sided: self.emission.two_sided,
-            intensity: self.power() / (sides * PI),
+            intensity: self.power() / (self.emission.sides() * PI),
         })
     }
 
@@ -289,8 +299,7 @@ impl AreaLight {
         if self.emission.only_seen {
             return 0.0;
         }
-        let sides = if self.emission.two_sided { 2.0 } else { 1.0 };
-        sides * PI * self.triangle.area() * f64::from(self.mean_radiance.mean())
+        self.emission.sides() * PI * self.triangle.area() * f64::from(self.mean_radiance.mean())
     }
 }
 
