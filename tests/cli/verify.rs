@@ -83,12 +83,16 @@ fn a_budget_is_kept() {
     let place = Place::new();
     let (start, budget) = (Instant::now(), 4.0);
     let report = place.report(&box_line("--budget 4s --backends obvhs"));
-    let seconds: Vec<f64> =
+    let mut seconds: Vec<f64> =
         report["candidates"].as_array().unwrap().iter().map(|c| c["seconds"].as_f64().unwrap()).collect();
     let total: f64 = seconds.iter().sum();
     // Blocks of 32 passes of 32×32 pixels take a few hundredths of a second; a busy machine some tenths.
     assert!((0.7 * budget..1.5 * budget).contains(&total), "{seconds:?} of {:?}", start.elapsed());
-    assert!(seconds.iter().all(|s| (0.5..1.6).contains(&(s / total * seconds.len() as f64))), "{seconds:?}");
+    // A machine that stands still for a moment does so in the last block of one candidate: that one may be far over.
+    seconds.sort_by(f64::total_cmp);
+    let shares: Vec<f64> = seconds.iter().map(|s| s / budget * seconds.len() as f64).collect();
+    let (stalled, others) = shares.split_last().unwrap();
+    assert!(others.iter().all(|share| (0.5..1.6).contains(share)) && *stalled < 3.0, "{shares:?}");
 }
 
 #[test]
