@@ -64,6 +64,13 @@ impl Ggx {
         self.d(h) / (T::of(2.0) * masking)
     }
 
+    /// Returns an upper bound of [`Ggx::reflection`] times the cosine of the other direction, for `known`.
+    #[inline]
+    pub fn most_reflection(self, known: Local) -> f32 {
+        // The masking is at least |cos| of the other direction times the root of this one, and D is highest at the normal.
+        self.d(Local::new(0.0, 0.0, 1.0)) / (2.0 * self.root(known))
+    }
+
     /// Returns the density per solid angle of the reflection of `known` at a visible normal `h`.
     #[inline]
     pub fn reflection_pdf<T: Scalar>(self, known: Local<T>, h: Local<T>) -> T {

@@ -15,7 +15,7 @@ use super::conductor::invert_reflection;
 use super::fresnel::schlick;
 use super::ggx::{Ggx, facing, half, reflect, through};
 use super::lambert::{cosine_direction, cosine_pdf, invert_cosine};
-use super::{Bsdf, BsdfSample, Dielectric, Lobes, within};
+use super::{Bsdf, BsdfSample, Dielectric, Lobes, ScatteringBound, within};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::warp::into_unit;
@@ -75,6 +75,18 @@ impl MetalDielectric {
     #[inline]
     pub(super) fn refracts(&self) -> bool {
         matches!(self.transmission, Transmission::Solid(_))
+    }
+
+    /// See [`super::Surface::bound`].
+    pub(super) fn bound(&self, known: Local) -> ScatteringBound {
+        let scatters = !self.ggx.is_dirac();
+        if scatters && !matches!(self.transmission, Transmission::None) {
+            return ScatteringBound::NONE;
+        }
+        let facets = self.specular.f0.max_lane().max(self.specular.f90.max_lane());
+        let glossy = if scatters { facets * self.ggx.most_reflection(known) } else { 0.0 };
+        // The layer transmits at most all light, in both directions.
+        ScatteringBound { diffuse: (self.diffuse * self.coupling).max_lane() * FRAC_1_PI, glossy }
     }
 
     /// Whether its transmission is unscattered.

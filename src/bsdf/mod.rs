@@ -7,6 +7,7 @@
 //! [`shading`].
 
 pub mod albedo;
+mod bound;
 mod conductor;
 mod dielectric;
 pub mod fresnel;
@@ -21,6 +22,7 @@ mod straight;
 mod surface;
 mod thin;
 
+pub use bound::ScatteringBound;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use fresnel::Fresnel;

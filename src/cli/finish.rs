@@ -118,6 +118,7 @@ fn complain(report: &RenderReport, outputs: &Outputs, console: Console) {
     }
     if let Some(clamp) = report.clamp() {
         let (limit, samples, share) = (clamp.limit, clamp.samples, clamp.share_removed * 100.0);
-        warn(&format!("biased: --clamp {limit} changed {samples} samples and took {share:.3} % of the light"));
+        let setting = clamp.setting;
+        warn(&format!("biased: --{setting} {limit} changed {samples} samples and took {share:.3} % of the light"));
     }
 }

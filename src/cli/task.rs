@@ -101,7 +101,8 @@ impl Task {
 pub(super) fn warnings(provenance: &Provenance) -> Vec<String> {
     let scene = &provenance.scene;
     let ignored = scene.ignored.iter().map(|text| format!("ignored: {text}"));
-    let clamped = provenance.settings.clamp.map(|limit| format!("--clamp {limit}: the image is biased, and says so"));
+    let clamping = provenance.settings.clamping();
+    let clamped = clamping.map(|(setting, limit)| format!("--{setting} {limit}: the image is biased, and says so"));
     let mut told = HashSet::new();
     let all = scene.warnings.iter().cloned().chain(ignored).chain(scene.blind_spots.iter().cloned()).chain(clamped);
     all.filter(|text| told.insert(text.clone())).collect()

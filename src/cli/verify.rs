@@ -133,6 +133,7 @@ fn refuse_senseless(line: &SettingsPatch) -> Result<()> {
         ("--target-error", line.target_error.is_some(), "give a --budget"),
         ("--replicates", line.replicates.is_some(), "there are always 32"),
         ("--clamp", line.clamp.is_some(), "clamping biases each method differently"),
+        ("--clamp-vpl", line.clamp_vpl.is_some(), "it biases vpl and lightcuts"),
         ("--aov", line.aovs.is_some(), "only colour is compared"),
     ];
     match given.into_iter().find(|(_, is_given, _)| *is_given) {

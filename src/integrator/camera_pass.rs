@@ -222,7 +222,13 @@ impl PassReport {
     pub(super) fn add_tally(&mut self, tally: &TraceStats) {
         self.absorb(PassReport {
             rays: RayCounts { camera: tally.cameras, bounce: tally.bounces, shadow: tally.shadows },
-            guards: Guards { bad_hits: tally.bad_hits, overlong_paths: tally.overlong, ..Guards::default() },
+            guards: Guards {
+                bad_hits: tally.bad_hits,
+                overlong_paths: tally.overlong,
+                clamped: tally.clamped,
+                clamped_energy: tally.clamped_energy,
+                ..Guards::default()
+            },
             ..PassReport::default()
         });
     }

@@ -31,6 +31,15 @@ pub enum Method {
     /// Light tracing: light subpaths with each vertex connected to the camera. Blind to what is seen in mirrors and
     /// through clear glass.
     Light,
+    /// Instant radiosity: every vertex of a camera path is lit by all virtual point lights of the pass. A reference for
+    /// lightcuts.
+    Vpl,
+    /// Stochastic lightcuts: many lights and virtual point lights, chosen for each vertex of a camera path by a cut
+    /// through their tree.
+    Lightcuts,
+    /// Deterministic lightcuts: lights and virtual point lights in groups, of each of which the same light stands for all,
+    /// within an error bound. Biased: for previews.
+    DeterministicLightcuts,
     /// Bidirectional path tracing: subpaths from both ends and all connections between them, combined by multiple
     /// importance sampling.
     Bdpt,
@@ -50,13 +59,20 @@ impl Method {
             // A light subpath splats to a few pixels anywhere, rarely the same ones again. A splat contributes to all
             // pixels in its filter footprint.
             Method::Light | Method::Bdpt => Independent::Blocks,
+            // All pixels of a pass share the virtual lights.
+            Method::Vpl | Method::Lightcuts | Method::DeterministicLightcuts => Independent::Replicates,
             Method::Pssmlt | Method::Mmlt | Method::Mlt => Independent::Replicates,
         }
     }
 
+    /// Whether the mean of its images is not that of the other methods.
+    pub fn is_biased(self) -> bool {
+        self == Method::DeterministicLightcuts
+    }
+
     /// Whether passes are groups of Markov chains.
     pub fn has_chains(self) -> bool {
-        self.independent() == Independent::Replicates
+        matches!(self, Method::Pssmlt | Method::Mmlt | Method::Mlt)
     }
 
     /// Default number of replicates for error estimation. Each replicate costs some of the advantage of quasi-random

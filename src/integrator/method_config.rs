@@ -20,6 +20,12 @@ pub enum MethodConfig {
     Light,
     /// [`Method::Bdpt`].
     Bdpt(BdptConfig),
+    /// [`Method::Vpl`].
+    Vpl(VplConfig),
+    /// [`Method::Lightcuts`].
+    Lightcuts(LightcutsConfig),
+    /// [`Method::DeterministicLightcuts`].
+    DeterministicLightcuts(DeterministicLightcutsConfig),
     /// [`Method::Pssmlt`].
     Pssmlt(PssmltConfig),
     /// [`Method::Mmlt`].
@@ -36,6 +42,41 @@ pub struct BdptConfig {
     pub techniques: Techniques,
     /// Heuristic of the MIS weights.
     pub heuristic: Heuristic,
+}
+
+/// Parameters of instant radiosity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct VplConfig {
+    /// Light subpaths of a pass.
+    pub virtual_lights: u32,
+    /// Limit of the contribution of a virtual light, as a multiple of the typical radiance, without compensation; `None`
+    /// for none.
+    pub clamp_vpl: Option<f64>,
+}
+
+/// Parameters of stochastic lightcuts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct LightcutsConfig {
+    /// Light subpaths of a pass; `None` to derive it from the image size.
+    pub virtual_lights: Option<u32>,
+    /// See [`VplConfig::clamp_vpl`].
+    pub clamp_vpl: Option<f64>,
+    /// Groups of a cut, of the scene's lights and of virtual lights.
+    pub cut_size: u32,
+}
+
+/// Parameters of deterministic lightcuts.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct DeterministicLightcutsConfig {
+    /// Light subpaths of a pass.
+    pub virtual_lights: u32,
+    /// See [`VplConfig::clamp_vpl`].
+    pub clamp_vpl: Option<f64>,
+    /// Largest error of the light at a point, as a share of it.
+    pub cut_error: f64,
 }
 
 /// Parameters of all methods with chains.
@@ -101,6 +142,24 @@ impl Default for BdptConfig {
     }
 }
 
+impl Default for VplConfig {
+    fn default() -> Self {
+        VplConfig { virtual_lights: 64, clamp_vpl: None }
+    }
+}
+
+impl Default for LightcutsConfig {
+    fn default() -> Self {
+        LightcutsConfig { virtual_lights: None, clamp_vpl: None, cut_size: 16 }
+    }
+}
+
+impl Default for DeterministicLightcutsConfig {
+    fn default() -> Self {
+        DeterministicLightcutsConfig { virtual_lights: 64, clamp_vpl: None, cut_error: 0.1 }
+    }
+}
+
 impl Default for PssmltConfig {
     fn default() -> Self {
         PssmltConfig { bdpt: BdptConfig::default(), chains: ChainsConfig::default(), large_step: 0.3 }
@@ -122,6 +181,11 @@ impl From<Method> for MethodConfig {
             Method::Path => MethodConfig::Path,
             Method::Light => MethodConfig::Light,
             Method::Bdpt => MethodConfig::Bdpt(BdptConfig::default()),
+            Method::Vpl => MethodConfig::Vpl(VplConfig::default()),
+            Method::Lightcuts => MethodConfig::Lightcuts(LightcutsConfig::default()),
+            Method::DeterministicLightcuts => {
+                MethodConfig::DeterministicLightcuts(DeterministicLightcutsConfig::default())
+            }
             Method::Pssmlt => MethodConfig::Pssmlt(PssmltConfig::default()),
             Method::Mmlt => MethodConfig::Mmlt(MmltConfig::default()),
             Method::Mlt => MethodConfig::Mlt(MltConfig::default()),
@@ -144,6 +208,9 @@ impl MethodConfig {
             MethodConfig::Path => Method::Path,
             MethodConfig::Light => Method::Light,
             MethodConfig::Bdpt(_) => Method::Bdpt,
+            MethodConfig::Vpl(_) => Method::Vpl,
+            MethodConfig::Lightcuts(_) => Method::Lightcuts,
+            MethodConfig::DeterministicLightcuts(_) => Method::DeterministicLightcuts,
             MethodConfig::Pssmlt(_) => Method::Pssmlt,
             MethodConfig::Mmlt(_) => Method::Mmlt,
             MethodConfig::Mlt(_) => Method::Mlt,
@@ -158,7 +225,22 @@ impl MethodConfig {
             MethodConfig::Mmlt(config) => config.bdpt,
             MethodConfig::Mlt(config) => config.bdpt,
             MethodConfig::Light => BdptConfig { techniques: Techniques::LIGHT, ..BdptConfig::default() },
-            MethodConfig::PathNaive | MethodConfig::PathNee | MethodConfig::Path => BdptConfig::default(),
+            MethodConfig::PathNaive
+            | MethodConfig::PathNee
+            | MethodConfig::Path
+            | MethodConfig::Vpl(_)
+            | MethodConfig::Lightcuts(_)
+            | MethodConfig::DeterministicLightcuts(_) => BdptConfig::default(),
+        }
+    }
+
+    /// Returns the limit of virtual lights that is not compensated, if any.
+    pub fn clamp_vpl(&self) -> Option<f64> {
+        match self {
+            MethodConfig::Vpl(config) => config.clamp_vpl,
+            MethodConfig::Lightcuts(config) => config.clamp_vpl,
+            MethodConfig::DeterministicLightcuts(config) => config.clamp_vpl,
+            _ => None,
         }
     }
 

@@ -7,6 +7,7 @@ mod execution;
 mod features;
 mod film_renderer;
 mod ids;
+mod many_lights;
 mod method;
 mod method_config;
 mod metropolis;
@@ -25,8 +26,12 @@ mod scenes;
 pub use execution::Execution;
 pub use film_renderer::FilmRenderer;
 pub use ids::ids;
+pub use many_lights::MOST_GROUPS;
 pub use method::Method;
-pub use method_config::{BdptConfig, ChainsConfig, MethodConfig, MltConfig, MmltConfig, PssmltConfig};
+pub use method_config::{
+    BdptConfig, ChainsConfig, DeterministicLightcutsConfig, LightcutsConfig, MethodConfig, MltConfig, MmltConfig,
+    PssmltConfig, VplConfig,
+};
 pub use metropolis::{ChainDigest, ChainReport, Mutations, Normalisation, Tiles};
 pub use pilot::PilotEstimate;
 pub use prior::prior;
@@ -119,6 +124,11 @@ pub fn build<'a>(
             let tracer = Bidirectional::new(scene, &camera, options, pilot);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
+        MethodConfig::Vpl(config) => many_lights::vpl(scene, camera, options, config, pilot),
+        MethodConfig::Lightcuts(config) => many_lights::lightcuts(scene, camera, options, config, pilot),
+        MethodConfig::DeterministicLightcuts(config) => {
+            many_lights::deterministic_lightcuts(scene, camera, options, config, pilot)
+        }
         MethodConfig::Pssmlt(config) => metropolis::pssmlt(scene, camera, options, config, pilot),
         MethodConfig::Mmlt(config) => metropolis::mmlt(scene, camera, options, config, pilot),
         MethodConfig::Mlt(config) => metropolis::mlt(scene, camera, options, config, pilot),
@@ -162,10 +172,14 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
     if method == Method::PathNaive && features.dirac {
         spots.push("path-naive does not see mirrors and clear glass: they are black".into());
     }
-    if matches!(method, Method::Path | Method::PathNee) && features.dirac && features.dirac_lights {
+    let misses_caustics = match method {
+        Method::Path | Method::PathNee | Method::Vpl | Method::Lightcuts | Method::DeterministicLightcuts => true,
+        Method::PathNaive | Method::Light | Method::Bdpt | Method::Pssmlt | Method::Mmlt | Method::Mlt => false,
+    };
+    if misses_caustics && features.dirac && features.dirac_lights {
+        let name: &str = method.into();
         spots.push(format!(
-            "{} does not see what mirrors and clear glass throw of point, spot and directional lights: bdpt does",
-            if method == Method::Path { "path" } else { "path-nee" }
+            "{name} does not see what mirrors and clear glass throw of point, spot and directional lights: bdpt does"
         ));
     }
     if method == Method::Light && features.dirac {
@@ -208,7 +222,7 @@ pub struct Guards {
     pub bad_hits: u64,
     /// Paths cut at the emergency length limit.
     pub overlong_paths: u64,
-    /// Samples that `--clamp` reduced: the image is biased.
+    /// Samples that `--clamp` or `--clamp-vpl` reduced: the image is biased.
     pub clamped: u64,
     /// Sum over lanes of the clamped excess, in radiance × samples.
     pub clamped_energy: f64,

@@ -30,11 +30,17 @@ fn rare_radiance(method: Method, scene: &Scene) -> f64 {
     let lamps = lights.iter().filter(|light| light.largest_radiance().is_none_or(|radiance| radiance > 0.0));
     let irradiance = lamps.map(|light| light.power(scene.radius())).sum::<f64>() / (PI * radius * radius);
     let sampled = irradiance / (PI * alpha * alpha);
+    let without_extent = lights.iter().all(|light| light.is_dirac());
     match method {
         Method::PathNaive => brightest,
         Method::PathNee | Method::Light => sampled,
-        Method::Path | Method::Bdpt if lights.iter().all(|light| light.is_dirac()) => sampled,
-        Method::Path | Method::Bdpt => sampled.min(brightest),
+        Method::Path | Method::Bdpt | Method::Vpl | Method::Lightcuts | Method::DeterministicLightcuts => {
+            if without_extent {
+                sampled
+            } else {
+                sampled.min(brightest)
+            }
+        }
         Method::Pssmlt | Method::Mmlt | Method::Mlt => 0.0,
     }
 }

@@ -9,6 +9,7 @@ mod choose;
 mod emit;
 mod environment;
 mod lat_long;
+mod light_cuts;
 mod punctual;
 mod sky;
 mod tree;
@@ -18,9 +19,10 @@ pub use choose::{ChosenLight, LightChoice, Lights};
 pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
 pub use environment::Environment;
 pub use lat_long::EnvironmentMap;
+pub use light_cuts::LightCuts;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};
 pub use sky::ConstantEnvironment;
-pub use tree::{Cone, LightTree, Reach};
+pub use tree::{Cone, Cut, GroupValues, LightGroup, LightTree, Reach};
 
 use crate::geometry::{Bounds, Hit, SurfacePoint};
 use crate::sampling::Density;
@@ -151,7 +153,7 @@ impl Light {
     }
 
     /// Returns where it shines, for the light tree; `None` at infinity and for a light that does not illuminate.
-    fn reach(&self) -> Option<Reach> {
+    pub fn reach(&self) -> Option<Reach> {
         match self {
             Light::Point(light) => light.reach(),
             Light::Spot(light) => light.reach(),

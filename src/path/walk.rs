@@ -45,6 +45,10 @@ pub struct TraceStats {
     pub bad_hits: u64,
     /// Paths that reached the emergency length limit.
     pub overlong: u64,
+    /// Contributions that were limited without compensation.
+    pub clamped: u64,
+    /// Sum over lanes of the excess, in radiance × samples.
+    pub clamped_energy: f64,
 }
 
 impl TraceStats {
@@ -55,6 +59,14 @@ impl TraceStats {
         self.shadows += other.shadows;
         self.bad_hits += other.bad_hits;
         self.overlong += other.overlong;
+        self.clamped += other.clamped;
+        self.clamped_energy += other.clamped_energy;
+    }
+
+    /// Counts a contribution that was limited without compensation, if its `excess` is not black.
+    pub fn limited(&mut self, excess: Spectrum) {
+        self.clamped += u64::from(!excess.is_black());
+        self.clamped_energy += excess.0.iter().map(|&x| f64::from(x)).sum::<f64>();
     }
 }
 

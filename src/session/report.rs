@@ -84,13 +84,15 @@ struct Rays {
     total: u64,
 }
 
-/// Effect of `--clamp` on the image.
+/// Effect of `--clamp` or `--clamp-vpl` on the image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Clamp {
     /// Always true: clamping biases the image.
     pub biased: bool,
-    /// The radiance limit.
-    pub limit: f32,
+    /// The setting.
+    pub setting: &'static str,
+    /// Its value: a radiance, or a multiple of the typical radiance.
+    pub limit: f64,
     /// Number of clamped samples.
     pub samples: u64,
     /// Radiance removed from the average pixel, as a mean over lanes.
@@ -151,7 +153,7 @@ impl RenderReport {
                 .chains
                 .as_ref()
                 .map(|chains| chains.digest(mean_of(film) * film.layout().pixels() as f64)),
-            clamp: settings.clamp.map(|limit| clamp(limit, provenance, film, error.as_ref())),
+            clamp: settings.clamping().map(|clamping| clamp(clamping, provenance, film, error.as_ref())),
             error,
             target: None,
             invalid: work.passes.invalid.iter().map(|&sample| Invalid { sample, replay: replay(sample) }).collect(),
@@ -309,13 +311,18 @@ impl Render {
     }
 }
 
-fn clamp(limit: f32, provenance: &Provenance, film: &Film, error: Option<&ImageError>) -> Clamp {
+fn clamp(
+    (setting, limit): (&'static str, f64),
+    provenance: &Provenance,
+    film: &Film,
+    error: Option<&ImageError>,
+) -> Clamp {
     let guards = provenance.work.passes.guards;
     let samples = provenance.settings.layout().pixels() as f64 * film.passes().len() as f64;
     let mean_removed = if samples > 0.0 { guards.clamped_energy / (samples * LANES as f64) } else { 0.0 };
     let mean = error.map_or_else(|| mean_of(film), |e| e.mean);
     let share_removed = if mean_removed > 0.0 { mean_removed / (mean + mean_removed) } else { 0.0 };
-    Clamp { biased: true, limit, samples: guards.clamped, mean_removed, share_removed }
+    Clamp { biased: true, setting, limit, samples: guards.clamped, mean_removed, share_removed }
 }
 
 /// Mean of all pixels and lanes.

@@ -78,6 +78,12 @@ impl RenderSettings {
         BuildOptions { backend: self.backend, build: self.build, threads, light_choice: self.light_choice }
     }
 
+    /// Returns the setting that biases the image by a limit, and its value.
+    pub fn clamping(&self) -> Option<(&'static str, f64)> {
+        let virtual_lights = self.method.clamp_vpl().map(|limit| ("clamp-vpl", limit));
+        self.clamp.map(|limit| ("clamp", f64::from(limit))).or(virtual_lights)
+    }
+
     /// Returns the time and animation of the scene that are rendered.
     pub fn moment(&self) -> Moment {
         Moment { frame: self.frame, animation: self.animation.clone() }
@@ -174,7 +180,7 @@ mod tests {
 
     /// Choices read by some methods only, each with those methods.
     const CHOICES: &[(&str, &[Method], Change)] = {
-        use Method::{Bdpt, Mlt, Mmlt, Pssmlt};
+        use Method::{Bdpt, DeterministicLightcuts, Lightcuts, Mlt, Mmlt, Pssmlt, Vpl};
         &[
             ("heuristic", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.heuristic = Some(Heuristic::Power)),
             ("without", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.without = Some(vec![Technique::Splat])),
@@ -183,6 +189,10 @@ mod tests {
             ("mutations", &[Mlt], |s| s.mutations = Some(Mutations { lens: 2.0, ..Mutations::default() })),
             ("chains", &[Pssmlt, Mmlt, Mlt], |s| s.chains = Some(7)),
             ("chain-threshold", &[Pssmlt, Mmlt, Mlt], |s| s.chain_threshold = Some(0.0)),
+            ("virtual-lights", &[Vpl, Lightcuts, DeterministicLightcuts], |s| s.virtual_lights = Some(7)),
+            ("clamp-vpl", &[Vpl, Lightcuts, DeterministicLightcuts], |s| s.clamp_vpl = Some(0.5)),
+            ("cut-error", &[DeterministicLightcuts], |s| s.cut_error = Some(0.1)),
+            ("cut-size", &[Lightcuts], |s| s.cut_size = Some(7)),
             ("two-stage", &[Pssmlt, Mmlt, Mlt], |s| s.two_stage = Some(true)),
         ]
     };

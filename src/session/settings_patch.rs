@@ -11,7 +11,8 @@ use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
 use crate::integrator::{
-    BdptConfig, ChainsConfig, Execution, Method, MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig,
+    BdptConfig, ChainsConfig, DeterministicLightcutsConfig, Execution, LightcutsConfig, MOST_GROUPS, Method,
+    MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig, VplConfig,
 };
 use crate::io::png::ToneCurve;
 use crate::light::LightChoice;
@@ -28,6 +29,9 @@ const DEFAULT_FPS: f64 = 24.0;
 
 /// Limit of samples per pixel if only an error target is given, so that a render that cannot reach it ends.
 const MOST_SPP_UNASKED: u32 = 1 << 16;
+
+/// Limit of the light subpaths with virtual lights: about 8 GB.
+const MOST_VIRTUAL_LIGHTS: u32 = 1 << 22;
 
 /// A render setting: the source of its `render.toml` key, its flag and its explanation.
 #[derive(Debug, Clone, Copy)]
@@ -172,6 +176,16 @@ settings! {
     "chain-threshold" | "limit" => chain_threshold: f64 { value: "TIMES", example: r#"10.0"# }
     /// Two-stage MLT: let chains visit dark parts of the image as often as bright ones
     "two-stage" => two_stage: bool { value: "BOOL", example: r#"true"# }
+    /// Light subpaths per pass whose vertices are virtual lights, for vpl and both lightcuts [default: 64; one for 4
+    /// pixels for lightcuts]
+    "virtual-lights" => virtual_lights: u32 { value: "SUBPATHS", example: r#"4096"# }
+    /// Groups of lights, and of virtual lights, that lightcuts samples at a point [default: 16]
+    "cut-size" => cut_size: u32 { value: "GROUPS", example: r#"16"# }
+    /// Largest error of the light at a point for deterministic-lightcuts, as a share of it [default: 0.1]
+    "cut-error" => cut_error: f64 { value: "SHARE", example: r#"0.1"# }
+    /// Limit what a virtual light contributes to this multiple of the typical radiance: less noise, but the image is
+    /// biased (darker in corners) [default: what the limit takes away is traced]
+    "clamp-vpl" => clamp_vpl: f64 { value: "TIMES", example: r#"1.0"# }
     /// Environment that replaces the scene's own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)
     "env" | "environment" => env: EnvironmentChoice { value: "RADIANCE|FILE", example: r#""sky.hdr""# }
     /// Turn the map about the up axis, counter-clockwise seen from above [default: 0]
@@ -316,6 +330,25 @@ impl SettingsPatch {
         }
         Ok(match MethodConfig::from(method) {
             MethodConfig::Bdpt(_) => MethodConfig::Bdpt(bdpt),
+            MethodConfig::Vpl(vpl) => {
+                let virtual_lights = self.virtual_lights()?.unwrap_or(vpl.virtual_lights);
+                MethodConfig::Vpl(VplConfig { virtual_lights, clamp_vpl: self.clamp_vpl()? })
+            }
+            MethodConfig::Lightcuts(lightcuts) => {
+                let cut_size = between("cut-size", self.cut_size.unwrap_or(lightcuts.cut_size), 1..=MOST_GROUPS)?;
+                let (virtual_lights, clamp_vpl) = (self.virtual_lights()?, self.clamp_vpl()?);
+                MethodConfig::Lightcuts(LightcutsConfig { virtual_lights, clamp_vpl, cut_size })
+            }
+            MethodConfig::DeterministicLightcuts(lightcuts) => {
+                let cut_error = self.cut_error.unwrap_or(lightcuts.cut_error);
+                if !(cut_error >= 0.0 && cut_error.is_finite()) {
+                    return Err(Error::usage("cut-error must not be negative"));
+                }
+                let virtual_lights = self.virtual_lights()?.unwrap_or(lightcuts.virtual_lights);
+                let clamp_vpl = self.clamp_vpl()?;
+                let config = DeterministicLightcutsConfig { virtual_lights, clamp_vpl, cut_error };
+                MethodConfig::DeterministicLightcuts(config)
+            }
             MethodConfig::Pssmlt(_) => MethodConfig::Pssmlt(PssmltConfig { bdpt, chains, large_step }),
             MethodConfig::Mmlt(_) => MethodConfig::Mmlt(MmltConfig { bdpt, chains, large_step, mmlt_depths }),
             MethodConfig::Mlt(_) => {
@@ -323,6 +356,17 @@ impl SettingsPatch {
             }
             plain => plain,
         })
+    }
+
+    fn virtual_lights(&self) -> Result<Option<u32>> {
+        self.virtual_lights.map(|count| in_range("virtual-lights", count, MOST_VIRTUAL_LIGHTS)).transpose()
+    }
+
+    fn clamp_vpl(&self) -> Result<Option<f64>> {
+        match self.clamp_vpl {
+            Some(clamp) if !(clamp > 0.0 && clamp.is_finite()) => Err(Error::usage("clamp-vpl must be above zero")),
+            clamp => Ok(clamp),
+        }
     }
 
     fn chains_config(&self) -> Result<ChainsConfig> {

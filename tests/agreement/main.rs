@@ -38,3 +38,4 @@ mod techniques;
 mod textures;
 mod touching;
 mod trusted;
+mod virtual_lights;

@@ -67,7 +67,7 @@ fn chosen<'a, 'b>(request: &MethodsRequest, field: &'a [BenchCase<'b>]) -> Resul
     let seeing: Vec<Method> = Method::all()
         .iter()
         .copied()
-        .filter(|&m| !m.has_chains() && integrator::blind_spots(m, &host.stage.scene).is_empty())
+        .filter(|&m| !m.has_chains() && !m.is_biased() && integrator::blind_spots(m, &host.stage.scene).is_empty())
         .collect();
     let other = seeing.iter().rev().find(|m| !request.methods.contains(m));
     let method =

@@ -9,12 +9,16 @@
 //! receiver, nor how the receiver scatters. Lights at infinity are not in the tree.
 
 mod build;
+mod cut;
 mod node;
 mod reach;
 #[cfg(test)]
 mod tests;
+mod upper;
 
+pub use cut::Cut;
 pub use reach::{Cone, Reach};
+pub use upper::{GroupValues, LightGroup};
 
 use super::LightSampleContext;
 use build::Item;
@@ -114,15 +118,17 @@ impl LightTree {
             }
             place = self.nodes[place.0 as usize].parent;
         }
-        let share = |&(node, slot): &(u32, u32)| {
-            let weights = self.nodes[node as usize].weights(at);
-            f64::from(weights.of[slot as usize]) / weights.total()
-        };
-        path.iter().rev().map(share).fold(begun, |pmf, share| pmf * share)
+        path.iter().rev().fold(begun, |pmf, &place| pmf * share(&self.nodes, place, at))
     }
 
     /// Returns an estimate of the irradiance of all its lights at the receiver, in units of the sum of intensities.
     pub fn importance(&self, at: &LightSampleContext) -> f64 {
         self.nodes[0].importance(at).into_iter().map(f64::from).sum()
     }
+}
+
+/// Returns the probability of the child at `place`, a node and a place in it, once a descent is at its node.
+fn share(nodes: &[Node], (node, slot): (u32, u32), at: &LightSampleContext) -> f64 {
+    let weights = nodes[node as usize].weights(at);
+    f64::from(weights.of[slot as usize]) / weights.total()
 }

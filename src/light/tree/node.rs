@@ -119,6 +119,11 @@ impl Node {
         self
     }
 
+    /// Returns the children that exist.
+    pub(super) fn occupied(&self) -> impl Iterator<Item = u32> {
+        self.children.into_iter().zip(self.intensity).filter(|child| child.1 > 0.0).map(|(child, _)| child)
+    }
+
     /// Returns the weights of the children for the receiver `at`: their importance, or their intensity if no light can
     /// arrive from any of them.
     #[inline]
@@ -128,12 +133,34 @@ impl Node {
     }
 
     /// Returns the importance of each child for the receiver `at`: an estimate of its irradiance, 0 only where no light
-    /// can arrive [ContyKulla18 §4.2]. Receivers get light on both sides. Cosines are bounded by cos (a − b) ≤ cos a +
-    /// sin b for the angle b under which a child is seen.
+    /// can arrive [ContyKulla18 §4.2]. Receivers get light on both sides.
     #[inline]
     pub(super) fn importance(&self, at: &LightSampleContext) -> [f32; WIDTH] {
-        type F = Native;
-        let row = |values: &[f32; WIDTH]| F::load(values, 0);
+        let (seen, margin) = (self.seen(at), Lane::splat(MARGIN));
+        let near = (seen.inverse * seen.inverse).min(row(&self.nearest));
+        let importance = row(&self.intensity) * seen.leaving.max(margin) * seen.arriving.max(margin) * near;
+        seen.where_lit(importance)
+    }
+
+    /// Returns an upper bound of cos (`diffuse` cos_x + `glossy`) / d² for each child, over all its points, where cos is
+    /// the cosine to a normal of the child and cos_x that to the receiver `at`.
+    #[inline]
+    pub(super) fn upper(&self, at: &LightSampleContext, [diffuse, glossy]: [f32; 2]) -> [f32; WIDTH] {
+        let seen = self.seen(at);
+        let [zero, one, margin] = [0.0, 1.0, MARGIN].map(Lane::splat);
+        let [leaving, arriving] = [seen.leaving, seen.arriving].map(|cos| (cos + margin).min(one));
+        // The least distance over the distance of the centre. Without one it is 0, and the bound infinite.
+        let share = (one - margin - row(&self.radius) * seen.inverse).max(zero);
+        let nearest = share / seen.inverse;
+        let scattered = Lane::splat(diffuse) * arriving + Lane::splat(glossy);
+        seen.where_lit(leaving * scattered / (nearest * nearest))
+    }
+
+    /// Returns how the children are seen from the receiver `at`. Cosines are bounded by cos (a − b) ≤ max(cos a, cos a
+    /// cos b) + sin b for the angle b under which a child is seen.
+    #[inline(always)]
+    fn seen(&self, at: &LightSampleContext) -> Seen {
+        type F = Lane;
         let rows = |values: &[[f32; WIDTH]; 3]| Vec3::new(row(&values[0]), row(&values[1]), row(&values[2]));
         let all = |v: glam::Vec3| Vec3::new(F::splat(v.x), F::splat(v.y), F::splat(v.z));
         let [zero, one, margin] = [0.0, 1.0, MARGIN].map(F::splat);
@@ -145,14 +172,42 @@ impl Node {
         let along = -wi.dot(rows(&self.axis));
         let along = along.max(along * row(&self.other_side));
         let off_normals = less(along, [row(&self.normals[0]), row(&self.normals[1])]);
-        let leaving = F::select(inside, one, (off_normals + sin_seen).min(one));
+        // cos b ≥ 1 − sin² b.
+        let off_box = off_normals.max(off_normals * (one - sin_seen * sin_seen)) + sin_seen;
+        let leaving = F::select(inside, one, off_box.min(one));
         let everywhere = if at.ng == glam::Vec3::ZERO { one } else { zero };
         let arriving = (wi.dot(all(at.ng)).abs() + sin_seen + everywhere).min(one);
-        let shines = leaving.above(row(&self.spread) - margin);
-        let near = (inverse * inverse).min(row(&self.nearest));
-        let importance = row(&self.intensity) * leaving.max(margin) * arriving.max(margin) * near;
+        let exists = row(&self.intensity).above(zero);
+        Seen { inverse, leaving, arriving, lit: leaving.above(row(&self.spread) - margin) & exists }
+    }
+}
+
+/// A number for each child.
+type Lane = Native;
+
+#[inline(always)]
+fn row(values: &[f32; WIDTH]) -> Lane {
+    Lane::load(values, 0)
+}
+
+/// The children of a node as a receiver sees them.
+struct Seen {
+    /// Inverse distances of their centres.
+    inverse: Lane,
+    /// Upper bounds of the cosines to their normals.
+    leaving: Lane,
+    /// Upper bounds of the cosines to the receiver's normal.
+    arriving: Lane,
+    /// Which may reach the receiver.
+    lit: <Lane as Float>::Mask,
+}
+
+impl Seen {
+    /// Returns `values` for children that may reach the receiver, and 0 for others.
+    #[inline(always)]
+    fn where_lit(&self, values: Lane) -> [f32; WIDTH] {
         let mut each = [0.0; WIDTH];
-        F::select(shines, importance, zero).store(&mut each, 0);
+        Lane::select(self.lit, values, Lane::splat(0.0)).store(&mut each, 0);
         each
     }
 }

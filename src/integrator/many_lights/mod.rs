@@ -1,0 +1,147 @@
+//! Methods that light all pixels of a pass by the same virtual lights: `vpl` and `lightcuts`.
+//!
+//! A pass traces light subpaths; their vertices are virtual lights. A camera walk gathers at each vertex the direct light,
+//! by samples of the scene's lights, and the indirect light from the virtual lights:
+//!
+//! - `vpl` (instant radiosity [Keller97]) from all of them. A reference for the other.
+//! - `lightcuts` (stochastic lightcuts [Yuksel19]) from one of each group of a cut through the light tree over them, and
+//!   likewise from one light of each group of a cut through the scene's lights. For diffuse interiors with many lamps.
+//! - `deterministic-lightcuts` [Walter05] from one of each group of a cut whose error is bounded, where points on the
+//!   scene's lights are virtual lights, too. Biased within the bound. For the record and for previews.
+//!
+//! A virtual light close to the receiver would be a bright spot. Its contribution is limited, and the walk goes on with
+//! the probability of the light that the limit takes away, so that the image is unbiased [KolligKeller06 §3]: see
+//! [`Limit`]. `--clamp-vpl` leaves the compensation out, which is bias. Virtual lights are common to all pixels, so that
+//! only replicates measure their noise.
+//!
+//! Limits: what is seen in mirrors is lit, but caustics from lights without extent are missing, as in `path`.
+
+mod bounded;
+mod gather;
+mod limit;
+mod virtual_lights;
+mod walk;
+
+use super::camera_pass::CameraPass;
+use super::samples::{PassNumbers, Samples, Work};
+use super::{
+    DeterministicLightcutsConfig, Integrator, IntegratorConfig, LightcutsConfig, PassReport, PilotEstimate, VplConfig,
+};
+use crate::camera::Camera;
+use crate::film::PassFilm;
+use crate::light::LightCuts;
+use crate::parallel::Cancel;
+use crate::scene::Scene;
+use bounded::BoundedGroups;
+pub use gather::MOST_GROUPS;
+use gather::{Gather, Indirect};
+use limit::Limit;
+use virtual_lights::VirtualLights;
+use walk::GatherWalk;
+
+/// Pixels per light subpath of a pass of `lightcuts`, by default.
+const PIXELS_PER_SUBPATH: usize = 4;
+
+/// An integrator with virtual lights.
+struct ManyLights<'a> {
+    scene: &'a Scene,
+    camera: Camera,
+    options: IntegratorConfig,
+    lights: LightCuts,
+    /// Light subpaths of a pass.
+    subpaths: usize,
+    selection: Selection,
+    limit: Limit,
+}
+
+/// From which virtual lights a vertex gathers.
+#[derive(Clone, Copy)]
+enum Selection {
+    All,
+    /// One of each group of a cut of this size.
+    Cut(usize),
+    /// One of each group of a cut whose error is below this share.
+    Bounded(f64),
+}
+
+/// Builds the integrator of `vpl`.
+pub(super) fn vpl<'a>(
+    scene: &'a Scene,
+    camera: Camera,
+    options: &IntegratorConfig,
+    config: VplConfig,
+    pilot: &PilotEstimate,
+) -> Box<dyn Integrator + 'a> {
+    let subpaths = config.virtual_lights as usize;
+    let limit = Limit::new(scene, pilot, subpaths, config.clamp_vpl);
+    let (options, lights) = (*options, LightCuts::new(scene.lights()));
+    Box::new(ManyLights { scene, camera, options, lights, subpaths, selection: Selection::All, limit })
+}
+
+/// Builds the integrator of `lightcuts`.
+pub(super) fn lightcuts<'a>(
+    scene: &'a Scene,
+    camera: Camera,
+    options: &IntegratorConfig,
+    config: LightcutsConfig,
+    pilot: &PilotEstimate,
+) -> Box<dyn Integrator + 'a> {
+    let size = config.cut_size as usize;
+    let by_pixels = options.pixels().div_ceil(PIXELS_PER_SUBPATH);
+    let subpaths = config.virtual_lights.map_or(by_pixels, |subpaths| subpaths as usize);
+    let limit = Limit::new(scene, pilot, size.min(subpaths), config.clamp_vpl);
+    let (options, lights) = (*options, LightCuts::new(scene.lights()));
+    Box::new(ManyLights { scene, camera, options, lights, subpaths, selection: Selection::Cut(size), limit })
+}
+
+/// Builds the integrator of `deterministic-lightcuts`.
+pub(super) fn deterministic_lightcuts<'a>(
+    scene: &'a Scene,
+    camera: Camera,
+    options: &IntegratorConfig,
+    config: DeterministicLightcutsConfig,
+    pilot: &PilotEstimate,
+) -> Box<dyn Integrator + 'a> {
+    let subpaths = config.virtual_lights as usize;
+    let limit = Limit::new(scene, pilot, subpaths, config.clamp_vpl);
+    let (options, lights) = (*options, LightCuts::of_distant(scene.lights()));
+    let selection = Selection::Bounded(config.cut_error);
+    Box::new(ManyLights { scene, camera, options, lights, subpaths, selection, limit })
+}
+
+impl Integrator for ManyLights<'_> {
+    fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
+        let &ManyLights { scene, ref camera, ref options, limit, .. } = self;
+        let lights = Samples::new(camera.clone(), options).of_pass(pass, Tracing { all: self, cancel })?;
+        let indirect = match self.selection {
+            Selection::All => Indirect::All,
+            Selection::Cut(size) => Indirect::Cut(size, lights.tree()),
+            Selection::Bounded(error) => Indirect::Bounded(BoundedGroups::new(&lights.all, lights.tree(), error)),
+        };
+        let gather = Gather { scene, lights: &self.lights, virtual_lights: &lights.all, indirect, limit };
+        let walk = GatherWalk::new(gather, options);
+        let mut report = CameraPass::new(walk, scene, camera.clone(), options).run_pass(pass, cancel, out)?;
+        report.add_tally(&lights.tally);
+        Some(report)
+    }
+}
+
+/// The light subpaths of a pass.
+struct Tracing<'p, 'a> {
+    all: &'p ManyLights<'a>,
+    cancel: &'p Cancel,
+}
+
+impl<'a> Work for Tracing<'_, 'a> {
+    type Output = Option<VirtualLights<'a>>;
+
+    fn run(self, numbers: impl PassNumbers) -> Self::Output {
+        let &ManyLights { scene, ref camera, ref options, subpaths, selection, .. } = self.all;
+        let longest = options.max_depth.unwrap_or(u32::MAX);
+        let mut lights = VirtualLights::trace(scene, camera, (subpaths, longest), numbers, self.cancel)?;
+        if matches!(selection, Selection::Bounded(_)) {
+            lights.add_emitters(scene, numbers);
+        }
+        Some(lights)
+    }
+}
