@@ -55,6 +55,7 @@ mod tests {
     use crate::sampling::lanes::uniform_sphere;
     use crate::sampling::{Address, IndependentSampler, Sampler, Slot};
     use crate::spectrum::Spectrum;
+    use glam::Vec3;
 
     /// Random surfaces and directions, half of them near the mirror image, where glossy lobes are highest.
     #[test]
@@ -77,7 +78,7 @@ mod tests {
                 metal_f90: Spectrum::ONE,
             }
             .surface();
-            let direction = |slot| Local::from(uniform_sphere(sampler.u2(i, slot)));
+            let direction = |slot| Local::from(Vec3::from(uniform_sphere(sampler.u2(i, slot))));
             let (known, other) = (direction(Slot::Film), direction(Slot::Lens));
             let spread = if i % 2 == 0 { 0.05 } else { 100.0 };
             let other = Local::new(other.x * spread - known.x, other.y * spread - known.y, other.z * spread + known.z);

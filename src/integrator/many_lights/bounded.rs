@@ -103,7 +103,7 @@ impl BoundedGroups {
     ) -> Limited {
         let ScatteringBound { diffuse, glossy } = bound(at.shading.point, at.shading.surface, at.shading.known());
         let lights = gather.virtual_lights;
-        let mut contribution = |number: usize| gather.from_virtual(&lights[number], at, 0, sampler, tally);
+        let mut contribution = |number: usize| gather.contribution(&lights[number], at, 0, sampler, tally);
         let (first, _) = self.summary(lights, LightGroup::ALL).representative;
         let whole = Group {
             group: LightGroup::ALL,

@@ -95,7 +95,7 @@ impl Gather<'_, '_> {
     pub(super) fn indirect(&self, at: &Receiver, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Limited {
         match &self.indirect {
             Indirect::All => {
-                let from = |light| self.from_virtual(light, at, 0, sampler, tally);
+                let from = |light| self.contribution(light, at, 0, sampler, tally);
                 self.virtual_lights.iter().map(from).fold(Limited::ZERO, |sum, light| sum.plus(light, 1.0))
             }
             Indirect::Cut(size, tree) => {
@@ -123,14 +123,14 @@ impl Gather<'_, '_> {
             let address = address(INDIRECT, at.bounce, k);
             let u = f64::from(sampler.u1(address, Slot::LightPick));
             let (light, pmf) = tree.sample_group(&cut, k, &receiver, u);
-            let light = self.from_virtual(&self.virtual_lights[light as usize], at, address, sampler, tally);
+            let light = self.contribution(&self.virtual_lights[light as usize], at, address, sampler, tally);
             sum = sum.plus(light, pmf.recip() as f32);
         }
         sum
     }
 
     /// Returns what `light` contributes to `at`.
-    pub(super) fn from_virtual(
+    pub(super) fn contribution(
         &self,
         light: &VirtualLight,
         at: &Receiver,

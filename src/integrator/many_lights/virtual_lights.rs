@@ -40,6 +40,7 @@ pub(super) struct VirtualLight<'a> {
 }
 
 /// What sends the light.
+#[allow(clippy::large_enum_variant)] // nearly all are vertices on surfaces
 enum Source<'a> {
     /// A surface, which scatters light from the unit direction `known`.
     Scattering { point: SurfacePoint, surface: Cow<'a, Surface>, known: Vec3 },

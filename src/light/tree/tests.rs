@@ -181,3 +181,74 @@ fn hard_lights_have_a_tree() {
     let pmf: Vec<f64> = (0..100).map(|light| uneven.pmf(&at, light, 1.0)).collect();
     assert!(pmf.iter().all(|&pmf| pmf > 0.0) && (pmf.iter().sum::<f64>() - 1.0).abs() < 1e-12);
 }
+
+/// Each light that can reach the receiver is in one group of a cut, and is selected there with the bits of its
+/// probability.
+#[test]
+fn cuts_hold_each_light_once() {
+    let mut numbers = Numbers::new(11);
+    let lights = lights(300, &mut numbers);
+    let tree = tree(&lights);
+    for i in 0..300 {
+        let at = receiver(&lights, i, &mut numbers);
+        for size in [1, 8, 30, 1000] {
+            let cut = tree.cut(&at, size);
+            assert!(cut.len() <= size, "{} groups of {size}", cut.len());
+            let sum: f64 = (0..lights.len()).map(|light| tree.cut_pmf(&cut, &at, light)).sum();
+            // Rounding of products and sums of hundreds of numbers below 1.
+            assert!((sum - cut.len() as f64).abs() < 1e-10, "{sum} of {} groups", cut.len());
+            for group in 0..cut.len() {
+                let (light, pmf) = tree.sample_group(&cut, group, &at, f64::from(numbers.next()));
+                assert_eq!(pmf.to_bits(), tree.cut_pmf(&cut, &at, light as usize).to_bits());
+            }
+        }
+        let whole = tree.cut(&at, usize::MAX);
+        for (light, _) in lights.iter().enumerate().filter(|(k, _)| tree.cut_pmf(&whole, &at, *k) == 0.0) {
+            let u = [numbers.next(), numbers.next()];
+            assert!(lights[light].sample_li(&at, u).is_none(), "light {light} is in no group and lights {at:?}");
+        }
+    }
+}
+
+/// The bounds of a group hold for each of its lights.
+#[test]
+fn no_light_is_above_the_bound_of_a_group() {
+    let mut numbers = Numbers::new(12);
+    let points = |numbers: &mut Numbers| Reach {
+        bounds: crate::geometry::Bounds::around([numbers.point()]),
+        normals: super::Cone { axis: numbers.direction().as_dvec3(), angle: 0.0 },
+        spread: std::f64::consts::FRAC_PI_2,
+        two_sided: numbers.next() < 0.3,
+        intensity: 1.0,
+    };
+    let reaches: Vec<Option<Reach>> = (0..200).map(|_| Some(points(&mut numbers))).collect();
+    let tree = LightTree::new(&reaches).expect("lights");
+    let mut closest = 0.0f64;
+    for i in 0..2000 {
+        let at = LightSampleContext { p: numbers.point() * 2.0, ng: numbers.direction() };
+        let (diffuse, glossy) = if i % 2 == 0 { (1.0, 0.0) } else { (0.3, 0.7) };
+        let exact = |light: usize| {
+            let Reach { bounds, normals, two_sided, .. } = reaches[light].expect("a light");
+            let to = bounds.center().as_dvec3() - at.p.as_dvec3();
+            let (d2, wi) = (to.length_squared(), to.normalize());
+            let cos = -wi.dot(normals.axis);
+            let cos = if two_sided { cos.abs() } else { cos.max(0.0) };
+            cos * (f64::from(diffuse) * wi.dot(at.ng.as_dvec3()).abs() + f64::from(glossy)) / d2
+        };
+        let most = tree.joined(exact, f64::max);
+        let mut groups = vec![(super::LightGroup::ALL, f32::INFINITY)];
+        while let Some((group, upper)) = groups.pop() {
+            let value = most.of(group, exact);
+            assert!(value <= f64::from(upper), "{group:?} for {at:?}: {value} > {upper}");
+            closest = closest.max(if upper.is_finite() { value / f64::from(upper) } else { 0.0 });
+            if group.light().is_none() {
+                let parts: Vec<_> = tree.parts(group, &at, [diffuse, glossy]).collect();
+                // A part that is left out has no light.
+                let kept = parts.iter().map(|part| most.of(part.0, exact)).fold(0.0, f64::max);
+                assert_eq!(kept, value, "a part of {group:?} is missing");
+                groups.extend(parts);
+            }
+        }
+    }
+    assert!(closest > 0.9, "no bound is close: {closest}");
+}
