@@ -63,8 +63,7 @@ mod tests {
         let mut sampler = IndependentSampler::new(Address::new(5));
         let (mut close, mut bounded) = (0.0f32, 0);
         for i in 0..40_000 {
-            let u = |slot| sampler.u1(i, slot);
-            let [a, b, c] = [Slot::Lobe, Slot::LightPick, Slot::Roulette].map(u);
+            let [a, b, c] = [Slot::Lobe, Slot::LightPick, Slot::Roulette].map(|slot| sampler.u1(i, slot));
             let surface = MetallicRoughness {
                 base: Spectrum::from_rgb([a, b, c]),
                 metallic: [0.0, 1.0, b][i as usize % 3],
@@ -78,8 +77,8 @@ mod tests {
                 metal_f90: Spectrum::ONE,
             }
             .surface();
-            let direction = |slot| Local::from(Vec3::from(uniform_sphere(sampler.u2(i, slot))));
-            let (known, other) = (direction(Slot::Film), direction(Slot::Lens));
+            let [known, other] =
+                [Slot::Film, Slot::Lens].map(|slot| Local::from(Vec3::from(uniform_sphere(sampler.u2(i, slot)))));
             let spread = if i % 2 == 0 { 0.05 } else { 100.0 };
             let other = Local::new(other.x * spread - known.x, other.y * spread - known.y, other.z * spread + known.z);
             let other = other.scale(other.dot(other).sqrt().recip());
