@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Time to error on the Cornell box (S1), the landscape (S7) and three scenes for bidirectional methods (S2, S4, S6), étendue and other
-# renderers interleaved in one run, étendue's ray rates and its start-up time. For an otherwise idle machine; about half an hour. Results go to bench/out/.
+# Time to error on the Cornell box (S1), the landscape (S7), three scenes for bidirectional methods (S2, S4, S6) and ten thousand
+# lights (S5), étendue and other renderers interleaved in one run, étendue's ray rates and its start-up time. For an otherwise
+# idle machine; about half an hour. Results go to bench/out/.
 #
 #   PEERS=../shared/peers   the folder with versus.py, its references and setup.sh, which installs the other renderers
 #   PEERS_WORK=…            where that installed them (default ~/.cache/etendue-peers)
@@ -38,6 +39,11 @@ for pair in S2:modified-cornell S4:glass-caustic S6:ajar-door; do
   "$python" "$peers/versus.py" "$name" --peers mi_llvm:64 lux_bidir:16 --reps "${REPS:-5}" \
     --ours "$(ours "$scene" 64)" --ours "$(ours "$scene" 16 -m bdpt)" --json "bench/out/$name.json" | tee "bench/out/$name.txt"
 done
+# Ten thousand lights, by the tree and by power, of the meshes of the other renderers.
+"$python" bench/peer_scene.py "${PEERS_WORK:-$HOME/.cache/etendue-peers}/scenes/S5" bench/out/S5.glb
+many="$etendue render bench/out/S5.glb --filter box --depth 64 --size 256x256 --spp 64 --seed {seed} -o {out} --report {report} --quiet"
+"$python" "$peers/versus.py" S5 --peers mi_llvm:64 lux_bidir:16 --reps "${REPS:-5}" \
+  --ours "$many" --ours "$many --light-choice power" --json bench/out/S5.json | tee bench/out/S5.txt
 echo "On S1 and S7 ours0 has the default 4 replicates, ours1 has 1 (their ratio is what the error bar costs), ours2 traces rays with obvhs."
 for name in cornell-box landscape; do
   "$etendue" bench rays "scenes/$name/scene.gltf" --size 256x256 --filter box --threads 1
