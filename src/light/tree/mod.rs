@@ -25,10 +25,6 @@ use build::Item;
 use node::{LEAF, Node};
 use smallvec::SmallVec;
 
-/// Lights whose intensity is below this share of the mean count as this strong, so that no light vanishes beside
-/// others.
-const FLOOR: f64 = 1e-6;
-
 /// The largest f64 below 1.
 const BELOW_ONE_F64: f64 = 1.0 - f64::EPSILON / 2.0;
 
@@ -67,12 +63,13 @@ impl Descent {
 impl LightTree {
     /// Returns the tree over the lights with bounds; `None` if there are none.
     pub fn new(lights: &[Option<Reach>]) -> Option<Self> {
-        let shining = lights.iter().flatten();
-        let (count, sum) = shining.fold((0, 0.0), |(count, sum), reach| (count + 1, sum + reach.intensity));
+        let sum: f64 = lights.iter().flatten().map(|reach| reach.intensity).sum();
         if sum <= 0.0 {
             return None;
         }
-        let floor = FLOOR * sum / f64::from(count);
+        // No light vanishes beside others. A higher floor would take the selection from strong lights far away: the sun
+        // has 1e24 times the intensity of a lamp.
+        let floor = f64::from(f32::MIN_POSITIVE) * sum;
         let reach = |light: u32| {
             let reach = lights[light as usize].unwrap_or(Reach::NOTHING);
             Reach { intensity: reach.intensity.max(floor), ..reach }

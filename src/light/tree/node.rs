@@ -206,6 +206,8 @@ impl Seen {
     /// Returns `values` for children that may reach the receiver, and 0 for others.
     #[inline(always)]
     fn where_lit(&self, values: Lane) -> [f32; WIDTH] {
+        // Weak, far and grazing light has a product below the range.
+        let values = values.max(Lane::splat(f32::MIN_POSITIVE));
         let mut each = [0.0; WIDTH];
         Lane::select(self.lit, values, Lane::splat(0.0)).store(&mut each, 0);
         each

@@ -252,3 +252,92 @@ fn no_light_is_above_the_bound_of_a_group() {
     }
     assert!(closest > 0.9, "no bound is close: {closest}");
 }
+
+/// A light and three points of its plane: the corners of a triangle, or places around a point.
+fn placed(kind: usize, numbers: &mut Numbers) -> (Light, [Vec3; 3]) {
+    let size = 10.0f32.powf(-7.0 * numbers.next());
+    let p = numbers.point();
+    let corners = [p, p + numbers.direction() * size, p + numbers.direction() * size];
+    let point = PointLight { position: p, intensity: Spectrum::ONE };
+    let light = match kind % 4 {
+        0 => Light::Point(point),
+        1 => Light::Spot(SpotLight::new(point, numbers.direction(), 0.2, 1.0 + 0.57 * numbers.next())),
+        sides => {
+            let emission = Emission { radiance: Spectrum::ONE, two_sided: sides == 3, ..Emission::NONE };
+            Light::Area(AreaLight::new(Triangle::new(corners[0], corners[1], corners[2]), 1.0, emission))
+        }
+    };
+    (light, corners)
+}
+
+/// A receiver on a light, in its plane or hardly beside it.
+fn touching_receiver([a, b, c]: [Vec3; 3], i: usize, numbers: &mut Numbers) -> LightSampleContext {
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let (s, t) = match i % 4 {
+        0 => (0.0, 0.0),
+        1 => (0.5 * numbers.next(), 0.5 * numbers.next()),
+        _ => (20.0 * numbers.next() - 10.0, 20.0 * numbers.next() - 10.0),
+    };
+    let above = [0.0, 1e-7, -1e-7, 1e-5, -1e-5, 0.3 * (b - a).length()][i % 6];
+    let ng = [Vec3::ZERO, normal, -normal, (b - a).normalize_or_zero(), numbers.direction()][i % 5];
+    LightSampleContext { p: a + (b - a) * s + (c - a) * t + normal * above, ng }
+}
+
+/// The same where cosines and distances vanish, for groups of any size and lights one in the other. A light that is
+/// never selected never shines.
+#[test]
+fn lights_without_a_probability_never_shine() {
+    let mut numbers = Numbers::new(6);
+    let (mut dark, mut lit) = (0, 0);
+    for round in 0..400 {
+        let count = 1 + round % 60;
+        let placed: Vec<(Light, [Vec3; 3])> = (0..count)
+            .map(|i| placed(if round % 3 == 0 { 2 } else { i }, &mut numbers))
+            .chain((0..2).map(|_| placed(round, &mut Numbers::new(round as u64))))
+            .collect();
+        let (lights, corners): (Vec<Light>, Vec<[Vec3; 3]>) = placed.into_iter().unzip();
+        let tree = tree(&lights);
+        for i in 0..60 {
+            let at = touching_receiver(corners[(i * 7) % corners.len()], i, &mut numbers);
+            for (light, number) in lights.iter().zip(0..) {
+                let never = tree.pmf(&at, number, 1.0) == 0.0;
+                let mut shines = |_| {
+                    let sample = light.sample_li(&at, [numbers.next(), numbers.next()]);
+                    sample.is_some_and(|sample| !sample.radiance.is_black())
+                };
+                let shone = (0..4).any(&mut shines);
+                assert!(!(never && shone), "light {number} of round {round} at {at:?}");
+                (dark, lit) = (dark + usize::from(never), lit + usize::from(shone));
+            }
+        }
+    }
+    assert!(dark > 100_000 && lit > 100_000, "{dark} {lit}");
+}
+
+/// Small numbers do not vanish: lights of 1e-30 beside 1e30, weak and far and seen along their plane.
+#[test]
+fn no_light_vanishes_beside_others() {
+    let point =
+        |x: f32, intensity| Light::Point(PointLight { position: Vec3::X * x, intensity: Spectrum::splat(intensity) });
+    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Z };
+    for (far, strong, weak) in [(1.0, 1e30, 1e-30), (1e10, 1e30, 1e-30), (1e17, 1e4, 1.0), (1e17, 1.0, 1e-10)] {
+        let lights: Vec<Light> =
+            (0..40).map(|i| point(if i < 20 { 1.0 } else { far }, if i % 2 == 0 { strong } else { weak })).collect();
+        let tree = tree(&lights);
+        let pmf: Vec<f64> = (0..40).map(|light| tree.pmf(&at, light, 1.0)).collect();
+        assert!(pmf.iter().all(|&pmf| pmf > 0.0) && (pmf.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{far} {pmf:?}");
+    }
+}
+
+/// A star as a point, 1e8 away, that is as bright as the lamps nearby.
+#[test]
+fn a_strong_light_far_away_counts_by_its_irradiance() {
+    let point = |position, intensity| Light::Point(PointLight { position, intensity: Spectrum::splat(intensity) });
+    let lamps = (0..20).map(|i| point(Vec3::new(i as f32, 1.0, 0.0) * 1e-8, 20e-16));
+    let lights: Vec<Light> = lamps.chain([point(Vec3::X, 1.0)]).collect();
+    let tree = tree(&lights);
+    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::ZERO };
+    // The star gives 1, the nearest lamp 20 and all lamps twice as much: 1/42, and a factor of 4 for bounds of groups.
+    let star = tree.pmf(&at, 20, 1.0);
+    assert!((0.006..0.1).contains(&star), "{star}");
+}
