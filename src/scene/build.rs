@@ -3,8 +3,9 @@
 use super::assemble::assemble;
 use super::bodies::AllBodies;
 use super::contact::Contacts;
-use super::description::{self, Description, PunctualKind};
+use super::description::{self, Description};
 use super::extent::Extent;
+use super::lights::{area_lights, check_emission, punctual_lights};
 use super::material::{Material, settle};
 use super::rebase::Rebase;
 use super::usage::Usage;
@@ -13,11 +14,8 @@ use super::{Features, ObjectInfo, Scene, SceneInfo, coincident, surroundings};
 use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::Lobes;
 use crate::error::Result;
-use crate::geometry::{Geometry, Hit};
-use crate::light::{
-    AreaLight, BoundingSphere, DirectionalLight, Emission, Environment, Light, LightChoice, Lights, PointLight,
-    SpotLight,
-};
+use crate::geometry::Geometry;
+use crate::light::{BoundingSphere, Environment, Light, LightChoice, Lights};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -38,11 +36,12 @@ impl Scene {
     /// Builds `description`. Must be called from outside the rayon pool.
     ///
     /// # Errors
-    /// A scene error that names the cause: no geometry, or a mesh with bad indices or positions; or the backend's
-    /// error.
+    /// A scene error that names the cause: no geometry, a mesh with bad indices or positions, or a light out of range; or
+    /// the backend's error.
     pub fn build(mut description: Description, options: &BuildOptions) -> Result<Scene> {
         let start = Instant::now();
         let hash = description::hash::of(&description);
+        check_emission(&description.materials)?;
         let extent = Extent::of(&description)?;
         extent.check()?;
         let rebase = Rebase::new(extent.detail, extent.radius());
@@ -68,7 +67,7 @@ impl Scene {
         let bodies = AllBodies::find(&geometry, &mut objects, &materials);
         let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
         let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());
-        lights.extend(description.lights.iter().map(|l| punctual(l, &rebase)));
+        lights.extend(punctual_lights(&description.lights, &rebase)?);
         warnings.extend(coincident::emitters(&description, &objects, &geometry, &lights));
         let environment =
             description.environment.take().or_else(|| surroundings::by_default(&description, &lights, &mut warnings));
@@ -147,47 +146,6 @@ fn contacts(
         placed.filtered |= contacts.has(object);
     }
     Some(Box::new(contacts))
-}
-
-/// Makes each emitting triangle a light, and stores in `objects` the first light of each object.
-fn area_lights(
-    geometry: &Geometry,
-    objects: &mut [ObjectInfo],
-    materials: &[Material],
-    contacts: Option<&Contacts>,
-) -> Vec<Light> {
-    let mut lights = Vec::new();
-    for (index, info) in objects.iter_mut().enumerate() {
-        let material = &materials[info.material as usize];
-        if material.emission().is_black() {
-            continue;
-        }
-        info.first_light = Some(lights.len() as u32);
-        let object = index as u32;
-        let winding = geometry.winding(object);
-        lights.extend((0..geometry.mesh_of(object).triangles().len() as u32).map(|primitive| {
-            let hit = Hit { object, primitive };
-            let emission = material.emission_of(|set| geometry.corner_uvs(hit, set), geometry.corner_colors(hit));
-            let touched = if contacts.is_some_and(|c| c.flags(hit)) { hit } else { Hit::NONE };
-            let emission = emission.unwrap_or(Emission::NONE);
-            Light::Area(AreaLight::touched(geometry.triangle(hit), touched, winding, emission))
-        }));
-    }
-    lights
-}
-
-/// Returns a punctual light in scene space. Distances scale linearly, so intensities scale quadratically.
-fn punctual(light: &description::PunctualLight, rebase: &Rebase) -> Light {
-    let position = rebase.point(light.transform.translation).as_vec3();
-    let backward = light.transform.matrix3.z_axis.normalize_or_zero().as_vec3();
-    let point = PointLight { position, intensity: light.intensity * (rebase.scale * rebase.scale) as f32 };
-    match light.kind {
-        PunctualKind::Point => Light::Point(point),
-        PunctualKind::Spot { inner, outer } => Light::Spot(SpotLight::new(point, -backward, inner, outer)),
-        PunctualKind::Directional => {
-            Light::Directional(DirectionalLight { toward: backward, irradiance: light.intensity })
-        }
-    }
 }
 
 /// Determines the features of the scene.

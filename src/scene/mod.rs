@@ -12,6 +12,7 @@ mod extent;
 mod focus;
 mod info;
 mod interior;
+mod lights;
 mod material;
 mod query;
 mod rebase;
