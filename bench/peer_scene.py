@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Turns a scene of the comparison with other renderers (scene.json and PLY meshes, by shared/peers/scenes.py) into glTF.
+"""Turns a scene of the comparison (scene.json and PLY meshes of shared/peers/scenes.py) into glTF.
 
     bench/peer_scene.py ~/.cache/etendue-peers/scenes/S5 S5.glb
     etendue render S5.glb --filter box --depth 64 --size 256x256 --spp 64 -o S5.exr
@@ -8,7 +8,8 @@ It needs numpy and writes one binary file. Conventions there and what becomes of
 
 - Z up becomes Y up: (x, y, z) is (x, z, -y), a rotation, so windings stay.
 - Emission is one-sided on a black absorber: black base colour, specularFactor 0, KHR_materials_emissive_strength.
-- diffuse is Lambert and two-sided; mirror and ggx reflect their colour at every angle, by roughness √alpha; glass is solid.
+- diffuse is Lambert and two-sided. mirror and ggx reflect their colour at every angle, by roughness √alpha. glass is
+  solid.
 - The camera is a pinhole with a horizontal field of view.
 - glTF has no environment: the option of the command line that stands for it is printed.
 

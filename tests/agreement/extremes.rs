@@ -10,7 +10,7 @@ use etendue_testing::studio::{add_square, camera, glass, matte, metal, point_lig
 use glam::{Affine2, DVec3, Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
-fn strip(texels: Vec<[u8; 4]>) -> Option<Texture> {
+pub(crate) fn strip(texels: Vec<[u8; 4]>) -> Option<Texture> {
     let image = Arc::new(Bitmap::new(texels.len() as u32, 1, Texels::Rgba8(texels.into())));
     let (wrap, filter, encoding) = ([Wrap::Repeat; 2], TextureFilter::Linear, Encoding::Linear);
     Some(Texture { image, encoding, wrap, filter, uv_set: 0, transform: Affine2::IDENTITY })

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 const REFLECTANCE: f32 = 0.5;
 
 /// Roundings of positions and products of a sample.
-const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
+pub(crate) const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
 
 /// A plane of half side `half` through the origin, facing up, and a camera that looks at so small a part around the
 /// origin that irradiance is constant there to second order in 1e-3.

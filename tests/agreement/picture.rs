@@ -3,6 +3,7 @@
 use etendue::accel::Backend;
 use etendue::film::{Filter, Layout, Plane};
 use etendue::integrator::{FilmRenderer, Guards, IntegratorConfig, Method};
+use etendue::light::LightChoice;
 use etendue::sampling::SamplerKind;
 use etendue::scene::description::Description;
 use etendue::scene::{BuildOptions, Scene};
@@ -53,6 +54,12 @@ pub(crate) fn scene(description: Description) -> Scene {
 /// Builds a scene whose rays `backend` answers.
 pub(crate) fn scene_under(backend: Backend, description: Description) -> Scene {
     Scene::build(description, &BuildOptions { backend, threads: 1, ..BuildOptions::default() }).expect("a valid scene")
+}
+
+/// Builds a scene whose lights are selected by `choice`.
+pub(crate) fn scene_choosing(light_choice: LightChoice, description: Description) -> Scene {
+    let options = BuildOptions { light_choice, threads: 1, ..BuildOptions::default() };
+    Scene::build(description, &options).expect("a valid scene")
 }
 
 /// Renders the first camera's view, unless told otherwise with a box filter; no guard may fire.

@@ -11,6 +11,7 @@ mod end_to_end;
 mod environments;
 mod faults;
 mod frames;
+mod lamps;
 mod notes;
 mod one_hash;
 mod run;
