@@ -4,6 +4,12 @@ use crate::run::Place;
 use base64::Engine;
 use serde_json::{Value, json};
 
+fn accessor(view: u32, count: usize, mut kind: Value) -> Value {
+    kind["bufferView"] = json!(view);
+    kind["count"] = json!(count);
+    kind
+}
+
 /// A floor of side 4 under a mesh of these vertices and indices, which has a material, and a camera that looks down.
 fn file(corners: &[[f32; 3]], triangles: &[[u32; 3]], material: Value) -> Value {
     let floor = [[-2.0f32, 0.0, 2.0], [2.0, 0.0, 2.0], [2.0, 0.0, -2.0], [-2.0, 0.0, -2.0]];
@@ -19,10 +25,18 @@ fn file(corners: &[[f32; 3]], triangles: &[[u32; 3]], material: Value) -> Value 
         json!({ "buffer": 0, "byteOffset": begin - part.len(), "byteLength": part.len() })
     });
     let data = base64::engine::general_purpose::STANDARD.encode(parts.concat());
-    let accessor = |view: u32, component: u32, shape: &str, count: usize| json!({ "bufferView": view, "componentType": component, "type": shape, "count": count });
-    let positions = |view, count| accessor(view, 5126, "VEC3", count);
-    let indices = |view, count| accessor(view, 5125, "SCALAR", 3 * count);
-    let primitive = |first: u32, material: u32| json!({ "attributes": { "POSITION": first }, "indices": first + 1, "material": material });
+    let positions = |view: u32, count: usize| {
+        let kind = json!({ "componentType": 5126, "type": "VEC3" });
+        accessor(view, count, kind)
+    };
+    let indices = |view: u32, count: usize| {
+        let kind = json!({ "componentType": 5125, "type": "SCALAR" });
+        accessor(view, 3 * count, kind)
+    };
+    let primitive = |first: u32, material: u32| {
+        let attributes = json!({ "POSITION": first });
+        json!({ "attributes": attributes, "indices": first + 1, "material": material })
+    };
     let down = std::f64::consts::FRAC_1_SQRT_2;
     json!({
         "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0, 1, 2] }],
