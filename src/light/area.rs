@@ -1,161 +1,18 @@
-//! Emitting triangles with constant or textured radiance.
+//! Emitting triangles. Light samples of near triangles are uniform over the solid angle; those of others, and rays, are
+//! uniform over the area.
 
+use super::emission::Emission;
+use super::solid_angle::SeenTriangle;
 use super::{Cone, EmitterPoint, LeRandom, LeSample, LightSample, Reach};
 use crate::geometry::lanes::{point_at, rounding_at};
 use crate::geometry::{Bounds, Frame, Hit, Local, Triangle, leave};
 use crate::sampling::{Area, Density, Pdf, SolidAngle, warp};
 use crate::spectrum::Spectrum;
-use crate::texture::Texture;
 use etendue_lanes::{self as lanes, Float, ROW};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::sync::Arc;
 
-/// Emission of a triangle.
-#[derive(Debug, Clone)]
-pub struct Emission {
-    /// Radiance, or the factor of the texture.
-    pub radiance: Spectrum,
-    /// Texture, and texture coordinates at the corners.
-    pub texture: Option<Box<(Arc<Texture>, [Vec2; 3])>>,
-    /// Factors at the corners, if they differ.
-    pub corners: Option<Box<[Spectrum; 3]>>,
-    /// Whether the back emits like the front.
-    pub two_sided: bool,
-    /// Whether the emission is visible but does not illuminate (KHR_materials_unlit). It is never sampled, and only
-    /// camera rays hit it, directly or by mirrors and clear glass.
-    pub only_seen: bool,
-    /// Alpha over the triangle, unless it is 1 everywhere.
-    pub coverage: Option<Box<Coverage>>,
-}
-
-/// Alpha over a triangle. A ray hit has already passed the alpha test; a point sampled on the triangle has not.
-#[derive(Debug, Clone)]
-pub struct Coverage {
-    /// Alpha factor at the corners.
-    pub corners: [f32; 3],
-    /// Texture whose alpha multiplies the factor, and texture coordinates at the corners.
-    pub texture: Option<(Arc<Texture>, [Vec2; 3])>,
-    /// Alpha below the cutoff is 0 and otherwise 1 (mask); `None` for blending.
-    pub cutoff: Option<f32>,
-}
-
-impl Coverage {
-    /// Whether alpha is 0 everywhere.
-    fn is_nothing(&self) -> bool {
-        let most = self.corners.into_iter().fold(0.0, f32::max);
-        let textured = self.texture.as_ref().map_or(1.0, |(t, uvs)| t.extremes(uvs.iter().copied()).max[3]);
-        match self.cutoff {
-            Some(cutoff) => most * textured < cutoff,
-            None => most * textured <= 0.0,
-        }
-    }
-
-    fn at(&self, barycentric: [f32; 2]) -> f32 {
-        let mut alpha = mix(&self.corners, barycentric);
-        if let Some((texture, uvs)) = &self.texture {
-            alpha *= texture.at(mix(uvs, barycentric))[3];
-        }
-        match self.cutoff {
-            Some(cutoff) => f32::from(u8::from(alpha >= cutoff)),
-            None => alpha.clamp(0.0, 1.0),
-        }
-    }
-}
-
-/// Interpolates between three corners.
-fn mix<V: Copy + std::ops::Mul<f32, Output = V> + std::ops::Add<Output = V>>(corners: &[V; 3], [u, v]: [f32; 2]) -> V {
-    corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v
-}
-
-impl Emission {
-    /// No emission.
-    pub const NONE: Emission = Emission {
-        radiance: Spectrum::ZERO,
-        texture: None,
-        corners: None,
-        two_sided: false,
-        only_seen: false,
-        coverage: None,
-    };
-
-    /// Whether the triangle emits nothing: the factor or all texels within it are black, or alpha is 0.
-    pub fn is_black(&self) -> bool {
-        let dark = |textured: &(Arc<Texture>, [Vec2; 3])| {
-            let [r, g, b, _] = textured.0.extremes(textured.1.into_iter()).max;
-            (self.radiance * Spectrum::from_rgb([r, g, b])).is_black()
-        };
-        let dark = self.radiance.is_black() || self.texture.as_deref().is_some_and(dark);
-        dark || self.coverage.as_ref().is_some_and(|c| c.is_nothing())
-    }
-
-    /// Returns the mean radiance over the triangle, from points as dense as its texels as far as these are not too many.
-    /// It is positive if it is not black.
-    fn mean(&self) -> Spectrum {
-        if self.texture.is_none() && self.corners.is_none() && self.coverage.is_none() {
-            return self.radiance;
-        }
-        let points = centroids(self.divisions());
-        let value = |&b: &[f32; 2]| self.at(b) * self.covered(b);
-        let sum = points.iter().map(value).fold(Spectrum::ZERO, |sum, value| sum + value);
-        let (mean, count) = (sum / points.len() as f32, points.len() as f32);
-        let missed = mean.is_black() && !self.is_black();
-        if missed { self.radiance * (1.0 + count).recip() } else { mean }
-    }
-
-    /// Returns the number of parts of a side of the triangle that are about as long as two texels.
-    fn divisions(&self) -> u32 {
-        let span = |textured: Option<&(Arc<Texture>, [Vec2; 3])>| {
-            let Some((texture, uvs)) = textured else { return 0.0 };
-            let size = Vec2::from(texture.image.size().map(|side| side as f32));
-            let [a, b, c] = uvs.map(|uv| texture.transform.transform_point2(uv) * size);
-            (a.max(b).max(c) - a.min(b).min(c)).max_element()
-        };
-        let coverage = self.coverage.as_ref().and_then(|c| c.texture.as_ref());
-        let texels = span(self.texture.as_deref()).max(span(coverage));
-        ((0.5 * texels).ceil() as u32).clamp(LEAST_DIVISIONS, MOST_DIVISIONS)
-    }
-
-    /// Returns the alpha at a point.
-    #[inline]
-    fn covered(&self, barycentric: [f32; 2]) -> f32 {
-        self.coverage.as_ref().map_or(1.0, |coverage| coverage.at(barycentric))
-    }
-
-    /// Returns the number of emitting sides.
-    fn sides(&self) -> f64 {
-        if self.two_sided { 2.0 } else { 1.0 }
-    }
-
-    /// Returns the radiance at a point.
-    #[inline]
-    fn at(&self, barycentric: [f32; 2]) -> Spectrum {
-        let mut radiance = self.radiance;
-        if let Some(corners) = &self.corners {
-            radiance *= mix(corners, barycentric);
-        }
-        let Some(textured) = &self.texture else { return radiance };
-        let (texture, uvs) = &**textured;
-        let [red, green, blue, _] = texture.at(mix(uvs, barycentric));
-        radiance * Spectrum::from_rgb([red, green, blue])
-    }
-}
-
-/// Parts of a side of a triangle over which emission varies, for its mean.
-const LEAST_DIVISIONS: u32 = 2;
-const MOST_DIVISIONS: u32 = 16;
-
-/// Returns the centroids of the n² equal parts of a triangle with n of them along a side, by barycentric weights.
-fn centroids(n: u32) -> Vec<[f32; 2]> {
-    let at = |i: u32, j: u32, third: f32| [i, j].map(|k| (k as f32 + third / 3.0) / n as f32);
-    let column = |i: u32| {
-        let upright = (0..n - i).map(move |j| at(i, j, 1.0));
-        upright.chain((0..n - i - 1).map(move |j| at(i, j, 2.0)))
-    };
-    (0..n).flat_map(column).collect()
-}
-
-/// An emitting triangle, sampled uniformly over its area. It emits from the front (counter-clockwise winding), and also
+/// An emitting triangle. It emits from the front (counter-clockwise winding), and also
 /// from the back if its material is double-sided.
 #[derive(Debug)]
 pub struct AreaLight {
@@ -179,7 +36,8 @@ impl AreaLight {
         let area = triangle.area() as f32;
         let density = if area.recip().is_finite() { Pdf::new(area.recip()) } else { Pdf::new(0.0) };
         let mean_radiance = emission.mean();
-        AreaLight { triangle, touched, ng: normal.normalize_or_zero().as_vec3(), density, emission, mean_radiance }
+        let ng = normal.normalize_or_zero().as_vec3();
+        AreaLight { triangle, touched, ng, density, emission, mean_radiance }
     }
 
     /// Returns the radiance emitted at `barycentric` along the unit direction `wo`.
@@ -188,24 +46,47 @@ impl AreaLight {
         if self.emission.two_sided || wo.dot(self.ng) > 0.0 { self.emission.at(barycentric) } else { Spectrum::ZERO }
     }
 
-    /// Returns the density per solid angle of [`AreaLight::sample_li`] for the unit direction `wi`, with the sampled
-    /// point at distance √`d2`.
+    /// Returns the density per solid angle of [`AreaLight::sample_li`] from `p` for the point `q` of the light, in the unit
+    /// direction `wi`.
     #[inline]
-    pub fn pdf_li(&self, d2: f32, wi: Vec3) -> Pdf<SolidAngle> {
-        self.density.to_solid_angle(d2, wi.dot(self.ng).abs())
+    pub fn pdf_li(&self, p: Vec3, q: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
+        self.pdf_seen(&self.seen(p), (q - p).length_squared(), wi)
+    }
+
+    /// Returns the density of [`AreaLight::pdf_li`] at the squared distance `d2`: 0 in the plane of the light.
+    #[inline]
+    fn pdf_seen(&self, seen: &SeenTriangle<f32>, d2: f32, wi: Vec3) -> Pdf<SolidAngle> {
+        let cos = wi.dot(self.ng).abs();
+        if self.density.value() <= 0.0 || cos == 0.0 { Pdf::new(0.0) } else { Pdf::new(seen.pdf(d2, cos)) }
+    }
+
+    /// See [`super::Light::end_pdf_ratio`]; `q` is the endpoint.
+    pub(super) fn end_pdf_ratio(&self, p: Vec3, q: Vec3, wi: Vec3) -> f64 {
+        let seen = self.seen(p);
+        if !seen.is_by_angle() {
+            return 1.0;
+        }
+        let per_area = f64::from(wi.dot(self.ng).abs()) / f64::from(q.distance_squared(p));
+        f64::from(seen.pdf(1.0, 1.0)) * per_area / f64::from(self.density.value())
+    }
+
+    #[inline]
+    fn seen(&self, p: Vec3) -> SeenTriangle<f32> {
+        SeenTriangle::new(self.triangle.vertices.map(Into::into), self.ng.into(), self.density.value(), p.into())
     }
 
     /// Samples a point on the light from `p`; `None` if `p` is on its dark side or the light has no area.
     #[inline]
     pub fn sample_li(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
-        let barycentric = warp::uniform_triangle(u);
+        let seen = self.seen(p);
+        let barycentric = seen.sample(u);
         let (q, error) = self.triangle.point(barycentric);
         let (wi, d2) = toward(q.into(), p.into());
         let wi = Vec3::from(wi);
         let coverage = self.emission.covered(barycentric);
         let radiance = self.radiance(barycentric, -wi) * coverage;
-        let pdf = self.pdf_li(d2, wi);
-        if radiance.is_black() || pdf.value() <= 0.0 || d2 == 0.0 {
+        let pdf = self.pdf_seen(&seen, d2, wi);
+        if radiance.is_black() || pdf.value() <= 0.0 || !(d2 > 0.0) {
             return None;
         }
         Some(LightSample {
@@ -219,9 +100,9 @@ impl AreaLight {
     /// Returns the light as a row of a table for [`AreaLightSamples`]; `None` if its emission varies over the triangle,
     /// does not illuminate or leaves the back, or if another surface touches it.
     pub fn row(&self) -> Option<AreaLightRow> {
-        let Emission { radiance, texture, corners, two_sided, only_seen, coverage } = &self.emission;
-        let varies = texture.is_some() || corners.is_some() || coverage.is_some();
-        if varies || *two_sided || *only_seen || self.touched != Hit::NONE || self.density.value() <= 0.0 {
+        let Emission { radiance, two_sided, only_seen, .. } = self.emission;
+        let is_plain = self.emission.is_constant() && !two_sided && !only_seen;
+        if !is_plain || self.touched != Hit::NONE || self.density.value() <= 0.0 {
             return None;
         }
         let [a, b, c] = self.triangle.vertices;
@@ -333,10 +214,11 @@ impl<F: Float> AreaLightSamples<F> {
         let [cz, nx, ny, nz, r, g, b, density] = F::rows(|lane| &row(lane)[1]);
         let vertices = [lanes::Vec3::new(ax, ay, az), lanes::Vec3::new(bx, by, bz), lanes::Vec3::new(cx, cy, cz)];
         let ng = lanes::Vec3::new(nx, ny, nz);
-        let p = point_at(vertices, crate::sampling::lanes::uniform_triangle(u));
+        let seen = SeenTriangle::new(vertices, ng, density, at);
+        let p = point_at(vertices, seen.sample(u));
         let (wi, d2) = toward(p, at);
         let cos = -wi.dot(ng);
-        let pdf = (density * d2 / cos.abs()).min(F::splat(f32::MAX));
+        let pdf = seen.pdf(d2, cos.abs());
         let valid = cos.above(F::splat(0.0)) & pdf.above(F::splat(0.0)) & d2.above(F::splat(0.0));
         AreaLightSamples { wi, radiance: Spectrum([r, g, b]), pdf, p, error: rounding_at(vertices, p), ng, valid }
     }

@@ -6,16 +6,20 @@
 mod area;
 mod by_receiver;
 mod choose;
+mod emission;
 mod emit;
 mod environment;
 mod lat_long;
 mod light_cuts;
+mod parts;
 mod punctual;
 mod sky;
+mod solid_angle;
 mod tree;
 
-pub use area::{AreaLight, AreaLightRow, AreaLightSamples, Coverage, Emission};
+pub use area::{AreaLight, AreaLightRow, AreaLightSamples};
 pub use choose::{ChosenLight, LightChoice, Lights};
+pub use emission::{Coverage, Emission};
 pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
 pub use environment::Environment;
 pub use lat_long::EnvironmentMap;
@@ -135,11 +139,14 @@ impl Light {
     }
 
     /// Returns the density of the endpoint `end`, in the direction `wi`, in [`Light::sample_li`] from `at` over that in
-    /// emission sampling, [`LePdf::position`]. It is 1 where both sample points by area and directions of light from
-    /// infinity alike, as all lights do so far.
+    /// emission sampling, [`LePdf::position`].
     #[inline]
-    pub fn end_pdf_ratio(&self, _at: &LightSampleContext, _end: &EmitterPoint, _wi: Vec3) -> f64 {
-        1.0
+    pub fn end_pdf_ratio(&self, at: &LightSampleContext, end: &EmitterPoint, wi: Vec3) -> f64 {
+        match (self, end) {
+            (Light::Area(light), EmitterPoint::Surface { p, .. }) => light.end_pdf_ratio(at.p, *p, wi),
+            // Directions from infinity are sampled alike, and the others have one point.
+            _ => 1.0,
+        }
     }
 
     /// Returns the box around the points where the light's rays begin; `None` at infinity.

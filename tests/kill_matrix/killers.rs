@@ -123,6 +123,8 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("sampling", "shading::a_mirror_keeps_radiance_toward_the_light_and_flux_toward_the_camera"),
     of("sampling", "lights::directions_to_a_triangle_follow_its_density"),
     of("sampling", "lights::samples_of_a_triangle_measure_its_solid_angle"),
+    of("sampling", "triangles::irradiance_is_that_of_lambert_from_tiny_to_huge_triangles"),
+    of("sampling", "triangles::all_state_the_density_of_a_sample_on_both_sides_of_the_switch"),
     of("sampling", "environments::directions_follow_the_density_and_it_integrates_to_one"),
     of("sampling", "environments::lookup_and_density_are_those_of_the_texels"),
     of("sampling", "environments::sampled_radiance_has_the_integral_of_the_map_for_its_mean"),

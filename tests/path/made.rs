@@ -198,10 +198,11 @@ impl<'a> Studio<'a> {
         let lights = self.scene.lights();
         let density = light.pdf_le(self.scene.ball(), z.known);
         let before = &steps[steps.len() - 2].at().point;
-        let pmfs = [lights.pmf(&LightSampleContext::from(before), index), lights.emitter_pmf(index)];
-        let ends = pmfs.map(|pmf| f64::from(pmf.value()) * density.position);
+        let (receiver, end) = (LightSampleContext::from(before), EmitterPoint::from(&point));
+        let direct = lights.end_pdf_li(&receiver, index, &end, -z.known, density.position);
+        let ends = [direct, f64::from(lights.emitter_pmf(index).value()) * density.position];
         let weight = self.weights.hit(&z.sums, ends, density.direction);
-        let emitter = Emitter { index, end: EmitterPoint::from(&point), radiance };
+        let emitter = Emitter { index, end, radiance };
         let value = z.beta * radiance * steps[steps.len() - 1].undo;
         let eye = (&steps[..steps.len() - 1], lens);
         self.made(emitter, &[], eye, z.known, value, weight, steps.len() + 1)

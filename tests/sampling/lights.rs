@@ -35,7 +35,7 @@ fn density(triangle: &Triangle, light: &Light, w: DVec3) -> f64 {
     let inside = [(a, b), (b, c), (c, a)].iter().all(|&(s, e)| (e - s).cross(p - s).dot(n) >= 0.0);
     let Light::Area(area) = light else { return 0.0 };
     let ahead = inside && p.dot(w) > 0.0;
-    if ahead { f64::from(area.pdf_li(p.length_squared() as f32, w.as_vec3()).value()) } else { 0.0 }
+    if ahead { f64::from(area.pdf_li(Vec3::ZERO, p.as_vec3(), w.as_vec3()).value()) } else { 0.0 }
 }
 
 /// p-value of directions from the origin to `light`, in cells around `axis` of width about `angle`.
@@ -104,7 +104,7 @@ fn measures_its_solid_angle(vertices: [Vec3; 3], factor: f64, tests: usize) -> R
         squares += inverse * inverse;
     }
     let (mean, exact) = (sum / n, solid_angle(vertices));
-    let error = ((squares / n - mean * mean) / n).sqrt();
+    let error = ((squares / n - mean * mean).max(0.0) / n).sqrt(); // constant by solid angle
     let limit = Normal::standard().inverse_cdf(1.0 - sidak(tests) / 2.0);
     // positions of the light's points are f32, against their distance and its height above the plane
     let rounding = 1e-4 * exact;

@@ -19,4 +19,5 @@ mod monte_carlo;
 mod punctual;
 mod shading;
 mod textbook;
+mod triangles;
 mod warps;

@@ -128,7 +128,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         if radiance.is_black() || !walk.sees(light) {
             return Spectrum::ZERO;
         }
-        let pdf = |from: &LightSampleContext| light.pdf_li((p - from.p).length_squared(), wi).value();
+        let pdf = |from: &LightSampleContext| light.pdf_li(from.p, p, wi).value();
         let share = match &walk.departure {
             PreviousVertex::Surface(from, _) => self.mis_weight_bsdf(&walk.departure, index, || pdf(from)),
             PreviousVertex::Camera | PreviousVertex::Light => 1.0,
