@@ -103,6 +103,16 @@ impl Triangle {
         (p, self.error_at(p))
     }
 
+    /// Returns the barycentric weights of the second and third vertex of the point `p` of the triangle, without bounds;
+    /// not finite if the triangle has no area.
+    #[inline]
+    pub fn barycentric(&self, p: Vec3) -> [f64; 2] {
+        let [a, b, c] = self.vertices.map(Vec3::as_dvec3);
+        let (n, to) = (self.scaled_normal(), p.as_dvec3() - a);
+        let n = n / n.length_squared();
+        [to.cross(c - a).dot(n), (b - a).cross(to).dot(n)]
+    }
+
     /// Returns the offset of [`Triangle::point`] for its point `p`.
     #[inline]
     pub fn error_at(&self, p: Vec3) -> f32 {

@@ -340,8 +340,8 @@ impl<'a> Bidirectional<'a> {
         if radiance.is_black() || !self.is_enabled(0, t) || !path.walk.sees(area) {
             return;
         }
-        let density = light.pdf_le(self.scene.ball(), z.known);
         let end = EmitterPoint::from(point);
+        let density = light.pdf_le(self.scene.ball(), &end, z.known);
         let ends = self.end_pdfs(&path.walk, index, &end, density.position);
         let weight = self.weights.hit(&z.sums, ends, density.direction);
         sink.add(TechniqueSample { s: 0, t, value: z.beta * radiance, weight, survival: z.survival });

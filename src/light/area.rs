@@ -1,7 +1,8 @@
 //! Emitting triangles. Light samples of near triangles are uniform over the solid angle; those of others, and rays, are
-//! uniform over the area.
+//! uniform over the area. Where emission varies much, both are in proportion to it ([`EmissionTable`]).
 
 use super::emission::Emission;
+use super::emission_table::EmissionTable;
 use super::solid_angle::SeenTriangle;
 use super::{Cone, EmitterPoint, LeRandom, LeSample, LightSample, Reach};
 use crate::geometry::lanes::{point_at, rounding_at};
@@ -19,8 +20,10 @@ pub struct AreaLight {
     triangle: Triangle,
     touched: Hit,
     ng: Vec3,
+    /// That of a uniform point.
     density: Pdf<Area>,
     emission: Emission,
+    table: Option<EmissionTable>,
     mean_radiance: Spectrum,
 }
 
@@ -35,9 +38,9 @@ impl AreaLight {
         let normal = triangle.scaled_normal() * winding;
         let area = triangle.area() as f32;
         let density = if area.recip().is_finite() { Pdf::new(area.recip()) } else { Pdf::new(0.0) };
-        let mean_radiance = emission.mean();
+        let (mean_radiance, table) = (emission.mean(), EmissionTable::new(&emission));
         let ng = normal.normalize_or_zero().as_vec3();
-        AreaLight { triangle, touched, ng, density, emission, mean_radiance }
+        AreaLight { triangle, touched, ng, density, emission, table, mean_radiance }
     }
 
     /// Returns the radiance emitted at `barycentric` along the unit direction `wo`.
@@ -50,20 +53,29 @@ impl AreaLight {
     /// direction `wi`.
     #[inline]
     pub fn pdf_li(&self, p: Vec3, q: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
-        self.pdf_seen(&self.seen(p), (q - p).length_squared(), wi)
+        self.pdf_seen(&self.seen(p), q, (q - p).length_squared(), wi)
     }
 
     /// Returns the density of [`AreaLight::pdf_li`] at the squared distance `d2`: 0 in the plane of the light.
     #[inline]
-    fn pdf_seen(&self, seen: &SeenTriangle<f32>, d2: f32, wi: Vec3) -> Pdf<SolidAngle> {
+    fn pdf_seen(&self, seen: &SeenTriangle<f32>, q: Vec3, d2: f32, wi: Vec3) -> Pdf<SolidAngle> {
         let cos = wi.dot(self.ng).abs();
-        if self.density.value() <= 0.0 || cos == 0.0 { Pdf::new(0.0) } else { Pdf::new(seen.pdf(d2, cos)) }
+        match &self.table {
+            _ if self.density.value() <= 0.0 || cos == 0.0 => Pdf::new(0.0),
+            None => Pdf::new(seen.pdf(d2, cos)),
+            Some(table) => self.table_density(table, q).to_solid_angle(d2, cos),
+        }
+    }
+
+    #[inline]
+    fn table_density(&self, table: &EmissionTable, q: Vec3) -> Pdf<Area> {
+        Pdf::new((self.density.value() * table.factor(self.triangle.barycentric(q))).min(f32::MAX))
     }
 
     /// See [`super::Light::end_pdf_ratio`]; `q` is the endpoint.
     pub(super) fn end_pdf_ratio(&self, p: Vec3, q: Vec3, wi: Vec3) -> f64 {
         let seen = self.seen(p);
-        if !seen.is_by_angle() {
+        if self.table.is_some() || !seen.is_by_angle() {
             return 1.0;
         }
         let per_area = f64::from(wi.dot(self.ng).abs()) / f64::from(q.distance_squared(p));
@@ -79,13 +91,13 @@ impl AreaLight {
     #[inline]
     pub fn sample_li(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let seen = self.seen(p);
-        let barycentric = seen.sample(u);
+        let barycentric = self.table.as_ref().map_or_else(|| seen.sample(u), |table| table.sample(u));
         let (q, error) = self.triangle.point(barycentric);
         let (wi, d2) = toward(q.into(), p.into());
         let wi = Vec3::from(wi);
         let coverage = self.emission.covered(barycentric);
         let radiance = self.radiance(barycentric, -wi) * coverage;
-        let pdf = self.pdf_seen(&seen, d2, wi);
+        let pdf = self.pdf_seen(&seen, q, d2, wi);
         if radiance.is_black() || pdf.value() <= 0.0 || !(d2 > 0.0) {
             return None;
         }
@@ -113,8 +125,10 @@ impl AreaLight {
 
     /// See [`super::Light::sample_le`].
     pub(super) fn sample_le(&self, u: &LeRandom) -> Option<LeSample> {
-        let barycentric = warp::uniform_triangle(u.position);
+        let barycentric =
+            self.table.as_ref().map_or_else(|| warp::uniform_triangle(u.position), |table| table.sample(u.position));
         let (p, error) = self.triangle.point(barycentric);
+        let density = self.area_pdf(p);
         let (normal, sides) = match self.emission.two_sided {
             true if u.side >= 0.5 => (-self.ng, 2.0),
             true => (self.ng, 2.0),
@@ -123,9 +137,9 @@ impl AreaLight {
         let w = Frame::around(normal).to_world(Local::from(warp::cosine_hemisphere(u.direction)));
         let coverage = self.emission.covered(barycentric);
         // The cosine is in the density of the direction.
-        let power = self.emission.at(barycentric) * (coverage * sides * std::f32::consts::PI / self.density.value());
+        let power = self.emission.at(barycentric) * (coverage * sides * std::f32::consts::PI / density.value());
         let ray = leave(p, error, self.ng, self.touched, w);
-        (self.density.value() > 0.0).then_some(LeSample {
+        (density.value() > 0.0).then_some(LeSample {
             end: EmitterPoint::Surface { p, error, ng: self.ng, touched: self.touched },
             ray,
             power,
@@ -140,9 +154,10 @@ impl AreaLight {
         Bounds { min: min - grow, max: max + grow }
     }
 
-    /// Returns the density per area of the origin in [`AreaLight::sample_le`].
-    pub(super) fn area_pdf(&self) -> f64 {
-        f64::from(self.density.value())
+    /// Returns the density per area of the origin `p` in [`AreaLight::sample_le`].
+    #[inline]
+    pub(super) fn area_pdf(&self, p: Vec3) -> Pdf<Area> {
+        self.table.as_ref().map_or(self.density, |table| self.table_density(table, p))
     }
 
     /// Returns the density per solid angle of the direction in [`AreaLight::sample_le`].

@@ -1,7 +1,7 @@
 //! Emission sampling: rays that start light subpaths.
 //!
-//! Positions are uniform over the area of a light and directions cosine-distributed, so that rays carry equal power
-//! except for textures and spot falloff. Light from infinity enters through a disk with the scene radius, tangent to
+//! Positions are uniform over the area of a light, or in proportion to its emission by a table, and directions
+//! cosine-distributed, so that rays carry about equal power except for spot falloff. Light from infinity enters through a disk with the scene radius, tangent to
 //! the bounding sphere on the side of the light.
 
 use super::{EmitterPoint, Light};
@@ -53,14 +53,14 @@ pub struct LePdf {
 }
 
 impl Light {
-    /// Returns the densities of [`Light::sample_le`] for the unit direction `w`, from any point of the light.
-    pub fn pdf_le(&self, ball: &BoundingSphere, w: Vec3) -> LePdf {
-        let end = match self {
-            Light::Point(_) | Light::Spot(_) | Light::Directional(_) => 1.0,
-            Light::Area(light) => light.area_pdf(),
-            Light::Environment(light) => f64::from(light.along(-w).1.value()),
+    /// Returns the densities of [`Light::sample_le`] for the endpoint `end` and the unit direction `w`.
+    pub fn pdf_le(&self, ball: &BoundingSphere, end: &EmitterPoint, w: Vec3) -> LePdf {
+        let position = match (self, end) {
+            (Light::Area(light), EmitterPoint::Surface { p, .. }) => f64::from(light.area_pdf(*p).value()),
+            (Light::Environment(light), _) => f64::from(light.along(-w).1.value()),
+            _ => 1.0,
         };
-        LePdf { position: end, direction: self.ray_density(ball, w) }
+        LePdf { position, direction: self.ray_density(ball, w) }
     }
 
     /// Returns [`LePdf::direction`] alone, without a lookup of the environment.

@@ -7,6 +7,7 @@ mod area;
 mod by_receiver;
 mod choose;
 mod emission;
+mod emission_table;
 mod emit;
 mod environment;
 mod lat_long;

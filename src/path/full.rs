@@ -332,8 +332,8 @@ impl<'a> FullPath<'a> {
         let k = self.k();
         let lights = self.scene.lights();
         let light = &lights.all()[self.emitter.index];
-        let emission = light.pdf_le(self.scene.ball(), self.directions[0].as_vec3());
         let (index, end, wi) = (self.emitter.index, &self.emitter.end, -self.directions[0].as_vec3());
+        let emission = light.pdf_le(self.scene.ball(), end, -wi);
         let direct =
             lights.end_pdf_li(&LightSampleContext::from(&self.nodes[0].point), index, end, wi, emission.position);
         let made = f64::from(lights.emitter_pmf(index).value()) * emission.position;

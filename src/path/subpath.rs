@@ -96,7 +96,7 @@ impl<'a> Subpath<'a> {
         };
         let emitted = light.sample_le(scene.ball(), &numbers)?;
         let power = emitted.power / pmf.value();
-        let density = light.pdf_le(scene.ball(), emitted.ray.direction);
+        let density = light.pdf_le(scene.ball(), &emitted.end, emitted.ray.direction);
         // Tangential emission: about one random number in 2²³ yields it. It has no density and carries no light.
         if density.direction <= 0.0 {
             return None;

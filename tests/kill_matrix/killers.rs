@@ -125,6 +125,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("sampling", "lights::samples_of_a_triangle_measure_its_solid_angle"),
     of("sampling", "triangles::irradiance_is_that_of_lambert_from_tiny_to_huge_triangles"),
     of("sampling", "triangles::all_state_the_density_of_a_sample_on_both_sides_of_the_switch"),
+    of("sampling", "textured::points_on_a_textured_triangle_follow_their_density"),
     of("sampling", "environments::directions_follow_the_density_and_it_integrates_to_one"),
     of("sampling", "environments::lookup_and_density_are_those_of_the_texels"),
     of("sampling", "environments::sampled_radiance_has_the_integral_of_the_map_for_its_mean"),

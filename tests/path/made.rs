@@ -196,7 +196,7 @@ impl<'a> Studio<'a> {
             return None;
         }
         let lights = self.scene.lights();
-        let density = light.pdf_le(self.scene.ball(), z.known);
+        let density = light.pdf_le(self.scene.ball(), &EmitterPoint::from(&point), z.known);
         let before = &steps[steps.len() - 2].at().point;
         let (receiver, end) = (LightSampleContext::from(before), EmitterPoint::from(&point));
         let direct = lights.end_pdf_li(&receiver, index, &end, -z.known, density.position);
@@ -213,7 +213,7 @@ impl<'a> Studio<'a> {
         let (index, environment) = self.scene.lights().environment()?;
         let (radiance, pdf) = environment.along(sky.w);
         let lights = self.scene.lights();
-        let density = lights.all()[index].pdf_le(self.scene.ball(), -sky.w);
+        let density = lights.all()[index].pdf_le(self.scene.ball(), &EmitterPoint::Distant, -sky.w);
         let z = &steps.last()?.at().point;
         let pmfs = [lights.pmf(&LightSampleContext::from(z), index), lights.emitter_pmf(index)];
         let ends = pmfs.map(|pmf| f64::from(pmf.value() * pdf.value()));

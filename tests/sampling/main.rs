@@ -19,5 +19,6 @@ mod monte_carlo;
 mod punctual;
 mod shading;
 mod textbook;
+mod textured;
 mod triangles;
 mod warps;

@@ -111,7 +111,7 @@ fn all_state_the_density_of_a_sample_on_both_sides_of_the_switch() {
         let EmitterPoint::Surface { p: q, ng, .. } = sample.end else { panic!("a point on a triangle") };
         let stated = density(&sample);
         assert_eq!(area.pdf_li(p, q, sample.wi).value(), stated, "{vertices:?} from {p}");
-        let position = light.pdf_le(&BALL, -sample.wi).position;
+        let position = light.pdf_le(&BALL, &sample.end, -sample.wi).position;
         let ratio = light.end_pdf_ratio(&at, &sample.end, sample.wi);
         let per_area = f64::from(stated) * f64::from(sample.wi.dot(ng).abs()) / f64::from(q.distance_squared(p));
         assert!((position * ratio / per_area - 1.0).abs() < 10.0 * HALF_ULP, "{vertices:?} from {p}: {ratio}");

@@ -171,7 +171,7 @@ impl SubpathSampler<'_, '_> {
         let numbers =
             LeRandom { side: single(self.numbers), position: pair(self.numbers), direction: pair(self.numbers) };
         let emitted = light.sample_le(scene.ball(), &numbers)?;
-        let density = light.pdf_le(scene.ball(), emitted.ray.direction);
+        let density = light.pdf_le(scene.ball(), &emitted.end, emitted.ray.direction);
         let emitter = Emitter::of_emission(index, &emitted, &density);
         let directions = vec![emitted.ray.direction.as_dvec3()];
         let mut part = SubpathBuffer { directions, ..SubpathBuffer::default() };
