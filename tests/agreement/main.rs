@@ -40,5 +40,5 @@ mod ten_thousand;
 mod textures;
 mod touching;
 mod trusted;
-mod virtual_lights;
 mod uneven_lights;
+mod virtual_lights;

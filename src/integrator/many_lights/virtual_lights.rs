@@ -159,7 +159,7 @@ impl<'a> VirtualLight<'a> {
         let direction = sampler.u2(0, Slot::Direction);
         let numbers = LeRandom { side: 0.0, position: sampler.u2(0, Slot::LightPoint), direction };
         let emitted = light.sample_le(scene.ball(), &numbers)?;
-        let density = light.pdf_le(scene.ball(), emitted.ray.direction);
+        let density = light.pdf_le(scene.ball(), &emitted.end, emitted.ray.direction);
         let Emitter { end, radiance, .. } = Emitter::of_emission(index, &emitted, &density);
         let EmitterPoint::Surface { p, ng, .. } = end else { return None };
         let source = Source::Emitting { ng, two_sided: light.reach()?.two_sided };

@@ -60,7 +60,7 @@ impl<'p, 'a> GatherWalk<'p, 'a> {
         if radiance.is_black() || !walk.sees(light) {
             return Spectrum::ZERO;
         }
-        let pdf = |from: &LightSampleContext| light.pdf_li((point.p - from.p).length_squared(), wi).value();
+        let pdf = |from: &LightSampleContext| light.pdf_li(from.p, point.p, wi).value();
         let weight = match departure {
             Some(departure) if matches!(self.gather.indirect, Indirect::Bounded(_)) => {
                 self.walk_share(departure, point, wi, EMITTING_PEAK)
