@@ -251,8 +251,9 @@ fn toward<F: Float>(q: lanes::Vec3<F>, p: lanes::Vec3<F>) -> (lanes::Vec3<F>, F)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::{Bitmap, Encoding, Texels, TextureFilter, Wrap};
-    use glam::Affine2;
+    use crate::texture::{Bitmap, Encoding, Texels, Texture, TextureFilter, Wrap};
+    use glam::{Affine2, Vec2};
+    use std::sync::Arc;
 
     /// A light whose texture of 64² texels is `texel`, over a triangle that covers half of it.
     fn textured(texel: impl Fn(u32, u32) -> u8) -> AreaLight {
