@@ -29,7 +29,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Roundings of throughputs and film of one sample, a few dozen.
-const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
+pub(crate) const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
 
 /// What a scene is made of, and so which methods see all of it with a finite variance.
 #[derive(Debug, Clone, Copy, PartialEq)]
