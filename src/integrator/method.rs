@@ -38,7 +38,7 @@ pub enum Method {
     /// through their tree.
     Lightcuts,
     /// Deterministic lightcuts: lights and virtual point lights in groups, of each of which the same light stands for all,
-    /// where that is a small error. Biased: for previews.
+    /// within an error bound. Biased: for previews.
     DeterministicLightcuts,
     /// Bidirectional path tracing: subpaths from both ends and all connections between them, combined by multiple
     /// importance sampling.

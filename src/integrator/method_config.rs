@@ -75,7 +75,7 @@ pub struct DeterministicLightcutsConfig {
     pub virtual_lights: u32,
     /// See [`VplConfig::clamp_vpl`].
     pub clamp_vpl: Option<f64>,
-    /// Largest error of a group of lights, as a share of the light at the point.
+    /// Largest error of the light at a point, as a share of it.
     pub cut_error: f64,
 }
 
@@ -156,7 +156,7 @@ impl Default for LightcutsConfig {
 
 impl Default for DeterministicLightcutsConfig {
     fn default() -> Self {
-        DeterministicLightcutsConfig { virtual_lights: 64, clamp_vpl: None, cut_error: 0.02 }
+        DeterministicLightcutsConfig { virtual_lights: 64, clamp_vpl: None, cut_error: 0.1 }
     }
 }
 

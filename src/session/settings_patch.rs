@@ -181,9 +181,8 @@ settings! {
     "virtual-lights" => virtual_lights: u32 { value: "SUBPATHS", example: r#"4096"# }
     /// Groups of lights, and of virtual lights, that lightcuts samples at a point [default: 16]
     "cut-size" => cut_size: u32 { value: "GROUPS", example: r#"16"# }
-    /// Largest error of a group of lights for deterministic-lightcuts, as a share of the light at the point [default:
-    /// 0.02]
-    "cut-error" => cut_error: f64 { value: "SHARE", example: r#"0.02"# }
+    /// Largest error of the light at a point for deterministic-lightcuts, as a share of it [default: 0.1]
+    "cut-error" => cut_error: f64 { value: "SHARE", example: r#"0.1"# }
     /// Limit what a virtual light contributes to this multiple of the typical radiance: less noise, but the image is
     /// biased (darker in corners) [default: what the limit takes away is traced]
     "clamp-vpl" => clamp_vpl: f64 { value: "TIMES", example: r#"1.0"# }

@@ -6,8 +6,8 @@
 //! - `vpl` (instant radiosity [Keller97]) from all of them. A reference for the other.
 //! - `lightcuts` (stochastic lightcuts [Yuksel19]) from one of each group of a cut through the light tree over them, and
 //!   likewise from one light of each group of a cut through the scene's lights. For diffuse interiors with many lamps.
-//! - `deterministic-lightcuts` [Walter05] from one of each group of a cut, the same one always, where the error of every
-//!   group is bounded. Points on the scene's lights are virtual lights, too. Biased. For the record and for previews.
+//! - `deterministic-lightcuts` [Walter05] from one of each group of a cut whose error is bounded, where points on the
+//!   scene's lights are virtual lights, too. Biased within the bound. For the record and for previews.
 //!
 //! A virtual light close to the receiver would be a bright spot. Its contribution is limited, and the walk goes on with
 //! the probability of the light that the limit takes away, so that the image is unbiased [KolligKeller06 §3]: see
