@@ -98,10 +98,8 @@ impl AreaLight {
         let coverage = self.emission.covered(barycentric);
         let radiance = self.radiance(barycentric, -wi) * coverage;
         let pdf = self.pdf_seen(&seen, q, d2, wi);
-        if radiance.is_black() || pdf.value() <= 0.0 || d2.is_nan() || d2 <= 0.0 {
-            return None;
-        }
-        Some(LightSample {
+        let shines = !radiance.is_black() && pdf.value() > 0.0 && d2 > 0.0;
+        shines.then_some(LightSample {
             wi,
             radiance,
             density: Density::Smooth(pdf),
