@@ -34,6 +34,15 @@ impl Fresnel {
             Fresnel::Dielectric { eta } => Spectrum::splat(dielectric(cos, T::of(f64::from(eta)))),
         }
     }
+
+    /// Returns the highest reflectance at any angle, the greatest lane.
+    pub fn highest(&self) -> f32 {
+        match self {
+            Fresnel::Schlick { f0, f90 } => f0.max_lane().max(f90.max_lane()),
+            Fresnel::Constant(f) => f.max_lane(),
+            Fresnel::Dielectric { .. } => 1.0,
+        }
+    }
 }
 
 /// Returns f0 + (f90 − f0)(1 − cos)⁵ [Schlick94 (15)].

@@ -1,10 +1,11 @@
 //! The closed set of scattering models, dispatched by `match`.
 
-use super::{Bsdf, BsdfSample, Conductor, Dielectric, Lambert, Lobes, MetalDielectric, Thin};
+use super::{Bsdf, BsdfSample, Conductor, Dielectric, Lambert, Lobes, MetalDielectric, ScatteringBound, Thin};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
+use std::f32::consts::FRAC_1_PI;
 
 /// Any scattering model with its parameters at one point.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +38,22 @@ impl Surface {
             Surface::Dielectric(_) => true,
             Surface::MetalDielectric(b) => b.refracts(),
             Surface::Black | Surface::Lambert(_) | Surface::Conductor(_) | Surface::Thin(_) => false,
+        }
+    }
+
+    /// Returns a bound of light scattered from or into the direction `known`. None is known for rough transmission.
+    pub fn bound(&self, known: Local) -> ScatteringBound {
+        match self {
+            Surface::Black => ScatteringBound::ZERO,
+            Surface::Lambert(b) => ScatteringBound { diffuse: b.albedo.max_lane() * FRAC_1_PI, glossy: 0.0 },
+            Surface::Conductor(b) if b.ggx.is_dirac() => ScatteringBound::ZERO,
+            Surface::Conductor(b) => {
+                ScatteringBound { diffuse: 0.0, glossy: b.fresnel.highest() * b.ggx.most_reflection(known) }
+            }
+            Surface::MetalDielectric(b) => b.bound(known),
+            Surface::Dielectric(b) if b.ggx.is_dirac() => ScatteringBound::ZERO,
+            Surface::Thin(b) if b.ggx.is_dirac() => ScatteringBound::ZERO,
+            Surface::Dielectric(_) | Surface::Thin(_) => ScatteringBound::NONE,
         }
     }
 

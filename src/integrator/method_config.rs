@@ -150,7 +150,7 @@ impl Default for VplConfig {
 
 impl Default for LightcutsConfig {
     fn default() -> Self {
-        LightcutsConfig { virtual_lights: None, clamp_vpl: None, cut_size: 16 }
+        LightcutsConfig { virtual_lights: None, clamp_vpl: None, cut_size: 8 }
     }
 }
 

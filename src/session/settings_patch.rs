@@ -176,11 +176,11 @@ settings! {
     "chain-threshold" | "limit" => chain_threshold: f64 { value: "TIMES", example: r#"10.0"# }
     /// Two-stage MLT: let chains visit dark parts of the image as often as bright ones
     "two-stage" => two_stage: bool { value: "BOOL", example: r#"true"# }
-    /// Light subpaths per pass whose vertices are virtual lights, for vpl and both lightcuts [default: 64; one for 4
-    /// pixels for lightcuts]
+    /// Light subpaths per pass whose vertices are virtual lights, for vpl and both lightcuts [default: 64; one for
+    /// 16 pixels for lightcuts]
     "virtual-lights" => virtual_lights: u32 { value: "SUBPATHS", example: r#"4096"# }
-    /// Groups of lights, and of virtual lights, that lightcuts samples at a point [default: 16]
-    "cut-size" => cut_size: u32 { value: "GROUPS", example: r#"16"# }
+    /// Groups of lights, and of virtual lights, that lightcuts samples at a point [default: 8]
+    "cut-size" => cut_size: u32 { value: "GROUPS", example: r#"8"# }
     /// Largest error of the light at a point for deterministic-lightcuts, as a share of it [default: 0.1]
     "cut-error" => cut_error: f64 { value: "SHARE", example: r#"0.1"# }
     /// Limit what a virtual light contributes to this multiple of the typical radiance: less noise, but the image is

@@ -4,6 +4,7 @@
 // Lobes are disjoint, so their sums are exact.
 #![allow(clippy::float_cmp)]
 
+mod bounds;
 mod cameras;
 mod choices;
 mod distributions;

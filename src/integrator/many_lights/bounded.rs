@@ -8,12 +8,10 @@
 //! = .02 a pixel of Veach's plates was off by 17 %. The price of the guarantee is that most lights are in the cut, since
 //! the light of any group may be hidden.
 
-use super::gather::{Gather, Limited, Receiver};
-use super::virtual_lights::{VirtualLight, bound};
+use super::limit::Limited;
+use super::virtual_lights::VirtualLight;
 use crate::bsdf::ScatteringBound;
-use crate::light::{GroupValues, LightGroup, LightTree};
-use crate::path::TraceStats;
-use crate::sampling::Sampler;
+use crate::light::{GroupValues, LightGroup, LightSampleContext, LightTree};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -96,17 +94,15 @@ impl BoundedGroups {
         self.summaries.of(group, |number| Summary::of(&lights[number], number))
     }
 
-    /// Returns the light at `at` with an error of at most the share.
+    /// Returns the light at a receiver with an error of at most the share. `receiver` is its place with a bound of what it
+    /// scatters, `limit` that of virtual lights, and `contribution` returns what a light contributes.
     pub(super) fn gather(
         &self,
-        gather: &Gather,
-        at: &Receiver,
-        sampler: &mut impl Sampler,
-        tally: &mut TraceStats,
+        lights: &[VirtualLight],
+        (at, ScatteringBound { diffuse, glossy }): &(LightSampleContext, ScatteringBound),
+        limit: f32,
+        mut contribution: impl FnMut(usize) -> Limited,
     ) -> Limited {
-        let ScatteringBound { diffuse, glossy } = bound(at.shading.point, at.shading.surface, at.shading.known());
-        let lights = gather.virtual_lights;
-        let mut contribution = |number: usize| gather.contribution(&lights[number], at, 0, sampler, tally);
         let (first, _) = self.summary(lights, LightGroup::ALL).representative;
         let whole = Group {
             group: LightGroup::ALL,
@@ -125,9 +121,9 @@ impl BoundedGroups {
                 checked = cut.len() + cut.len() / CHECKS;
             }
             let Some(parent) = cut.pop() else { break };
-            for (group, upper) in self.tree.parts(parent.group, &at.context(), [diffuse, glossy]) {
+            for (group, upper) in self.tree.parts(parent.group, at, [*diffuse, *glossy]) {
                 let Summary { most, representative: (number, alone) } = self.summary(lights, group);
-                let limited = most[1] * f64::from(gather.limit.most());
+                let limited = most[1] * f64::from(limit);
                 let error = if group.light().is_some() { 0.0 } else { (most[0] * f64::from(upper)).min(limited) };
                 let known = number == parent.representative;
                 cut.push(Group {

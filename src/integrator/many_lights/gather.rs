@@ -1,8 +1,8 @@
 //! Light at a vertex of a camera walk: from the lights of the scene, and from virtual lights.
 
 use super::bounded::BoundedGroups;
-use super::limit::Limit;
-use super::virtual_lights::VirtualLight;
+use super::limit::{Limit, Limited};
+use super::virtual_lights::{VirtualLight, bound};
 use crate::bsdf::{Scattering, Shading};
 use crate::geometry::RayState;
 use crate::light::{Cut, LightCuts, LightSampleContext, LightTree};
@@ -102,7 +102,12 @@ impl Gather<'_, '_> {
                 tree.as_ref().map_or(Limited::ZERO, |tree| self.by_cut(tree, *size, at, sampler, tally))
             }
             Indirect::Bounded(groups) => {
-                groups.as_ref().map_or(Limited::ZERO, |groups| groups.gather(self, at, sampler, tally))
+                let Some(groups) = groups else { return Limited::ZERO };
+                let receiver = (at.context(), bound(at.shading.point, at.shading.surface, at.shading.known()));
+                let most = self.limit.most();
+                groups.gather(self.virtual_lights, &receiver, most, |light| {
+                    self.contribution(&self.virtual_lights[light], at, 0, sampler, tally)
+                })
             }
         }
     }
@@ -154,22 +159,6 @@ impl Gather<'_, '_> {
         let through = self.scene.transmittance(&edge, sampler, address, &mut tally.shadows);
         let whole = f_cos * leaving * light.flux * through / d2;
         Limited { light: whole * share, excess: whole * (1.0 - share) }
-    }
-}
-
-/// Light within the limit, and beyond it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Limited {
-    pub(super) light: Spectrum,
-    pub(super) excess: Spectrum,
-}
-
-impl Limited {
-    pub(super) const ZERO: Limited = Limited { light: Spectrum::ZERO, excess: Spectrum::ZERO };
-
-    /// Returns the sum of this and `times` the other.
-    pub(super) fn plus(self, other: Limited, times: f32) -> Self {
-        Limited { light: self.light + other.light * times, excess: self.excess + other.excess * times }
     }
 }
 

@@ -48,3 +48,19 @@ impl Limit {
         (self.most / strength).min(1.0)
     }
 }
+
+/// Light within the limit, and beyond it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limited {
+    pub(super) light: Spectrum,
+    pub(super) excess: Spectrum,
+}
+
+impl Limited {
+    pub(super) const ZERO: Limited = Limited { light: Spectrum::ZERO, excess: Spectrum::ZERO };
+
+    /// Returns the sum of this and `times` the other.
+    pub(super) fn plus(self, other: Limited, times: f32) -> Self {
+        Limited { light: self.light + other.light * times, excess: self.excess + other.excess * times }
+    }
+}

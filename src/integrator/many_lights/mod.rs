@@ -40,7 +40,7 @@ use virtual_lights::VirtualLights;
 use walk::GatherWalk;
 
 /// Pixels per light subpath of a pass of `lightcuts`, by default.
-const PIXELS_PER_SUBPATH: usize = 4;
+const PIXELS_PER_SUBPATH: usize = 16;
 
 /// An integrator with virtual lights.
 struct ManyLights<'a> {

@@ -1,6 +1,7 @@
 //! A camera walk that gathers light at its vertices.
 
-use super::gather::{Gather, Indirect, Limited, Receiver};
+use super::gather::{Gather, Indirect, Receiver};
+use super::limit::Limited;
 use super::virtual_lights::{EMITTING_PEAK, peak};
 use crate::bsdf::{Lobes, Shading};
 use crate::camera::CameraSample;
