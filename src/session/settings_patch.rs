@@ -143,7 +143,7 @@ settings! {
     /// Seed of all random numbers [default: 0]
     "seed" => seed: u64 { value: "SEED", example: r#"0"# }
     /// Independent replicates, between which the error is measured; 1 measures none [default: 16 for methods with
-    /// chains, else 4]
+    /// chains or virtual lights, else 4]
     "replicates" => replicates: u32 { value: "REPLICATES", example: r#"4"# }
     /// Ray-tracing backend [default: embree; obvhs where étendue was built without it]
     "backend" => backend: Backend { value: "BACKEND", example: r#""obvhs""# }
