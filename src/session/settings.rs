@@ -191,7 +191,7 @@ mod tests {
             ("chain-threshold", &[Pssmlt, Mmlt, Mlt], |s| s.chain_threshold = Some(0.0)),
             ("virtual-lights", &[Vpl, Lightcuts, DeterministicLightcuts], |s| s.virtual_lights = Some(7)),
             ("clamp-vpl", &[Vpl, Lightcuts, DeterministicLightcuts], |s| s.clamp_vpl = Some(0.5)),
-            ("cut-error", &[DeterministicLightcuts], |s| s.cut_error = Some(0.1)),
+            ("cut-error", &[DeterministicLightcuts], |s| s.cut_error = Some(0.3)),
             ("cut-size", &[Lightcuts], |s| s.cut_size = Some(7)),
             ("two-stage", &[Pssmlt, Mmlt, Mlt], |s| s.two_stage = Some(true)),
         ]
