@@ -31,15 +31,6 @@ pub enum Method {
     /// Light tracing: light subpaths with each vertex connected to the camera. Blind to what is seen in mirrors and
     /// through clear glass.
     Light,
-    /// Instant radiosity: every vertex of a camera path is lit by all virtual point lights of the pass. A reference for
-    /// lightcuts.
-    Vpl,
-    /// Stochastic lightcuts: many lights and virtual point lights, chosen for each vertex of a camera path by a cut
-    /// through their tree.
-    Lightcuts,
-    /// Deterministic lightcuts: lights and virtual point lights in groups, of each of which the same light stands for all,
-    /// within an error bound. Biased: for previews.
-    DeterministicLightcuts,
     /// Bidirectional path tracing: subpaths from both ends and all connections between them, combined by multiple
     /// importance sampling.
     Bdpt,
@@ -49,6 +40,15 @@ pub enum Method {
     Mmlt,
     /// Metropolis light transport in path space: chains of paths under mutations and perturbations.
     Mlt,
+    /// Instant radiosity: every vertex of a camera path is lit by all virtual point lights of the pass. A reference for
+    /// lightcuts.
+    Vpl,
+    /// Stochastic lightcuts: many lights and virtual point lights, chosen for each vertex of a camera path by a cut
+    /// through their tree.
+    Lightcuts,
+    /// Deterministic lightcuts: lights and virtual point lights in groups, of each of which the same light stands for all,
+    /// within an error bound. Biased: for previews.
+    DeterministicLightcuts,
 }
 
 impl Method {

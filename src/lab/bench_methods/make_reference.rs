@@ -4,6 +4,7 @@ use super::contestant::{self, BenchCase, label};
 use super::reference::{Record, Reference, noise};
 use super::{BenchScene, MethodsRequest};
 use crate::error::{Error, Result};
+use crate::film::Independent;
 use crate::film::{Film, Plane};
 use crate::integrator::{self, Method};
 use crate::io::exr;
@@ -62,12 +63,14 @@ fn suffices(field: &[BenchCase<'_>], rgb: &[f32], noise: f64, epsilon: f64) -> b
 /// spots.
 fn chosen<'a, 'b>(request: &MethodsRequest, field: &'a [BenchCase<'b>]) -> Result<(&'a BenchCase<'b>, Method)> {
     let host = field.first().ok_or_else(|| Error::usage("nothing to compare: name a method and a backend"))?;
-    // From the simplest method to the best. Methods with chains are excluded, since their error estimate may be in
-    // doubt.
+    // From the simplest method to the best. Methods whose pixels share their noise are excluded, since their error
+    // estimate may be in doubt.
     let seeing: Vec<Method> = Method::all()
         .iter()
         .copied()
-        .filter(|&m| !m.has_chains() && !m.is_biased() && integrator::blind_spots(m, &host.stage.scene).is_empty())
+        .filter(|&m| {
+            m.independent() != Independent::Replicates && integrator::blind_spots(m, &host.stage.scene).is_empty()
+        })
         .collect();
     let other = seeing.iter().rev().find(|m| !request.methods.contains(m));
     let method =
