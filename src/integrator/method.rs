@@ -65,9 +65,11 @@ impl Method {
         }
     }
 
-    /// Whether the mean of its images is not that of the other methods.
-    pub fn is_biased(self) -> bool {
-        self == Method::DeterministicLightcuts
+    /// Returns the methods that are compared unless others are named: all without virtual lights.
+    pub fn compared() -> Vec<Method> {
+        use strum::VariantArray;
+        let virtual_lights = [Method::Vpl, Method::Lightcuts, Method::DeterministicLightcuts];
+        Method::VARIANTS.iter().copied().filter(|method| !virtual_lights.contains(method)).collect()
     }
 
     /// Whether passes are groups of Markov chains.

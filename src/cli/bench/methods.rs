@@ -10,7 +10,6 @@ use crate::error::{Error, Result};
 use crate::integrator::Method;
 use crate::lab::bench_methods::{self, BenchScene, MethodsReport, MethodsRequest, SceneReport};
 use crate::lab::unique;
-use crate::named::Named;
 use crate::session::{Budget, SettingsPatch};
 use std::path::PathBuf;
 
@@ -96,7 +95,7 @@ fn check(args: &Args) -> Result<()> {
 
 fn request(args: &Args) -> MethodsRequest {
     MethodsRequest {
-        methods: unique(args.methods.as_deref().unwrap_or(Method::all())),
+        methods: unique(args.methods.as_deref().unwrap_or(&Method::compared())),
         budget: args.budget.0,
         repetitions: args.repetitions,
         reference_budget: args.reference_budget.map_or(4 * args.budget.0, |b| b.0),

@@ -33,7 +33,7 @@ pub struct Lineup {
 pub struct Excluded {
     /// The method.
     pub method: Method,
-    /// Its blind spots in the scene, or its bias, one sentence each.
+    /// Its blind spots in the scene, one sentence each.
     pub reasons: Vec<String>,
 }
 
@@ -48,13 +48,9 @@ impl VerifyRequest {
     /// # Errors
     /// A usage error if there are fewer than two candidates.
     pub fn lineup(&self, scene: &Scene) -> Result<Lineup> {
-        let wanted = unique(self.methods.as_deref().unwrap_or(Method::all()));
-        let is_asked = self.methods.is_some();
-        let bias = |method: Method| (method.is_biased() && !is_asked).then(|| format!("{} is biased", method.name()));
-        let judged = wanted.into_iter().map(|method| {
-            let reasons = integrator::blind_spots(method, scene).into_iter().chain(bias(method)).collect();
-            Excluded { method, reasons }
-        });
+        let wanted = unique(self.methods.as_deref().unwrap_or(&Method::compared()));
+        let judged =
+            wanted.into_iter().map(|method| Excluded { method, reasons: integrator::blind_spots(method, scene) });
         let (seeing, excluded): (Vec<_>, Vec<_>) = judged.partition(|e| e.reasons.is_empty());
         let lineup = Lineup { methods: seeing.into_iter().map(|e| e.method).collect(), excluded };
         let candidates = lineup.methods.len() * self.backends().len();
