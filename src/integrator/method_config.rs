@@ -21,7 +21,7 @@ pub enum MethodConfig {
     /// [`Method::Bdpt`].
     Bdpt(BdptConfig),
     /// [`Method::Vpl`].
-    Vpl(VplConfig),
+    Vpl(VirtualLightsConfig),
     /// [`Method::Lightcuts`].
     Lightcuts(LightcutsConfig),
     /// [`Method::DeterministicLightcuts`].
@@ -44,12 +44,12 @@ pub struct BdptConfig {
     pub heuristic: Heuristic,
 }
 
-/// Parameters of instant radiosity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Parameters of all methods with virtual lights, and those of instant radiosity.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub struct VplConfig {
-    /// Light subpaths of a pass.
-    pub virtual_lights: u32,
+pub struct VirtualLightsConfig {
+    /// Light subpaths of a pass; `None` for the default of the method.
+    pub virtual_lights: Option<u32>,
     /// Limit of the contribution of a virtual light, as a multiple of the typical radiance, without compensation; `None`
     /// for none.
     pub clamp_vpl: Option<f64>,
@@ -59,10 +59,9 @@ pub struct VplConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct LightcutsConfig {
-    /// Light subpaths of a pass; `None` to derive it from the image size.
-    pub virtual_lights: Option<u32>,
-    /// See [`VplConfig::clamp_vpl`].
-    pub clamp_vpl: Option<f64>,
+    /// Virtual lights.
+    #[serde(flatten)]
+    pub virtual_lights: VirtualLightsConfig,
     /// Groups of a cut, of the scene's lights and of virtual lights.
     pub cut_size: u32,
 }
@@ -71,10 +70,9 @@ pub struct LightcutsConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct DeterministicLightcutsConfig {
-    /// Light subpaths of a pass.
-    pub virtual_lights: u32,
-    /// See [`VplConfig::clamp_vpl`].
-    pub clamp_vpl: Option<f64>,
+    /// Virtual lights.
+    #[serde(flatten)]
+    pub virtual_lights: VirtualLightsConfig,
     /// Largest error of the light at a point, as a share of it.
     pub cut_error: f64,
 }
@@ -142,21 +140,15 @@ impl Default for BdptConfig {
     }
 }
 
-impl Default for VplConfig {
-    fn default() -> Self {
-        VplConfig { virtual_lights: 64, clamp_vpl: None }
-    }
-}
-
 impl Default for LightcutsConfig {
     fn default() -> Self {
-        LightcutsConfig { virtual_lights: None, clamp_vpl: None, cut_size: 8 }
+        LightcutsConfig { virtual_lights: VirtualLightsConfig::default(), cut_size: 8 }
     }
 }
 
 impl Default for DeterministicLightcutsConfig {
     fn default() -> Self {
-        DeterministicLightcutsConfig { virtual_lights: 64, clamp_vpl: None, cut_error: 0.1 }
+        DeterministicLightcutsConfig { virtual_lights: VirtualLightsConfig::default(), cut_error: 0.1 }
     }
 }
 
@@ -181,7 +173,7 @@ impl From<Method> for MethodConfig {
             Method::Path => MethodConfig::Path,
             Method::Light => MethodConfig::Light,
             Method::Bdpt => MethodConfig::Bdpt(BdptConfig::default()),
-            Method::Vpl => MethodConfig::Vpl(VplConfig::default()),
+            Method::Vpl => MethodConfig::Vpl(VirtualLightsConfig::default()),
             Method::Lightcuts => MethodConfig::Lightcuts(LightcutsConfig::default()),
             Method::DeterministicLightcuts => {
                 MethodConfig::DeterministicLightcuts(DeterministicLightcutsConfig::default())
@@ -238,8 +230,8 @@ impl MethodConfig {
     pub fn clamp_vpl(&self) -> Option<f64> {
         match self {
             MethodConfig::Vpl(config) => config.clamp_vpl,
-            MethodConfig::Lightcuts(config) => config.clamp_vpl,
-            MethodConfig::DeterministicLightcuts(config) => config.clamp_vpl,
+            MethodConfig::Lightcuts(config) => config.virtual_lights.clamp_vpl,
+            MethodConfig::DeterministicLightcuts(config) => config.virtual_lights.clamp_vpl,
             _ => None,
         }
     }

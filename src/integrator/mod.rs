@@ -30,7 +30,7 @@ pub use many_lights::MOST_GROUPS;
 pub use method::Method;
 pub use method_config::{
     BdptConfig, ChainsConfig, DeterministicLightcutsConfig, LightcutsConfig, MethodConfig, MltConfig, MmltConfig,
-    PssmltConfig, VplConfig,
+    PssmltConfig, VirtualLightsConfig,
 };
 pub use metropolis::{ChainDigest, ChainReport, Mutations, Normalisation, Tiles};
 pub use pilot::PilotEstimate;

@@ -1,7 +1,7 @@
 //! The emitter endpoint of a path, independent of the technique that sampled it.
 
 use crate::geometry::{Ray, SurfacePoint};
-use crate::light::{ChosenLight, EmitterPoint, LePdf, LeSample, Light, LightSample, LightSampleContext};
+use crate::light::{ChosenLight, EmitterPoint, LePdf, LeRandom, LeSample, Light, LightSample, LightSampleContext};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use glam::{DVec3, Vec3};
@@ -19,11 +19,21 @@ pub struct Emitter {
 
 impl Emitter {
     /// Creates the endpoint at which light `index` `emitted` with `density`.
-    pub fn of_emission(index: usize, emitted: &LeSample, density: &LePdf) -> Self {
+    fn of_emission(index: usize, emitted: &LeSample, density: &LePdf) -> Self {
         let cos =
             if let EmitterPoint::Surface { ng, .. } = emitted.end { emitted.ray.direction.dot(ng).abs() } else { 1.0 };
         let radiance = emitted.power * ((density.position * density.direction) as f32 / cos);
         Emitter { index, end: emitted.end, radiance }
+    }
+
+    /// Samples a ray of light `index`. Returns it with its densities and its endpoint; `None` if it carries no light.
+    #[inline]
+    pub fn emitting(scene: &Scene, index: usize, numbers: &LeRandom) -> Option<(LeSample, LePdf, Self)> {
+        let light = &scene.lights().all()[index];
+        let emitted = light.sample_le(scene.ball(), numbers)?;
+        let density = light.pdf_le(scene.ball(), &emitted.end, emitted.ray.direction);
+        let emitter = Emitter::of_emission(index, &emitted, &density);
+        Some((emitted, density, emitter))
     }
 
     /// Returns the ray that its light `emitted`, with the bodies at the ray's origin.

@@ -94,9 +94,8 @@ impl<'a> Subpath<'a> {
             position: sampler.u2(0, Slot::LightPoint),
             direction: sampler.u2(0, Slot::Direction),
         };
-        let emitted = light.sample_le(scene.ball(), &numbers)?;
+        let (emitted, density, emitter) = Emitter::emitting(scene, index, &numbers)?;
         let power = emitted.power / pmf.value();
-        let density = light.pdf_le(scene.ball(), &emitted.end, emitted.ray.direction);
         // Tangential emission: about one random number in 2²³ yields it. It has no density and carries no light.
         if density.direction <= 0.0 {
             return None;
@@ -104,7 +103,6 @@ impl<'a> Subpath<'a> {
         let end = f64::from(pmf.value()) * density.position;
         let origin = Vertex::Light(emitted.end).origin();
         let link = weights.from_light(end, density.direction, light.is_dirac(), origin);
-        let emitter = Emitter::of_emission(index, &emitted, &density);
         let walk = RandomWalk::from_light(scene, emitter.ray(scene, &emitted), power);
         let start = Start::Light(index, emitted.end, [f64::from(pmf.value()), density.position]);
         Some((Subpath { scene, weights: *weights, walk, link, start }, emitter))

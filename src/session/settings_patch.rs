@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
 use crate::integrator::{
     BdptConfig, ChainsConfig, DeterministicLightcutsConfig, Execution, LightcutsConfig, MOST_GROUPS, Method,
-    MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig, VplConfig,
+    MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig, VirtualLightsConfig,
 };
 use crate::io::png::ToneCurve;
 use crate::light::LightChoice;
@@ -323,6 +323,13 @@ impl SettingsPatch {
             ));
         }
         let mmlt_depths = between("mmlt-depths", self.mmlt_depths.unwrap_or(mmlt.mmlt_depths), 2..=64)?;
+        let virtual_lights = self.virtual_lights_config()?;
+        let (lightcuts, bounded) = (LightcutsConfig::default(), DeterministicLightcutsConfig::default());
+        let cut_size = between("cut-size", self.cut_size.unwrap_or(lightcuts.cut_size), 1..=MOST_GROUPS)?;
+        let cut_error = self.cut_error.unwrap_or(bounded.cut_error);
+        if !(cut_error >= 0.0 && cut_error.is_finite()) {
+            return Err(Error::usage("cut-error must not be negative"));
+        }
         if self.clamp.is_some() && method.has_chains() {
             return Err(Error::usage(
                 "clamp does nothing sensible to chains, whose samples are all alike: leave it out",
@@ -330,24 +337,10 @@ impl SettingsPatch {
         }
         Ok(match MethodConfig::from(method) {
             MethodConfig::Bdpt(_) => MethodConfig::Bdpt(bdpt),
-            MethodConfig::Vpl(vpl) => {
-                let virtual_lights = self.virtual_lights()?.unwrap_or(vpl.virtual_lights);
-                MethodConfig::Vpl(VplConfig { virtual_lights, clamp_vpl: self.clamp_vpl()? })
-            }
-            MethodConfig::Lightcuts(lightcuts) => {
-                let cut_size = between("cut-size", self.cut_size.unwrap_or(lightcuts.cut_size), 1..=MOST_GROUPS)?;
-                let (virtual_lights, clamp_vpl) = (self.virtual_lights()?, self.clamp_vpl()?);
-                MethodConfig::Lightcuts(LightcutsConfig { virtual_lights, clamp_vpl, cut_size })
-            }
-            MethodConfig::DeterministicLightcuts(lightcuts) => {
-                let cut_error = self.cut_error.unwrap_or(lightcuts.cut_error);
-                if !(cut_error >= 0.0 && cut_error.is_finite()) {
-                    return Err(Error::usage("cut-error must not be negative"));
-                }
-                let virtual_lights = self.virtual_lights()?.unwrap_or(lightcuts.virtual_lights);
-                let clamp_vpl = self.clamp_vpl()?;
-                let config = DeterministicLightcutsConfig { virtual_lights, clamp_vpl, cut_error };
-                MethodConfig::DeterministicLightcuts(config)
+            MethodConfig::Vpl(_) => MethodConfig::Vpl(virtual_lights),
+            MethodConfig::Lightcuts(_) => MethodConfig::Lightcuts(LightcutsConfig { virtual_lights, cut_size }),
+            MethodConfig::DeterministicLightcuts(_) => {
+                MethodConfig::DeterministicLightcuts(DeterministicLightcutsConfig { virtual_lights, cut_error })
             }
             MethodConfig::Pssmlt(_) => MethodConfig::Pssmlt(PssmltConfig { bdpt, chains, large_step }),
             MethodConfig::Mmlt(_) => MethodConfig::Mmlt(MmltConfig { bdpt, chains, large_step, mmlt_depths }),
@@ -358,15 +351,13 @@ impl SettingsPatch {
         })
     }
 
-    fn virtual_lights(&self) -> Result<Option<u32>> {
-        self.virtual_lights.map(|count| in_range("virtual-lights", count, MOST_VIRTUAL_LIGHTS)).transpose()
-    }
-
-    fn clamp_vpl(&self) -> Result<Option<f64>> {
-        match self.clamp_vpl {
-            Some(clamp) if !(clamp > 0.0 && clamp.is_finite()) => Err(Error::usage("clamp-vpl must be above zero")),
-            clamp => Ok(clamp),
+    fn virtual_lights_config(&self) -> Result<VirtualLightsConfig> {
+        if self.clamp_vpl.is_some_and(|clamp| !(clamp > 0.0 && clamp.is_finite())) {
+            return Err(Error::usage("clamp-vpl must be above zero"));
         }
+        let count = |count| in_range("virtual-lights", count, MOST_VIRTUAL_LIGHTS);
+        let virtual_lights = self.virtual_lights.map(count).transpose()?;
+        Ok(VirtualLightsConfig { virtual_lights, clamp_vpl: self.clamp_vpl })
     }
 
     fn chains_config(&self) -> Result<ChainsConfig> {

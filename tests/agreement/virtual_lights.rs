@@ -8,7 +8,7 @@ use crate::references::load;
 use etendue::film::{Filter, Layout, Plane};
 use etendue::integrator::{
     DeterministicLightcutsConfig, FilmRenderer, IntegratorConfig, LightcutsConfig, Method, MethodConfig, PassReport,
-    VplConfig,
+    VirtualLightsConfig,
 };
 use etendue::scene::Scene;
 use etendue_testing::deep;
@@ -72,16 +72,13 @@ fn excess(a: &[Means], b: &[Means], planted: f64, tests: usize) -> f64 {
 
 /// The unbiased methods, with few virtual lights and narrow cuts, so that limits and compensation matter.
 fn unbiased() -> [MethodConfig; 3] {
-    let lightcuts = |virtual_lights, cut_size| LightcutsConfig {
-        virtual_lights: Some(virtual_lights),
-        cut_size,
-        ..LightcutsConfig::default()
-    };
-    [
-        MethodConfig::Vpl(VplConfig { virtual_lights: 16, ..VplConfig::default() }),
-        MethodConfig::Lightcuts(lightcuts(64, 1)),
-        MethodConfig::Lightcuts(lightcuts(64, 16)),
-    ]
+    let lightcuts =
+        |count, cut_size| MethodConfig::Lightcuts(LightcutsConfig { virtual_lights: subpaths(count), cut_size });
+    [MethodConfig::Vpl(subpaths(16)), lightcuts(64, 1), lightcuts(64, 16)]
+}
+
+fn subpaths(count: u32) -> VirtualLightsConfig {
+    VirtualLightsConfig { virtual_lights: Some(count), clamp_vpl: None }
 }
 
 /// Planted: 10 % more light.
@@ -136,11 +133,7 @@ fn virtual_lights_agree_with_path_tracing() {
 }
 
 fn deterministic(cut_error: f64) -> MethodConfig {
-    MethodConfig::DeterministicLightcuts(DeterministicLightcutsConfig {
-        virtual_lights: 64,
-        cut_error,
-        ..DeterministicLightcutsConfig::default()
-    })
+    MethodConfig::DeterministicLightcuts(DeterministicLightcutsConfig { virtual_lights: subpaths(64), cut_error })
 }
 
 /// The bound holds in every pixel: against the sum over all virtual lights, with the same random numbers.
@@ -169,7 +162,7 @@ fn cuts_of_bounded_error_keep_the_bound_in_every_pixel() {
 #[test]
 fn the_light_that_a_limit_takes_away_is_reported() {
     let scene = load("cornell-box").expect("committed");
-    let clamped = MethodConfig::Vpl(VplConfig { virtual_lights: 16, clamp_vpl: Some(0.01) });
+    let clamped = MethodConfig::Vpl(VirtualLightsConfig { clamp_vpl: Some(0.01), ..subpaths(16) });
     let (side, spp, seeds) = (16, 8, 96);
     let rendered = |seed| {
         let (pixels, report) = render(&scene, clamped, side, spp, seed);

@@ -1,12 +1,12 @@
 //! Cuts of bounded error: deterministic lightcuts [Walter05 §3].
 //!
-//! One virtual light of each group stands for the group, always the same, in proportion to the intensities. The group of
-//! the greatest error bound is replaced by its parts until the bounds of all groups sum to no more than a share τ of the
-//! light. The error is then at most τ of the result, whatever the visibility.
+//! One virtual light of each group stands for the group, always the same, in proportion to the intensities. The group
+//! of the greatest error bound is replaced by its parts until the bounds of all groups sum to no more than a share τ of
+//! the light. The error is then at most τ of the result, whatever the visibility.
 //!
-//! Walter ends where each bound is below τ of the light. That takes fewer lights, but errors of one sign add up: with τ
-//! = .02 a pixel of Veach's plates was off by 17 %. The price of the guarantee is that most lights are in the cut, since
-//! the light of any group may be hidden.
+//! Walter ends where each bound is below τ of the light. That takes fewer lights, but errors of one sign add up: with
+//! τ = .02 a pixel of Veach's plates was off by 17 %. The price of the guarantee is that most lights are in the cut,
+//! since the light of any group may be hidden.
 
 use super::limit::Limited;
 use super::virtual_lights::VirtualLight;
@@ -94,8 +94,8 @@ impl BoundedGroups {
         self.summaries.of(group, |number| Summary::of(&lights[number], number))
     }
 
-    /// Returns the light at a receiver with an error of at most the share. `receiver` is its place with a bound of what it
-    /// scatters, `limit` that of virtual lights, and `contribution` returns what a light contributes.
+    /// Returns the light at the receiver `at`, of the given bound, with an error of at most the share. `limit` is that
+    /// of virtual lights; `contribution` returns what a light contributes.
     pub(super) fn gather(
         &self,
         lights: &[VirtualLight],

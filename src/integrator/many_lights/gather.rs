@@ -5,9 +5,10 @@ use super::limit::{Limit, Limited};
 use super::virtual_lights::{VirtualLight, bound};
 use crate::bsdf::{Scattering, Shading};
 use crate::geometry::RayState;
+use crate::integrator::path::{Combined, light_weight};
 use crate::light::{Cut, LightCuts, LightSampleContext, LightTree};
 use crate::path::TraceStats;
-use crate::sampling::{Density, Sampler, Slot, power};
+use crate::sampling::{Pdf, Sampler, Slot};
 use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
 
@@ -86,7 +87,8 @@ impl Gather<'_, '_> {
             let Some(scattering) = &at.shading.scattering(sample.wi) else { continue };
             let edge = at.edge(self.scene, sample.wi, EdgeEnd::Light(sample.end));
             let through = self.scene.transmittance(&edge, sampler, address, &mut tally.shadows);
-            sum += scattering.f_cos * sample.radiance * through * light_weight(scattering, sample.density, pmf as f32);
+            let weight = light_weight::<Combined>(scattering, sample, Pdf::new(pmf as f32));
+            sum += scattering.f_cos * sample.radiance * through * weight;
         }
         (sum, cut)
     }
@@ -104,8 +106,7 @@ impl Gather<'_, '_> {
             Indirect::Bounded(groups) => {
                 let Some(groups) = groups else { return Limited::ZERO };
                 let receiver = (at.context(), bound(at.shading.point, at.shading.surface, at.shading.known()));
-                let most = self.limit.most();
-                groups.gather(self.virtual_lights, &receiver, most, |light| {
+                groups.gather(self.virtual_lights, &receiver, self.limit.most, |light| {
                     self.contribution(&self.virtual_lights[light], at, 0, sampler, tally)
                 })
             }
@@ -159,17 +160,5 @@ impl Gather<'_, '_> {
         let through = self.scene.transmittance(&edge, sampler, address, &mut tally.shadows);
         let whole = f_cos * leaving * light.flux * through / d2;
         Limited { light: whole * share, excess: whole * (1.0 - share) }
-    }
-}
-
-/// Returns the MIS weight of a light sample of one light, which is among the samples with probability `pmf`, divided by
-/// its density.
-fn light_weight(scattering: &Scattering, density: Density, pmf: f32) -> f32 {
-    match density {
-        Density::Delta(probability) => (pmf * probability).recip(),
-        Density::Smooth(pdf) => {
-            let density = pmf * pdf.value();
-            power(density, scattering.pdf.value()) / density
-        }
     }
 }

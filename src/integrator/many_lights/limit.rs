@@ -1,9 +1,9 @@
 //! The limit of the contribution of a virtual light.
 //!
-//! Let the edge from x to y join two vertices that scatter smoothly. A virtual light at y is one way to sample the path,
-//! a walk that scatters at x is another. The share c of the virtual light is a function of the edge alone, c = min(1, b /
-//! (F cos_x cos_y κ / d²)), where κ is a measure of the peak of the BSDF at y and b the limit. The walk has the share
-//! 1 − c: it goes on beyond y with this probability [KolligKeller06 §3].
+//! Let the edge from x to y join two vertices that scatter smoothly. A virtual light at y is one way to sample the
+//! path, a walk that scatters at x is another. The share c of the virtual light is a function of the edge alone,
+//! c = min(1, b / (F cos_x cos_y κ / d²)), where κ is a measure of the peak of the BSDF at y and b the limit. The walk
+//! has the share 1 − c: it goes on beyond y with this probability [KolligKeller06 §3].
 
 use crate::integrator::PilotEstimate;
 use crate::scene::Scene;
@@ -16,7 +16,7 @@ const DEFAULT_LIMIT: f64 = 1.0;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limit {
     /// b in the head of this module.
-    most: f32,
+    pub(super) most: f32,
     /// Whether walks make up for what it takes away.
     pub(super) is_compensated: bool,
 }
@@ -32,11 +32,6 @@ impl Limit {
         let most = clamp.unwrap_or(DEFAULT_LIMIT) * f64::from(pilot.typical) * gathered as f64 / power;
         // Without light there are no virtual lights.
         Limit { most: if most.is_finite() { most as f32 } else { 0.0 }, is_compensated: clamp.is_none() }
-    }
-
-    /// Returns b.
-    pub(super) fn most(&self) -> f32 {
-        self.most
     }
 
     /// Returns the share of the virtual light at the end of an edge: F |cos| at the receiver, the cosine at the light,

@@ -1,11 +1,11 @@
-//! Methods that light all pixels of a pass by the same virtual lights: `vpl` and `lightcuts`.
+//! Methods that light all pixels of a pass by the same virtual lights.
 //!
-//! A pass traces light subpaths; their vertices are virtual lights. A camera walk gathers at each vertex the direct light,
-//! by samples of the scene's lights, and the indirect light from the virtual lights:
+//! A pass traces light subpaths; their vertices are virtual lights. A camera walk gathers at each vertex the direct
+//! light, by samples of the scene's lights, and the indirect light from the virtual lights:
 //!
-//! - `vpl` (instant radiosity [Keller97]) from all of them. A reference for the other.
-//! - `lightcuts` (stochastic lightcuts [Yuksel19]) from one of each group of a cut through the light tree over them, and
-//!   likewise from one light of each group of a cut through the scene's lights. For diffuse interiors with many lamps.
+//! - `vpl` (instant radiosity [Keller97]) from all of them. A reference for the others.
+//! - `lightcuts` (stochastic lightcuts [Yuksel19]) from one of each group of a cut through the light tree over them,
+//!   and likewise from one light of each group of a cut through the scene's lights. For indirect light in diffuse rooms.
 //! - `deterministic-lightcuts` [Walter05] from one of each group of a cut whose error is bounded, where points on the
 //!   scene's lights are virtual lights, too. Biased within the bound. For the record and for previews.
 //!
@@ -25,7 +25,8 @@ mod walk;
 use super::camera_pass::CameraPass;
 use super::samples::{PassNumbers, Samples, Work};
 use super::{
-    DeterministicLightcutsConfig, Integrator, IntegratorConfig, LightcutsConfig, PassReport, PilotEstimate, VplConfig,
+    DeterministicLightcutsConfig, Integrator, IntegratorConfig, LightcutsConfig, PassReport, PilotEstimate,
+    VirtualLightsConfig,
 };
 use crate::camera::Camera;
 use crate::film::PassFilm;
@@ -42,11 +43,15 @@ use walk::GatherWalk;
 /// Pixels per light subpath of a pass of `lightcuts`, by default.
 const PIXELS_PER_SUBPATH: usize = 16;
 
+/// Light subpaths per pass of the other methods, by default.
+const FEW_SUBPATHS: usize = 64;
+
 /// An integrator with virtual lights.
 struct ManyLights<'a> {
     scene: &'a Scene,
     camera: Camera,
     options: IntegratorConfig,
+    samples: Samples,
     lights: LightCuts,
     /// Light subpaths of a pass.
     subpaths: usize,
@@ -69,13 +74,10 @@ pub(super) fn vpl<'a>(
     scene: &'a Scene,
     camera: Camera,
     options: &IntegratorConfig,
-    config: VplConfig,
+    config: VirtualLightsConfig,
     pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
-    let subpaths = config.virtual_lights as usize;
-    let limit = Limit::new(scene, pilot, subpaths, config.clamp_vpl);
-    let (options, lights) = (*options, LightCuts::new(scene.lights()));
-    Box::new(ManyLights { scene, camera, options, lights, subpaths, selection: Selection::All, limit })
+    Box::new(ManyLights::new(scene, camera, options, (Selection::All, config), pilot))
 }
 
 /// Builds the integrator of `lightcuts`.
@@ -86,12 +88,8 @@ pub(super) fn lightcuts<'a>(
     config: LightcutsConfig,
     pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
-    let size = config.cut_size as usize;
-    let by_pixels = options.pixels().div_ceil(PIXELS_PER_SUBPATH);
-    let subpaths = config.virtual_lights.map_or(by_pixels, |subpaths| subpaths as usize);
-    let limit = Limit::new(scene, pilot, size.min(subpaths), config.clamp_vpl);
-    let (options, lights) = (*options, LightCuts::new(scene.lights()));
-    Box::new(ManyLights { scene, camera, options, lights, subpaths, selection: Selection::Cut(size), limit })
+    let selection = Selection::Cut(config.cut_size as usize);
+    Box::new(ManyLights::new(scene, camera, options, (selection, config.virtual_lights), pilot))
 }
 
 /// Builds the integrator of `deterministic-lightcuts`.
@@ -102,17 +100,38 @@ pub(super) fn deterministic_lightcuts<'a>(
     config: DeterministicLightcutsConfig,
     pilot: &PilotEstimate,
 ) -> Box<dyn Integrator + 'a> {
-    let subpaths = config.virtual_lights as usize;
-    let limit = Limit::new(scene, pilot, subpaths, config.clamp_vpl);
-    let (options, lights) = (*options, LightCuts::of_distant(scene.lights()));
     let selection = Selection::Bounded(config.cut_error);
-    Box::new(ManyLights { scene, camera, options, lights, subpaths, selection, limit })
+    Box::new(ManyLights::new(scene, camera, options, (selection, config.virtual_lights), pilot))
+}
+
+impl<'a> ManyLights<'a> {
+    fn new(
+        scene: &'a Scene,
+        camera: Camera,
+        options: &IntegratorConfig,
+        (selection, config): (Selection, VirtualLightsConfig),
+        pilot: &PilotEstimate,
+    ) -> Self {
+        let lights = match selection {
+            Selection::All | Selection::Cut(_) => LightCuts::new(scene.lights()),
+            Selection::Bounded(_) => LightCuts::of_distant(scene.lights()),
+        };
+        let usual = match selection {
+            Selection::All | Selection::Bounded(_) => FEW_SUBPATHS,
+            Selection::Cut(_) => options.pixels().div_ceil(PIXELS_PER_SUBPATH),
+        };
+        let subpaths = config.virtual_lights.map_or(usual, |subpaths| subpaths as usize);
+        let gathered = if let Selection::Cut(size) = selection { size.min(subpaths) } else { subpaths };
+        let limit = Limit::new(scene, pilot, gathered, config.clamp_vpl);
+        let (options, samples) = (*options, Samples::new(camera.clone(), options));
+        ManyLights { scene, camera, options, samples, lights, subpaths, selection, limit }
+    }
 }
 
 impl Integrator for ManyLights<'_> {
     fn run_pass(&self, pass: u64, cancel: &Cancel, out: &mut PassFilm) -> Option<PassReport> {
         let &ManyLights { scene, ref camera, ref options, limit, .. } = self;
-        let lights = Samples::new(camera.clone(), options).of_pass(pass, Tracing { all: self, cancel })?;
+        let lights = self.samples.of_pass(pass, Tracing { all: self, cancel })?;
         let indirect = match self.selection {
             Selection::All => Indirect::All,
             Selection::Cut(size) => Indirect::Cut(size, lights.tree()),

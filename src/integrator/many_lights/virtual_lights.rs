@@ -150,7 +150,7 @@ impl<'a> VirtualLight<'a> {
     /// Returns a random point of light number `index` of `scene`; `None` at infinity or if it does not shine.
     fn emitting(scene: &'a Scene, index: usize, sampler: &mut impl Sampler) -> Option<Self> {
         let light = &scene.lights().all()[index];
-        light.reach()?;
+        let reach = light.reach()?;
         let light_with = |p, end, source, flux, peak| Some(VirtualLight { p, end, source, flux, events: 0, peak });
         if light.is_dirac() {
             let p = light.bounds()?.center();
@@ -158,11 +158,9 @@ impl<'a> VirtualLight<'a> {
         }
         let direction = sampler.u2(0, Slot::Direction);
         let numbers = LeRandom { side: 0.0, position: sampler.u2(0, Slot::LightPoint), direction };
-        let emitted = light.sample_le(scene.ball(), &numbers)?;
-        let density = light.pdf_le(scene.ball(), &emitted.end, emitted.ray.direction);
-        let Emitter { end, radiance, .. } = Emitter::of_emission(index, &emitted, &density);
+        let (_, density, Emitter { end, radiance, .. }) = Emitter::emitting(scene, index, &numbers)?;
         let EmitterPoint::Surface { p, ng, .. } = end else { return None };
-        let source = Source::Emitting { ng, two_sided: light.reach()?.two_sided };
+        let source = Source::Emitting { ng, two_sided: reach.two_sided };
         light_with(p, end, source, radiance * (PI / density.position) as f32, EMITTING_PEAK)
     }
 }

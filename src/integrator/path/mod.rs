@@ -163,7 +163,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         // Borrowed, not moved out of the options: a copy of what was just written stalls.
         let Some(sample) = &lights.all()[index].sample_li(&receiver, u) else { return None };
         let Some(scattering) = &shading.scattering(sample.wi) else { return None };
-        let weight = Self::light_weight(scattering, sample, pmf);
+        let weight = light_weight::<S>(scattering, sample, pmf);
         let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(sample.end));
         Some((edge, walk.beta * scattering.f_cos * sample.radiance * weight))
     }
@@ -191,16 +191,16 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         walk.depart(point, scatter);
         walk.survives(sampler, tally)
     }
+}
 
-    /// Returns the MIS weight of a light sample divided by its density.
-    #[inline]
-    fn light_weight(scattering: &Scattering, sample: &LightSample, pmf: Pdf<Discrete>) -> f32 {
-        match sample.density {
-            Density::Delta(probability) => (pmf.value() * probability).recip(),
-            Density::Smooth(pdf) => {
-                let density = pdf.choose(pmf).value();
-                S::mis_weight_light(density, scattering.pdf.value()) / density
-            }
+/// Returns the MIS weight of a light sample, whose light is selected with probability `pmf`, divided by its density.
+#[inline]
+pub(super) fn light_weight<S: Strategy>(scattering: &Scattering, sample: &LightSample, pmf: Pdf<Discrete>) -> f32 {
+    match sample.density {
+        Density::Delta(probability) => (pmf.value() * probability).recip(),
+        Density::Smooth(pdf) => {
+            let density = pdf.choose(pmf).value();
+            S::mis_weight_light(density, scattering.pdf.value()) / density
         }
     }
 }

@@ -4,7 +4,7 @@
 //! enough. One light of each group then stands for the group [Yuksel19 §4].
 
 use super::node::{LEAF, WIDTH};
-use super::{Descent, LightTree, share};
+use super::{Descent, LightTree};
 use crate::light::LightSampleContext;
 use smallvec::{SmallVec, smallvec};
 
@@ -73,17 +73,7 @@ impl LightTree {
     /// Returns the probability with which [`LightTree::sample_group`] selects `light` in its group of `cut`; 0 if it is
     /// in none.
     pub fn cut_pmf(&self, cut: &Cut, at: &LightSampleContext, light: usize) -> f64 {
-        let Some(mut place) = self.places[light] else { return 0.0 };
-        let (mut id, mut path) = (light as u32 | LEAF, SmallVec::<[(u32, u32); 16]>::new());
-        while !cut.has(id) {
-            if id == 0 {
-                return 0.0;
-            }
-            path.push(place);
-            id = place.0;
-            place = self.nodes[id as usize].parent;
-        }
-        path.iter().rev().fold(1.0, |pmf, &place| pmf * share(&self.nodes, place, at))
+        self.replay(at, light, 1.0, |id| cut.has(id))
     }
 }
 

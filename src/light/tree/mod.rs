@@ -106,26 +106,34 @@ impl LightTree {
 
     /// Returns the probability that a descent for the receiver `at`, begun with the probability `begun`, selects `light`.
     pub fn pmf(&self, at: &LightSampleContext, light: usize, begun: f64) -> f64 {
+        self.replay(at, light, begun, |id| id == 0)
+    }
+
+    /// Returns the probability that a descent for the receiver `at` selects `light`, where it begins with the
+    /// probability `begun` at a node above the light or at the light itself, of which `begins` knows the number. It is 0
+    /// if the descent begins elsewhere.
+    fn replay(&self, at: &LightSampleContext, light: usize, begun: f64, begins: impl Fn(u32) -> bool) -> f64 {
         let Some(mut place) = self.places[light] else { return 0.0 };
-        let mut path = SmallVec::<[(u32, u32); 16]>::new();
-        loop {
-            path.push(place);
-            if place.0 == 0 {
-                break;
+        let (mut id, mut path) = (light as u32 | LEAF, SmallVec::<[(u32, u32); 16]>::new());
+        while !begins(id) {
+            if id == 0 {
+                return 0.0;
             }
-            place = self.nodes[place.0 as usize].parent;
+            path.push(place);
+            id = place.0;
+            place = self.nodes[id as usize].parent;
         }
-        path.iter().rev().fold(begun, |pmf, &place| pmf * share(&self.nodes, place, at))
+        path.iter().rev().fold(begun, |pmf, &place| pmf * self.share(at, place))
+    }
+
+    /// Returns the probability of the child at `place`, a node and a place in it, once a descent is at its node.
+    fn share(&self, at: &LightSampleContext, (node, slot): (u32, u32)) -> f64 {
+        let weights = self.nodes[node as usize].weights(at);
+        f64::from(weights.of[slot as usize]) / weights.total()
     }
 
     /// Returns an estimate of the irradiance of all its lights at the receiver, in units of the sum of intensities.
     pub fn importance(&self, at: &LightSampleContext) -> f64 {
         self.nodes[0].importance(at).into_iter().map(f64::from).sum()
     }
-}
-
-/// Returns the probability of the child at `place`, a node and a place in it, once a descent is at its node.
-fn share(nodes: &[Node], (node, slot): (u32, u32), at: &LightSampleContext) -> f64 {
-    let weights = nodes[node as usize].weights(at);
-    f64::from(weights.of[slot as usize]) / weights.total()
 }

@@ -167,12 +167,9 @@ impl SubpathSampler<'_, '_> {
     pub(super) fn sample_le(&mut self) -> Option<(Emitter, SubpathBuffer)> {
         let scene = self.common.scene;
         let (index, _) = scene.lights().choose_emitter(single(self.numbers))?;
-        let light = &scene.lights().all()[index];
         let numbers =
             LeRandom { side: single(self.numbers), position: pair(self.numbers), direction: pair(self.numbers) };
-        let emitted = light.sample_le(scene.ball(), &numbers)?;
-        let density = light.pdf_le(scene.ball(), &emitted.end, emitted.ray.direction);
-        let emitter = Emitter::of_emission(index, &emitted, &density);
+        let (emitted, _, emitter) = Emitter::emitting(scene, index, &numbers)?;
         let directions = vec![emitted.ray.direction.as_dvec3()];
         let mut part = SubpathBuffer { directions, ..SubpathBuffer::default() };
         let met = self.along(emitter.ray(scene, &emitted))?;
