@@ -6,6 +6,7 @@ use etendue::error::Kind;
 use etendue::geometry::{AnyHit, Geometry, Hit, Opaque, Ray};
 use glam::{Affine3A, Mat3, Vec3};
 use std::hint::black_box;
+use std::time::{Duration, Instant};
 
 const ODD: [f32; 9] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -0.0, 1e-45, f32::MAX, f32::MIN, 1.0];
 
@@ -168,5 +169,32 @@ fn a_triangle_that_rounding_makes_a_point_is_not_met_beside_it() {
         let beside = random.direction().cross(origin).normalize() * (0.55 + 0.4 * random.unit());
         let ray = Ray::new(origin, beside - origin);
         assert_eq!(scene.closest(&ray, &Opaque), None, "{ray:?}");
+    }
+}
+
+/// Trees of boxes that are alike in all that a builder compares are built in seconds, and rays hit the nearest triangle:
+/// many at one place, in a row of equal steps, without extent at the origin, and instances at one place.
+#[test]
+fn trees_of_equal_boxes_are_built_in_seconds() {
+    const COUNT: u32 = 100_000;
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let row: Vec<Vec3> = (0..COUNT).flat_map(|i| corners.map(|p| p + Vec3::X * i as f32)).collect();
+    let one = |triangles| scene_of(vec![triangles], vec![(0, None, false)]);
+    let placed = Affine3A::from_rotation_z(0.1);
+    for (what, geometry, hit) in [
+        ("coincident", one(mesh(corners.into(), vec![[0, 1, 2]; COUNT as usize])), Some(0)),
+        ("row", one(mesh(row, (0..COUNT).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())), Some(5)),
+        ("points", one(mesh(vec![Vec3::ZERO], vec![[0; 3]; COUNT as usize])), None),
+        ("instances", scene_of(vec![triangle()], vec![(0, Some(placed), false); COUNT as usize]), Some(0)),
+    ] {
+        let x = if what == "row" { 5.25 } else { 0.25 };
+        let ray = Ray::new(Vec3::new(x, 0.25, 1.0), Vec3::NEG_Z);
+        for build in [Build::Fast, Build::Robust] {
+            let begin = Instant::now();
+            let scene = built(&geometry, (Backend::Obvhs, build));
+            // Merging two boxes a pass takes minutes.
+            assert!(begin.elapsed() < Duration::from_secs(20), "{what}: {build:?}");
+            assert_eq!(scene.closest(&ray, &Opaque).map(|hit| hit.primitive), hit, "{what}: {build:?}");
+        }
     }
 }

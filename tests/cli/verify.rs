@@ -145,7 +145,7 @@ fn wrong_methods_are_convicted() {
     // The smallest difference, .8 %, is above what the tail may hide only with more samples.
     for (name, methods, spp) in [
         ("mixed-heuristics", "path-nee,path", 4096),
-        ("area-pdf-without-distance", "path-naive,path", 1024),
+        ("spherical-excess-halved", "path-naive,path", 1024),
         ("cosine-dropped", "path-naive,path", 1024),
     ] {
         let ran = place.run_mutant(name, &line(methods, spp));
