@@ -15,7 +15,7 @@ use super::conductor::invert_reflection;
 use super::fresnel::schlick;
 use super::ggx::{Ggx, facing, half, reflect, through};
 use super::lambert::{cosine_direction, cosine_pdf, invert_cosine};
-use super::{Bsdf, BsdfSample, Dielectric, Lobes, ScatteringBound, within};
+use super::{Bsdf, BsdfSample, Dielectric, Lobes, ScatteringBound, Shares, within};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::sampling::warp::into_unit;
@@ -87,6 +87,21 @@ impl MetalDielectric {
         let glossy = if scatters { facets * self.ggx.most_reflection(known) } else { 0.0 };
         // The layer transmits at most all light, in both directions.
         ScatteringBound { diffuse: (self.diffuse * self.coupling).max_lane() * FRAC_1_PI, glossy }
+    }
+
+    /// Whether light crosses it.
+    #[inline]
+    pub(super) fn transmits(&self) -> bool {
+        !matches!(self.transmission, Transmission::None)
+    }
+
+    /// See [`super::Surface::shares`]. A mirror has no lobe that light samples could meet.
+    #[inline]
+    pub(super) fn shares(&self, known: Local) -> Shares {
+        let Some(DirectionTerms { choice, .. }) = self.end(known) else { return Shares::DIFFUSE };
+        let (diffuse, alpha2) = (choice.diffuse + choice.transmission, self.ggx.alpha() * self.ggx.alpha());
+        let glossy = if self.ggx.is_dirac() { 0.0 } else { choice.specular };
+        Shares { diffuse, glossy, alpha2 }
     }
 
     /// Whether its transmission is unscattered.

@@ -17,6 +17,7 @@ pub mod lanes;
 mod metal_dielectric;
 mod metallic_roughness;
 pub mod shading;
+mod shares;
 pub mod sides;
 mod straight;
 mod surface;
@@ -31,6 +32,7 @@ pub use lambert::Lambert;
 pub use metal_dielectric::MetalDielectric;
 pub use metallic_roughness::{MetallicRoughness, Wall};
 pub use shading::{Folds, Scattering, Shading, ShadingSample};
+pub use shares::Shares;
 pub use surface::Surface;
 pub use thin::Thin;
 

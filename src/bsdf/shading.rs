@@ -274,6 +274,12 @@ impl<'a> Shading<'a> {
         self.known
     }
 
+    /// Known direction as the BSDF sees it, a single one in a camera subpath.
+    #[inline]
+    pub(super) fn seen(&self) -> Local {
+        self.seen.direct
+    }
+
     /// Components of the surface.
     #[inline]
     pub fn lobes(&self) -> Lobes {

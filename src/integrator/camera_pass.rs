@@ -2,7 +2,7 @@
 //! samples.
 
 use super::samples::{PassNumbers, Sample, Samples, Work};
-use super::{Guards, Integrator, IntegratorConfig, InvalidSample, PassReport, RayCounts};
+use super::{Guards, Integrator, IntegratorConfig, InvalidSample, LightSelection, PassReport, RayCounts};
 use crate::camera::{Camera, CameraSample};
 use crate::film::{Layout, PassFilm, Plane, Splats};
 use crate::parallel::Cancel;
@@ -228,6 +228,11 @@ impl PassReport {
                 clamped: tally.clamped,
                 clamped_energy: tally.clamped_energy,
                 ..Guards::default()
+            },
+            selection: LightSelection {
+                seconds: tally.selection.seconds(),
+                cuts: tally.selection.cuts,
+                groups: tally.selection.groups,
             },
             ..PassReport::default()
         });

@@ -6,6 +6,7 @@ use crate::bsdf::{Bsdf, Lobes, Shading};
 use crate::camera::CameraSample;
 use crate::film::{Layout, Plane};
 use crate::geometry::SurfacePoint;
+use crate::light::LightSampleContext;
 use crate::path::{RandomWalk, TraceStats};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
@@ -78,7 +79,7 @@ fn first_diffuse(
         }
         let Some(shading) = Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return here };
         let Some(scatter) = shading.sample(walk.scattering_numbers(&surface, sampler)) else { return here };
-        walk.depart(&point, &scatter);
+        walk.depart(&point, LightSampleContext::from(&point), &scatter);
         match walk.arrive(sampler, tally) {
             Some(next) => point = next,
             None => return here,

@@ -248,9 +248,24 @@ pub struct PassReport {
     pub guards: Guards,
     /// The first nonfinite samples, at most [`PassReport::MAX_INVALID`].
     pub invalid: Vec<InvalidSample>,
+    /// The selection of lights by receiver.
+    #[serde(default)]
+    pub selection: LightSelection,
     /// Chain statistics of Metropolis methods.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub chains: Option<ChainReport>,
+}
+
+/// Statistics of the selection of lights by receiver, for light samples and for MIS weights, of path tracers and of
+/// methods with virtual lights.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct LightSelection {
+    /// Its CPU time, estimated from a part of the calls.
+    pub seconds: f64,
+    /// Number of cuts through light trees.
+    pub cuts: u64,
+    /// Number of groups in all of them.
+    pub groups: u64,
 }
 
 impl PassReport {
@@ -258,7 +273,7 @@ impl PassReport {
     pub const MAX_INVALID: usize = 16;
 
     /// Merges the report of another part or pass. Sums do not depend on order except for the rounding of
-    /// `clamped_energy`.
+    /// `clamped_energy` and of seconds.
     pub fn absorb(&mut self, other: PassReport) {
         let (r, o) = (&mut self.rays, other.rays);
         r.camera += o.camera;
@@ -270,6 +285,10 @@ impl PassReport {
         g.overlong_paths += o.overlong_paths;
         g.clamped += o.clamped;
         g.clamped_energy += o.clamped_energy;
+        let (s, o) = (&mut self.selection, other.selection);
+        s.seconds += o.seconds;
+        s.cuts += o.cuts;
+        s.groups += o.groups;
         self.invalid.extend(other.invalid);
         self.invalid.truncate(Self::MAX_INVALID);
         if let Some(chains) = other.chains {

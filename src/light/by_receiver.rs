@@ -9,7 +9,7 @@ use etendue_lanes::{MOST_LANES, for_each_bit};
 const LEAST_SHARE: f64 = 0.1;
 
 /// Importance of a light at infinity that grazes the receiver, as a share of the greatest.
-const GRAZING: f64 = 1e-3;
+const GRAZING: f32 = 1e-3;
 
 /// The lights of a scene, ordered for receivers.
 #[derive(Debug)]
@@ -139,11 +139,17 @@ impl ByReceiver {
 }
 
 impl Distant {
-    /// Returns an estimate of its irradiance at the receiver.
+    /// Returns an estimate of what the receiver scatters of its light, of its irradiance if nothing is known of that.
     #[inline]
     fn importance(&self, at: &LightSampleContext) -> f64 {
-        let cos = |toward: glam::Vec3| if at.ng == glam::Vec3::ZERO { 1.0 } else { f64::from(toward.dot(at.ng)).abs() };
-        self.irradiance * self.toward.map_or(1.0, cos).max(GRAZING)
+        let outline = &at.scattering;
+        let Some(toward) = self.toward else { return self.irradiance * f64::from(outline.diffuse + outline.glossy) };
+        let cos = if at.ng == glam::Vec3::ZERO { 1.0 } else { toward.dot(at.ng).abs() };
+        let mut scattered = outline.diffuse * cos;
+        if outline.glossy > 0.0 {
+            scattered += outline.glossy * outline.reflected(toward.into(), 0.0f32);
+        }
+        self.irradiance * f64::from(scattered.max(GRAZING))
     }
 }
 
@@ -182,7 +188,7 @@ mod tests {
             for i in 0..500 {
                 let p: Vec3 = uniform_sphere(sampler.u2(i, Slot::Film)).into();
                 let ng = if i % 7 == 0 { Vec3::ZERO } else { uniform_sphere(sampler.u2(i, Slot::Lens)).into() };
-                let at = LightSampleContext { p: p * 3.0, ng };
+                let at = LightSampleContext::new(p * 3.0, ng);
                 let sum: f64 = (0..lights.len()).map(|light| choice.pmf(&at, light)).sum();
                 // Rounding of a few dozen sums of numbers below 1.
                 assert!((sum - 1.0).abs() < 1e-12, "{near} {suns} {sky}: {sum}");

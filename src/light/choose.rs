@@ -3,6 +3,7 @@
 use super::by_receiver::ByReceiver;
 use super::{EmitterPoint, Environment, Light, LightSampleContext};
 use crate::sampling::{Discrete, Distribution, Pdf, mix64};
+use crate::transport::ScatteringOutline;
 use etendue_lanes::{Float, Int, MOST_LANES, Mask, for_each_bit};
 use glam::Vec3;
 
@@ -58,6 +59,16 @@ pub struct ChosenLight {
     pub u: [f32; 2],
 }
 
+/// A [`LightSampleContext`] in each lane.
+pub struct Receivers<'o, F: Float> {
+    /// Positions.
+    pub p: etendue_lanes::Vec3<F>,
+    /// Geometric normals.
+    pub ng: etendue_lanes::Vec3<F>,
+    /// How they scatter, if known.
+    pub outlines: Option<&'o [ScatteringOutline; MOST_LANES]>,
+}
+
 impl Lights {
     /// Creates the distributions over `lights` of a scene with bounding radius `radius`. Lights without power are never
     /// chosen.
@@ -104,17 +115,18 @@ impl Lights {
     /// [`Slot::LightPick`]: crate::sampling::Slot::LightPick
     #[inline]
     pub fn choose(&self, at: &LightSampleContext, point: [f32; 2], pick: impl FnOnce() -> f32) -> Option<ChosenLight> {
-        let at = [at.p, at.ng].map(etendue_lanes::Vec3::from);
-        let (index, pmf, u) = self.choose_lanes::<f32>(at, true, point, pick)?;
+        let [p, ng] = [at.p, at.ng].map(etendue_lanes::Vec3::from);
+        let at = Receivers { p, ng, outlines: Some(&[at.scattering; MOST_LANES]) };
+        let (index, pmf, u) = self.choose_lanes::<f32>(&at, true, point, pick)?;
         (pmf > 0.0).then_some(ChosenLight { index: index as usize, pmf: Pdf::new(pmf), u })
     }
 
-    /// Does [`Lights::choose`] in the `wanted` lanes, for receivers with the positions and normals `at`. Returns indices,
-    /// probabilities, which are 0 where there is no light, and numbers for points.
+    /// Does [`Lights::choose`] in the `wanted` lanes for the receivers `at`. Returns indices, probabilities, which are 0
+    /// where there is no light, and numbers for points.
     #[inline(always)]
     pub fn choose_lanes<F: Float>(
         &self,
-        at: [etendue_lanes::Vec3<F>; 2],
+        at: &Receivers<F>,
         wanted: F::Mask,
         [u, v]: [F; 2],
         pick: impl FnOnce() -> F,
@@ -161,13 +173,19 @@ impl Lights {
         }
     }
 
-    /// Does [`Lights::pmf`] in the `wanted` lanes, for receivers with the positions and normals `at`.
+    /// Does [`Lights::pmf`] in the `wanted` lanes for the receivers `at`.
     #[inline(always)]
-    pub fn pmf_lanes<F: Float>(&self, at: [etendue_lanes::Vec3<F>; 2], wanted: F::Mask, i: usize) -> F {
+    pub fn pmf_lanes<F: Float>(&self, at: &Receivers<F>, wanted: F::Mask, i: usize) -> F {
         let Some(by_receiver) = &self.by_receiver else { return F::splat(self.emitter_pmf(i).value()) };
         let mut pmf = [0.0; MOST_LANES];
-        for_each_bit(wanted.bits(), |lane| pmf[lane] = by_receiver.pmf(&receiver(at, lane), i) as f32);
+        for_each_bit(wanted.bits(), |lane| pmf[lane] = by_receiver.pmf(&at.lane(lane), i) as f32);
         F::load(&pmf, 0)
+    }
+
+    /// Whether the selection depends on the receiver: on its place and normal, and on how it scatters.
+    #[inline]
+    pub fn is_by_receiver(&self) -> bool {
+        self.by_receiver.is_some()
     }
 
     /// Returns the memory of the light tree in bytes, 0 without one.
@@ -178,16 +196,11 @@ impl Lights {
 
 /// Selects a light for each of the `wanted` receivers by the numbers of the selection and of the point.
 #[inline(never)]
-fn each_chosen<F: Float>(
-    by_receiver: &ByReceiver,
-    at: [etendue_lanes::Vec3<F>; 2],
-    wanted: F::Mask,
-    numbers: [F; 3],
-) -> (F::Int, F) {
+fn each_chosen<F: Float>(by_receiver: &ByReceiver, at: &Receivers<F>, wanted: F::Mask, numbers: [F; 3]) -> (F::Int, F) {
     let (mut indices, mut pmf) = ([0; MOST_LANES], [0.0; MOST_LANES]);
     let (mut receivers, mut u) = ([LightSampleContext::NOWHERE; MOST_LANES], [0.0; MOST_LANES]);
     for_each_bit(wanted.bits(), |lane| {
-        receivers[lane] = receiver(at, lane);
+        receivers[lane] = at.lane(lane);
         u[lane] = finer(numbers.map(|number| number.lane(lane)));
     });
     let found = |lane: usize, light, probability| (indices[lane], pmf[lane]) = (light, probability as f32);
@@ -195,8 +208,13 @@ fn each_chosen<F: Float>(
     (F::Int::load(&indices, 0), F::load(&pmf, 0))
 }
 
-fn receiver<F: Float>([p, ng]: [etendue_lanes::Vec3<F>; 2], lane: usize) -> LightSampleContext {
-    LightSampleContext { p: p.lane(lane).into(), ng: ng.lane(lane).into() }
+impl<F: Float> Receivers<'_, F> {
+    /// Returns the receiver in `lane`.
+    #[inline]
+    fn lane(&self, lane: usize) -> LightSampleContext {
+        let at = LightSampleContext::new(self.p.lane(lane).into(), self.ng.lane(lane).into());
+        self.outlines.map_or(at, |outlines| at.scattering(outlines[lane]))
+    }
 }
 
 /// Returns `u`, of 24 bits, with more bits, which are a hash of the numbers `v` and `w`: a tree of a million lights needs
@@ -220,7 +238,7 @@ mod tests {
 
     #[test]
     fn weak_lights_keep_a_probability_and_dark_ones_none() {
-        let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Z };
+        let at = LightSampleContext::new(Vec3::ZERO, Vec3::Z);
         let lights = lamps(&[1e6, 1e-6, 0.0]);
         let pmf: Vec<f32> = (0..3).map(|i| lights.pmf(&at, i).value()).collect();
         assert!(pmf[0] > 0.9 && pmf[1] > 0.02, "{pmf:?}");

@@ -19,7 +19,7 @@ mod solid_angle;
 mod tree;
 
 pub use area::{AreaLight, AreaLightRow, AreaLightSamples};
-pub use choose::{ChosenLight, LightChoice, Lights};
+pub use choose::{ChosenLight, LightChoice, Lights, Receivers};
 pub use emission::{Coverage, Emission};
 pub use emit::{BoundingSphere, LePdf, LeRandom, LeSample};
 pub use environment::Environment;
@@ -32,6 +32,7 @@ pub use tree::{Cone, Cut, GroupValues, LightGroup, LightTree, Reach};
 use crate::geometry::{Bounds, Hit, SurfacePoint};
 use crate::sampling::Density;
 use crate::spectrum::Spectrum;
+use crate::transport::ScatteringOutline;
 use etendue_lanes::Float;
 use glam::Vec3;
 use std::f64::consts::PI;
@@ -43,17 +44,41 @@ pub struct LightSampleContext {
     pub p: Vec3,
     /// Geometric normal; zero in a medium.
     pub ng: Vec3,
+    /// How it scatters.
+    pub scattering: ScatteringOutline,
 }
 
 impl LightSampleContext {
     /// The origin, in a medium.
-    const NOWHERE: LightSampleContext = LightSampleContext { p: Vec3::ZERO, ng: Vec3::ZERO };
+    const NOWHERE: LightSampleContext = LightSampleContext::new(Vec3::ZERO, Vec3::ZERO);
+
+    /// Returns the receiver at `p` with the geometric normal `ng`, of which no more is known.
+    #[inline]
+    pub const fn new(p: Vec3, ng: Vec3) -> Self {
+        LightSampleContext { p, ng, scattering: ScatteringOutline::UNKNOWN }
+    }
+
+    /// Returns the receiver with a known scattering.
+    #[inline]
+    pub fn scattering(self, scattering: ScatteringOutline) -> Self {
+        LightSampleContext { scattering, ..self }
+    }
+
+    /// Returns factors of the signed cosine to the normal, of whose products the greater counts: equal ones if light
+    /// arrives from one side, else of both signs.
+    #[inline]
+    fn sides(&self) -> [f32; 2] {
+        if self.scattering.transmits {
+            return [1.0, -1.0];
+        }
+        [1.0f32.copysign(self.scattering.wo.dot(self.ng)); 2]
+    }
 }
 
 impl From<&SurfacePoint> for LightSampleContext {
     #[inline]
     fn from(point: &SurfacePoint) -> Self {
-        LightSampleContext { p: point.p, ng: point.ng }
+        LightSampleContext::new(point.p, point.ng)
     }
 }
 

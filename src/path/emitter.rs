@@ -69,8 +69,8 @@ impl Emitter {
                 (w.dot(ng.as_dvec3()) * before.dot(ng.as_dvec3()) > 0.0).then_some(*self)
             }
             EmitterPoint::Point(_) => {
-                let sample = scene.lights().all()[self.index]
-                    .sample_li(&LightSampleContext { p: at, ng: -w.as_vec3() }, [0.5; 2])?;
+                let sample =
+                    scene.lights().all()[self.index].sample_li(&LightSampleContext::new(at, -w.as_vec3()), [0.5; 2])?;
                 Some(Emitter::of_sample(self.index, &sample, at))
             }
             EmitterPoint::Distant => Some(*self),

@@ -157,7 +157,7 @@ impl<'a> Subpath<'a> {
         let densities = shading.densities(&scatter);
         let origin = vertex.vertex.origin();
         self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), origin);
-        self.walk.depart(point, &scatter);
+        self.walk.depart(point, LightSampleContext::from(point), &scatter);
         Some(scatter.lobe)
     }
 

@@ -5,8 +5,9 @@
 //! boundaries hidden inside bodies of higher precedence, and absorbing media belong to the edge between two vertices
 //! and are never vertices themselves.
 
+use super::SelectionStats;
 use crate::accel::RayClass;
-use crate::bsdf::{ShadingSample, Surface};
+use crate::bsdf::{Shading, ShadingSample, Surface};
 use crate::camera::CameraSample;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::light::{AreaLight, LightSampleContext};
@@ -49,6 +50,8 @@ pub struct TraceStats {
     pub clamped: u64,
     /// Sum over lanes of the excess, in radiance × samples.
     pub clamped_energy: f64,
+    /// The selection of lights by receiver.
+    pub selection: SelectionStats,
 }
 
 impl TraceStats {
@@ -61,12 +64,20 @@ impl TraceStats {
         self.overlong += other.overlong;
         self.clamped += other.clamped;
         self.clamped_energy += other.clamped_energy;
+        self.selection.absorb(&other.selection);
     }
 
     /// Counts a contribution that was limited without compensation, if its `excess` is not black.
     pub fn limited(&mut self, excess: Spectrum) {
         self.clamped += u64::from(!excess.is_black());
         self.clamped_energy += excess.0.iter().map(|&x| f64::from(x)).sum::<f64>();
+    }
+}
+
+impl From<&Shading<'_>> for LightSampleContext {
+    #[inline]
+    fn from(shading: &Shading) -> Self {
+        LightSampleContext::from(shading.point).scattering(shading.outline())
     }
 }
 
@@ -271,9 +282,10 @@ impl<'a> RandomWalk<'a> {
         [lobe, u, v]
     }
 
-    /// Leaves `point` along the sampled direction of `scatter`.
+    /// Leaves `point`, for which lights are selected as for the receiver `from`, along the sampled direction of
+    /// `scatter`.
     #[inline]
-    pub fn depart(&mut self, point: &SurfacePoint, scatter: &ShadingSample) {
+    pub fn depart(&mut self, point: &SurfacePoint, from: LightSampleContext, scatter: &ShadingSample) {
         self.beta *= scatter.weight;
         if self.mode == TransportMode::Radiance {
             self.scale *= scatter.eta * scatter.eta;
@@ -282,7 +294,7 @@ impl<'a> RandomWalk<'a> {
         self.depth += 1;
         self.bounce += 1;
         let state = self.scene.state_toward(point, self.ray.state, scatter.direction);
-        self.departure = PreviousVertex::Surface(LightSampleContext::from(point), scatter.density);
+        self.departure = PreviousVertex::Surface(from, scatter.density);
         self.ray = point.spawn(scatter.direction).carrying(state);
     }
 

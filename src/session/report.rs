@@ -5,7 +5,7 @@ use super::provenance::Program;
 use super::target::{self, Check};
 use super::{LoadTimings, Outputs, PassPlan, Provenance, RenderSettings, Surroundings, machine};
 use crate::film::{Film, ImageError, Plane};
-use crate::integrator::{ChainDigest, Guards, InvalidSample};
+use crate::integrator::{ChainDigest, Guards, InvalidSample, LightSelection};
 use crate::io::exr::{self, Attribute, Layer};
 use crate::numeric;
 use crate::spectrum::LANES;
@@ -74,6 +74,16 @@ struct Render {
     spp: u64,
     rays: Rays,
     rays_per_second: f64,
+    light_selection: Option<Selection>,
+}
+
+/// See [`LightSelection`].
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Selection {
+    /// Share of the CPU time.
+    time_share: f64,
+    /// Mean number of groups in a cut through a light tree, if there are cuts.
+    mean_cut_size: Option<f64>,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -307,8 +317,15 @@ impl Render {
             spp: film.passes().len(),
             rays: Rays { camera: rays.camera, bounce: rays.bounce, shadow: rays.shadow, total },
             rays_per_second: if work.wall_seconds > 0.0 { total as f64 / work.wall_seconds } else { 0.0 },
+            light_selection: selection(work.passes.selection, work.cpu_seconds),
         }
     }
+}
+
+/// Returns the digest of a render of `cpu_seconds`; `None` if lights were not selected by receiver.
+fn selection(LightSelection { seconds, cuts, groups }: LightSelection, cpu_seconds: f64) -> Option<Selection> {
+    let mean_cut_size = (cuts > 0).then(|| groups as f64 / cuts as f64);
+    (seconds > 0.0 && cpu_seconds > 0.0).then(|| Selection { time_share: seconds / cpu_seconds, mean_cut_size })
 }
 
 fn clamp(

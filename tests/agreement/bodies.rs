@@ -326,7 +326,7 @@ fn comes_out(scene: &Scene, ray: etendue::geometry::Ray) -> RandomWalk<'_> {
         let surface = scene.surface(&mut point, walk.ray.state.bodies);
         let shading = Shading::new(&point, &surface, -walk.ray.direction, TransportMode::Radiance).expect("flat faces");
         let scatter = shading.sample([1.0 - f32::EPSILON, 0.5, 0.5]).expect("it goes on");
-        walk.depart(&point, &scatter);
+        walk.depart(&point, (&point).into(), &scatter);
     }
     walk
 }

@@ -70,7 +70,7 @@ fn tables_choose_with_the_probabilities_that_they_state() {
 #[test]
 fn lights_are_chosen_with_the_probability_that_is_asked_for_later() {
     let lamp = |i: f32| Light::Point(PointLight { position: Vec3::X * i, intensity: Spectrum::splat(i) });
-    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Y };
+    let at = LightSampleContext::new(Vec3::ZERO, Vec3::Y);
     let n = samples(SAMPLES);
     let mut results = Vec::new();
     for copies in [1, 3] {

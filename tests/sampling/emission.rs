@@ -83,8 +83,7 @@ fn received(light: &Light, seed: u64) -> Estimate {
     let mut random = Random::new(seed);
     mean(|| {
         let [x, y, u, v] = random.cube();
-        let at =
-            LightSampleContext { p: Vec3::new((2.0 * x - 1.0) * HALF, (2.0 * y - 1.0) * HALF, PATCH), ng: Vec3::Z };
+        let at = LightSampleContext::new(Vec3::new((2.0 * x - 1.0) * HALF, (2.0 * y - 1.0) * HALF, PATCH), Vec3::Z);
         let Some(sample) = light.sample_li(&at, [u, v]) else { return 0.0 };
         f64::from(sample.radiance.mean() * sample.wi.z.max(0.0) / sample.density.value() * (2.0 * HALF).powi(2))
     })

@@ -47,7 +47,7 @@ fn follows(light: &Light, axis: DVec3, angle: f64, pdf: impl Fn(DVec3) -> f64, s
     expected.push(0.0);
     let (mut random, n) = (Random::new(seed), samples(SAMPLES));
     let mut observed = vec![0.0; expected.len()];
-    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Y };
+    let at = LightSampleContext::new(Vec3::ZERO, Vec3::Y);
     for _ in 0..n {
         let sample = light.sample_li(&at, random.cube());
         let cell = sample.map_or(cells.count(), |s| {
@@ -94,7 +94,7 @@ fn solid_angle(vertices: [Vec3; 3]) -> f64 {
 /// The mean of 1 / density over samples is the solid angle, at the family's level; `factor` is planted.
 fn measures_its_solid_angle(vertices: [Vec3; 3], factor: f64, tests: usize) -> Result<(), String> {
     let (_, light) = two_sided(vertices);
-    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Y };
+    let at = LightSampleContext::new(Vec3::ZERO, Vec3::Y);
     let (mut random, n) = (Random::new(70), f64::from(samples(SAMPLES)));
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..samples(SAMPLES) {

@@ -15,7 +15,7 @@ fn somewhere(random: &mut Random) -> Vec3 {
 }
 
 fn at(p: Vec3) -> LightSampleContext {
-    LightSampleContext { p, ng: Vec3::Y }
+    LightSampleContext::new(p, Vec3::Y)
 }
 
 /// Intensity over the square of the distance, from where the light is, whatever the random numbers are.

@@ -18,7 +18,7 @@ const BALL: BoundingSphere = BoundingSphere { centre: Vec3::ZERO, radius: 2.0 };
 const SAMPLES: u32 = 100_000;
 const TRIANGLE: [Vec3; 3] = [Vec3::new(-0.4, -0.3, 0.5), Vec3::new(0.6, -0.2, 0.4), Vec3::new(0.0, 0.5, 0.6)];
 /// Receiver below it that sees its front.
-const AT: LightSampleContext = LightSampleContext { p: Vec3::new(0.1, 0.1, -0.3), ng: Vec3::Z };
+const AT: LightSampleContext = LightSampleContext::new(Vec3::new(0.1, 0.1, -0.3), Vec3::Z);
 /// Points along a side of the grid of the reference: sixteen in a texel.
 const GRID: u32 = 1024;
 

@@ -62,7 +62,7 @@ fn irradiance_is_that_of_lambert_from_tiny_to_huge_triangles() {
     for (seed, (name, foot, height)) in (80..).zip(CASES) {
         let [u, v] = foot.map(f64::from);
         let p = (a + (b - a) * u + (c - a) * v - n * f64::from(height)).as_vec3();
-        let (mut random, at) = (Random::new(seed), LightSampleContext { p, ng: n.as_vec3() });
+        let (mut random, at) = (Random::new(seed), LightSampleContext::new(p, n.as_vec3()));
         let moments: Moments = (0..samples(SAMPLES))
             .map(|_| {
                 light.sample_li(&at, random.cube()).map_or(0.0, |s| s.wi.as_dvec3().dot(n) / f64::from(density(&s)))
@@ -106,7 +106,7 @@ fn all_state_the_density_of_a_sample_on_both_sides_of_the_switch() {
     for _ in 0..100_000 {
         let (vertices, p) = scene(&mut random);
         let light = light(vertices);
-        let (Light::Area(area), at) = (&light, LightSampleContext { p, ng: Vec3::Z }) else { panic!("an area light") };
+        let (Light::Area(area), at) = (&light, LightSampleContext::new(p, Vec3::Z)) else { panic!("an area light") };
         let Some(sample) = light.sample_li(&at, random.cube()) else { continue };
         let EmitterPoint::Surface { p: q, ng, .. } = sample.end else { panic!("a point on a triangle") };
         let stated = density(&sample);

@@ -1,6 +1,7 @@
 //! GGX reflection over lanes: [`crate::bsdf::ggx`] and [`crate::bsdf::Conductor`].
 
 use super::{LanePoint, LaneScatter, LocalSample};
+use crate::bsdf::Shares;
 use crate::sampling::lanes::circle;
 use crate::spectrum::Spectrum;
 use etendue_lanes::{Float, ROW, Vec3};
@@ -94,6 +95,12 @@ impl<F: Float> LaneScatter<F> for LaneConductor<F> {
     #[inline(always)]
     fn new([[r, g, b, r90, g90, b90, alpha, _], ..]: [[F; ROW]; 3], _: &LanePoint<F>) -> Self {
         LaneConductor { f0: Spectrum([r, g, b]), f90: Spectrum([r90, g90, b90]), alpha }
+    }
+
+    #[inline(always)]
+    fn shares(&self) -> Shares<F> {
+        let [zero, one] = [0.0, 1.0].map(F::splat);
+        Shares { diffuse: zero, glossy: one, alpha2: self.alpha * self.alpha }
     }
 
     #[inline(always)]

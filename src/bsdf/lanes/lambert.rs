@@ -1,6 +1,7 @@
 //! [`crate::bsdf::Lambert`] over lanes.
 
 use super::{LanePoint, LaneScatter, LocalSample};
+use crate::bsdf::Shares;
 use crate::sampling::lanes::cosine_hemisphere;
 use crate::spectrum::Spectrum;
 use etendue_lanes::{Float, ROW, Vec3};
@@ -29,6 +30,12 @@ impl<F: Float> LaneScatter<F> for LaneLambert<F> {
     #[inline(always)]
     fn new([[r, g, b, ..], ..]: [[F; ROW]; 3], _: &LanePoint<F>) -> Self {
         LaneLambert { albedo: Spectrum([r, g, b]) }
+    }
+
+    #[inline(always)]
+    fn shares(&self) -> Shares<F> {
+        let [zero, one] = [0.0, 1.0].map(F::splat);
+        Shares { diffuse: one, glossy: zero, alpha2: one }
     }
 
     #[inline(always)]

@@ -2,6 +2,7 @@
 
 use super::lambert::{cosine_direction, cosine_pdf};
 use super::{LaneConductor, LanePoint, LaneScatter, LocalSample};
+use crate::bsdf::Shares;
 use crate::bsdf::albedo::LaneMoments;
 use crate::spectrum::{LANES, Spectrum};
 use etendue_lanes::{Float, ROW, Vec3};
@@ -63,6 +64,14 @@ impl<F: Float> LaneScatter<F> for LaneMetalDielectric<F> {
             below,
             is_lit: total.above(F::splat(0.0)),
         }
+    }
+
+    #[inline(always)]
+    fn shares(&self) -> Shares<F> {
+        let [zero, one] = [0.0, 1.0].map(F::splat);
+        let ([glossy, diffuse], lit) = (self.choice, self.is_lit);
+        let alpha = F::select(lit, self.specular.shares().alpha2, one);
+        Shares { diffuse: F::select(lit, diffuse, one), glossy: F::select(lit, glossy, zero), alpha2: alpha }
     }
 
     #[inline(always)]

@@ -16,7 +16,7 @@ pub use lambert::LaneLambert;
 pub use metal_dielectric::LaneMetalDielectric;
 pub use metallic_roughness::LaneMetallicRoughness;
 
-use super::{Conductor, Fresnel, Lambert, Surface};
+use super::{Conductor, Fresnel, Lambert, Shares, Surface};
 use crate::geometry::lanes::tangents;
 use crate::spectrum::Spectrum;
 use etendue_lanes::{Float, ROW, Vec3};
@@ -158,6 +158,8 @@ pub trait LaneScatter<F: Float>: Copy {
     const HAS_LOBES: bool = false;
     /// Returns the surfaces at `point`, of which `columns` are those of the rows of their [`Parameters`].
     fn new(columns: [[F; ROW]; 3], point: &LanePoint<F>) -> Self;
+    /// See [`super::Shading::outline`].
+    fn shares(&self) -> Shares<F>;
     /// Returns value and density of the local direction `other`, on the side of the known one.
     fn eval_and_pdf(&self, known: Vec3<F>, other: Vec3<F>) -> (Spectrum<F>, F);
     /// Samples a local direction with u = [lobe, direction, direction].

@@ -56,7 +56,7 @@ pub(super) struct Receiver<'v, 's> {
 
 impl Receiver<'_, '_> {
     pub(super) fn context(&self) -> LightSampleContext {
-        LightSampleContext::from(self.shading.point)
+        LightSampleContext::from(self.shading)
     }
 
     fn edge(&self, scene: &Scene, wi: glam::Vec3, end: EdgeEnd) -> Edge {
@@ -76,12 +76,13 @@ impl Gather<'_, '_> {
     /// Returns the weighted direct light at `at`, and the cut that was sampled.
     pub(super) fn direct(&self, at: &Receiver, sampler: &mut impl Sampler, tally: &mut TraceStats) -> (Spectrum, Cut) {
         let receiver = at.context();
-        let cut = self.lights.cut(&receiver, self.direct_size());
+        let cut = tally.selection.time(|| self.lights.cut(&receiver, self.direct_size()));
+        tally.selection.cut(cut.len());
         let mut sum = Spectrum::ZERO;
         for k in 0..self.lights.len(&cut) {
             let address = address(DIRECT, at.bounce, k);
             let u = f64::from(sampler.u1(address, Slot::LightPick));
-            let (light, pmf) = self.lights.sample(&cut, k, &receiver, u);
+            let (light, pmf) = tally.selection.time(|| self.lights.sample(&cut, k, &receiver, u));
             let u = sampler.u2(address, Slot::LightPoint);
             let Some(sample) = &self.scene.lights().all()[light].sample_li(&receiver, u) else { continue };
             let Some(scattering) = &at.shading.scattering(sample.wi) else { continue };
@@ -123,12 +124,13 @@ impl Gather<'_, '_> {
         tally: &mut TraceStats,
     ) -> Limited {
         let receiver = at.context();
-        let cut = tree.cut(&receiver, size);
+        let cut = tally.selection.time(|| tree.cut(&receiver, size));
+        tally.selection.cut(cut.len());
         let mut sum = Limited::ZERO;
         for k in 0..cut.len() {
             let address = address(INDIRECT, at.bounce, k);
             let u = f64::from(sampler.u1(address, Slot::LightPick));
-            let (light, pmf) = tree.sample_group(&cut, k, &receiver, u);
+            let (light, pmf) = tally.selection.time(|| tree.sample_group(&cut, k, &receiver, u));
             let light = self.contribution(&self.virtual_lights[light as usize], at, address, sampler, tally);
             sum = sum.plus(light, pmf.recip() as f32);
         }

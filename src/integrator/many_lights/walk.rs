@@ -47,14 +47,21 @@ impl<'p, 'a> GatherWalk<'p, 'a> {
         departure: Option<&Departure>,
         light: usize,
         pdf: impl FnOnce(&LightSampleContext) -> f32,
+        tally: &mut TraceStats,
     ) -> f32 {
         let Some(Departure { at, cut, pdf: scattering, .. }) = departure else { return 1.0 };
-        let pmf = self.gather.lights.pmf(cut, at, light) as f32;
+        let pmf = tally.selection.time(|| self.gather.lights.pmf(cut, at, light)) as f32;
         power(scattering.value(), pmf * pdf(at))
     }
 
     /// Returns the weighted emission at `point` toward the walk.
-    fn emitted(&self, walk: &RandomWalk, departure: Option<&Departure>, point: &SurfacePoint) -> Spectrum {
+    fn emitted(
+        &self,
+        walk: &RandomWalk,
+        departure: Option<&Departure>,
+        point: &SurfacePoint,
+        tally: &mut TraceStats,
+    ) -> Spectrum {
         let Some((index, Light::Area(light))) = self.gather.scene.light_at(point) else { return Spectrum::ZERO };
         let wi = walk.ray.direction;
         let radiance = light.radiance(point.barycentric, -wi);
@@ -66,19 +73,19 @@ impl<'p, 'a> GatherWalk<'p, 'a> {
             Some(departure) if matches!(self.gather.indirect, Indirect::Bounded(_)) => {
                 self.walk_share(departure, point, wi, EMITTING_PEAK)
             }
-            _ => self.mis_weight_bsdf(departure, index, pdf),
+            _ => self.mis_weight_bsdf(departure, index, pdf, tally),
         };
         walk.beta * radiance * weight
     }
 
     /// Returns the weighted radiance of the environment.
-    fn background(&self, walk: &RandomWalk, departure: Option<&Departure>) -> Spectrum {
+    fn background(&self, walk: &RandomWalk, departure: Option<&Departure>, tally: &mut TraceStats) -> Spectrum {
         let Some((index, environment)) = self.gather.scene.lights().environment() else { return Spectrum::ZERO };
         if self.transparent && walk.depth == 0 {
             return Spectrum::ZERO;
         }
         let (radiance, pdf) = environment.along(walk.ray.direction);
-        walk.beta * radiance * self.mis_weight_bsdf(departure, index, |_| pdf.value())
+        walk.beta * radiance * self.mis_weight_bsdf(departure, index, |_| pdf.value(), tally)
     }
 
     /// Returns whether the walk has a share in the paths that scatter smoothly at `shading`, where the edge from
@@ -119,9 +126,9 @@ impl Radiance for GatherWalk<'_, '_> {
         let mut departure: Option<Departure> = None;
         loop {
             let Some(mut point) = walk.arrive(sampler, tally) else {
-                return total + self.background(&walk, departure.as_ref());
+                return total + self.background(&walk, departure.as_ref(), tally);
             };
-            total += self.emitted(&walk, departure.as_ref(), &point);
+            total += self.emitted(&walk, departure.as_ref(), &point, tally);
             if walk.depth >= self.max_depth {
                 return total;
             }
@@ -147,11 +154,11 @@ impl Radiance for GatherWalk<'_, '_> {
                 Density::Delta(_) => None,
                 Density::Smooth(_) if !gathers => return total,
                 Density::Smooth(pdf) => {
-                    let at = LightSampleContext::from(&point);
+                    let at = LightSampleContext::from(shading);
                     Some(Departure { at, cut, pdf, f_cos: scatter.weight * pdf.value() })
                 }
             };
-            walk.depart(&point, scatter);
+            walk.depart(&point, LightSampleContext::from(&point), scatter);
             if !walk.survives(sampler, tally) {
                 return total;
             }

@@ -108,10 +108,17 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     /// Returns the MIS weight of emission hit by BSDF sampling. `pdf` is the light sampling density of the direction,
     /// without the selection probability of the light.
     #[inline]
-    fn mis_weight_bsdf(&self, departure: &PreviousVertex, light: usize, pdf: impl FnOnce() -> f32) -> f32 {
+    fn mis_weight_bsdf(
+        &self,
+        departure: &PreviousVertex,
+        light: usize,
+        pdf: impl FnOnce() -> f32,
+        tally: &mut TraceStats,
+    ) -> f32 {
         match departure {
             PreviousVertex::Surface(from, Density::Smooth(scattering)) => {
-                let pmf = self.scene.lights().pmf(from, light).value();
+                let lights = self.scene.lights();
+                let pmf = tally.selection.time_of(lights, || lights.pmf(from, light)).value();
                 S::mis_weight_scattering(scattering.value(), pmf * pdf())
             }
             PreviousVertex::Surface(_, Density::Delta(_)) | PreviousVertex::Camera | PreviousVertex::Light => 1.0,
@@ -121,7 +128,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     /// Returns the weighted emission toward the walk of the primitive `hit` at the point `p` with these barycentric
     /// weights.
     #[inline]
-    fn emitted(&self, walk: &RandomWalk, hit: Hit, p: Vec3, barycentric: [f32; 2]) -> Spectrum {
+    fn emitted(&self, walk: &RandomWalk, hit: Hit, p: Vec3, barycentric: [f32; 2], tally: &mut TraceStats) -> Spectrum {
         let Some((index, Light::Area(light))) = self.scene.light_of(hit) else { return Spectrum::ZERO };
         let wi = walk.ray.direction;
         let radiance = light.radiance(barycentric, -wi);
@@ -130,7 +137,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         }
         let pdf = |from: &LightSampleContext| light.pdf_li(from.p, p, wi).value();
         let share = match &walk.departure {
-            PreviousVertex::Surface(from, _) => self.mis_weight_bsdf(&walk.departure, index, || pdf(from)),
+            PreviousVertex::Surface(from, _) => self.mis_weight_bsdf(&walk.departure, index, || pdf(from), tally),
             PreviousVertex::Camera | PreviousVertex::Light => 1.0,
         };
         walk.beta * radiance * share
@@ -138,13 +145,19 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
 
     /// Returns the weighted radiance of the environment.
     #[inline]
-    fn background(&self, walk: &RandomWalk) -> Spectrum {
+    fn background(&self, walk: &RandomWalk, tally: &mut TraceStats) -> Spectrum {
         let Some((index, environment)) = self.scene.lights().environment() else { return Spectrum::ZERO };
         if self.transparent && matches!(walk.departure, PreviousVertex::Camera) {
             return Spectrum::ZERO;
         }
         let (radiance, pdf) = environment.along(walk.ray.direction);
-        walk.beta * radiance * self.mis_weight_bsdf(&walk.departure, index, || pdf.value())
+        walk.beta * radiance * self.mis_weight_bsdf(&walk.departure, index, || pdf.value(), tally)
+    }
+
+    /// Returns the receiver for which lights are selected at `shading`.
+    #[inline]
+    fn receiver(&self, shading: &Shading) -> LightSampleContext {
+        if self.scene.lights().is_by_receiver() { shading.into() } else { shading.point.into() }
     }
 
     /// Samples a light for next-event estimation. Returns the edge to it and the contribution of the sample if nothing
@@ -153,15 +166,17 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     fn light_sample(
         &self,
         shading: &Shading,
+        receiver: &LightSampleContext,
         walk: &RandomWalk,
         sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
     ) -> Option<(Edge, Spectrum)> {
-        let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(shading.point));
+        let lights = self.scene.lights();
         let u = sampler.u2(walk.bounce, Slot::LightPoint);
-        let chosen = lights.choose(&receiver, u, || sampler.u1(walk.bounce, Slot::LightPick));
-        let ChosenLight { index, pmf, u } = chosen?;
+        let choose = || lights.choose(receiver, u, || sampler.u1(walk.bounce, Slot::LightPick));
+        let ChosenLight { index, pmf, u } = tally.selection.time_of(lights, choose)?;
         // Borrowed, not moved out of the options: a copy of what was just written stalls.
-        let Some(sample) = &lights.all()[index].sample_li(&receiver, u) else { return None };
+        let Some(sample) = &lights.all()[index].sample_li(receiver, u) else { return None };
         let Some(scattering) = &shading.scattering(sample.wi) else { return None };
         let weight = light_weight::<S>(scattering, sample, pmf);
         let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(sample.end));
@@ -182,13 +197,14 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let surface = self.scene.surface(point, walk.ray.state.bodies);
         let wo = -walk.ray.direction;
         let Some(shading) = &Shading::new(point, &surface, wo, TransportMode::Radiance) else { return false };
+        let receiver = self.receiver(shading);
         if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
-            if let Some((edge, contribution)) = &self.light_sample(shading, walk, sampler) {
+            if let Some((edge, contribution)) = &self.light_sample(shading, &receiver, walk, sampler, tally) {
                 light(edge, *contribution, sampler, tally);
             }
         }
         let Some(scatter) = &S::scatter(shading, walk.scattering_numbers(&surface, sampler)) else { return false };
-        walk.depart(point, scatter);
+        walk.depart(point, receiver, scatter);
         walk.survives(sampler, tally)
     }
 }
@@ -217,8 +233,8 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         let mut walk = RandomWalk::from_camera(self.scene, camera);
         let mut total = Spectrum::ZERO;
         loop {
-            let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk) };
-            total += self.emitted(&walk, point.hit, point.p, point.barycentric);
+            let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk, tally) };
+            total += self.emitted(&walk, point.hit, point.p, point.barycentric, tally);
             if walk.depth >= self.max_depth {
                 return total;
             }

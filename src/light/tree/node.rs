@@ -132,13 +132,18 @@ impl Node {
         if weights.total() > 0.0 { weights } else { Weights::new(self.intensity) }
     }
 
-    /// Returns the importance of each child for the receiver `at`: an estimate of its irradiance, 0 only where no light
-    /// can arrive [ContyKulla18 §4.2]. Receivers get light on both sides.
+    /// Returns the importance of each child for the receiver `at`: an estimate of the light that it scatters, of its
+    /// irradiance if nothing is known of that. It is 0 only where no light can arrive [ContyKulla18 §4.2].
     #[inline]
     pub(super) fn importance(&self, at: &LightSampleContext) -> [f32; WIDTH] {
         let (seen, margin) = (self.seen(at), Lane::splat(MARGIN));
         let near = (seen.inverse * seen.inverse).min(row(&self.nearest));
-        let importance = row(&self.intensity) * seen.leaving.max(margin) * seen.arriving.max(margin) * near;
+        let outline = &at.scattering;
+        let mut scattered = Lane::splat(outline.diffuse) * seen.arriving.max(margin);
+        if outline.glossy > 0.0 {
+            scattered = scattered + Lane::splat(outline.glossy) * outline.reflected(seen.wi, seen.sin_seen);
+        }
+        let importance = row(&self.intensity) * seen.leaving.max(margin) * scattered * near;
         seen.where_lit(importance)
     }
 
@@ -176,9 +181,10 @@ impl Node {
         let off_box = off_normals.max(off_normals * (one - sin_seen * sin_seen)) + sin_seen;
         let leaving = F::select(inside, one, off_box.min(one));
         let everywhere = if at.ng == glam::Vec3::ZERO { one } else { zero };
-        let arriving = (wi.dot(all(at.ng)).abs() + sin_seen + everywhere).min(one);
-        let exists = row(&self.intensity).above(zero);
-        Seen { inverse, leaving, arriving, lit: leaving.above(row(&self.spread) - margin) & exists }
+        let (along_normal, [side, other]) = (wi.dot(all(at.ng)), at.sides().map(F::splat));
+        let arriving = ((along_normal * side).max(along_normal * other) + sin_seen + everywhere).min(one);
+        let lit = leaving.above(row(&self.spread) - margin) & arriving.above(-margin);
+        Seen { wi, sin_seen, inverse, leaving, arriving, lit: lit & row(&self.intensity).above(zero) }
     }
 }
 
@@ -192,6 +198,10 @@ fn row(values: &[f32; WIDTH]) -> Lane {
 
 /// The children of a node as a receiver sees them.
 struct Seen {
+    /// Unit directions to their centres.
+    wi: Vec3<Lane>,
+    /// Sines of the angles under which their radii appear, above 1 inside.
+    sin_seen: Lane,
     /// Inverse distances of their centres.
     inverse: Lane,
     /// Upper bounds of the cosines to their normals.

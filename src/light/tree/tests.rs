@@ -6,6 +6,7 @@ use crate::light::{AreaLight, Emission, Light, LightSampleContext, PointLight, S
 use crate::sampling::lanes::uniform_sphere;
 use crate::sampling::{Address, IndependentSampler, Sampler, Slot};
 use crate::spectrum::Spectrum;
+use crate::transport::ScatteringOutline;
 use glam::Vec3;
 
 /// Random numbers in a row.
@@ -73,7 +74,28 @@ fn receiver(lights: &[Light], i: usize, numbers: &mut Numbers) -> LightSampleCon
     let ng = if i % 5 == 0 { Vec3::ZERO } else { numbers.direction() };
     let near = lights[i % lights.len()].bounds().expect("a place").center();
     let p = if i % 3 == 0 { near + numbers.direction() * 10.0f32.powf(-6.0 * numbers.next()) } else { numbers.point() };
-    LightSampleContext { p, ng }
+    LightSampleContext::new(p, ng).scattering(outline(i, ng, numbers))
+}
+
+/// Scattering of every kind, mostly about a normal beside `ng`.
+fn outline(i: usize, ng: Vec3, numbers: &mut Numbers) -> ScatteringOutline {
+    if i % 4 == 0 {
+        return ScatteringOutline::UNKNOWN;
+    }
+    let glossy = if i % 4 == 1 { 1.0 } else { numbers.next() };
+    ScatteringOutline {
+        n: (ng + numbers.direction() * 0.3).normalize(),
+        wo: numbers.direction(),
+        diffuse: 1.0 - glossy,
+        glossy,
+        alpha2: 10.0f32.powf(-8.0 * numbers.next()),
+        transmits: ng == Vec3::ZERO || i % 3 == 0,
+    }
+}
+
+/// Whether light along the unit vector `wi` can be scattered.
+fn is_scattered(at: &LightSampleContext, wi: Vec3) -> bool {
+    at.scattering.transmits || wi.dot(at.ng) * at.scattering.wo.dot(at.ng) > 0.0
 }
 
 #[test]
@@ -142,11 +164,43 @@ fn lights_that_contribute_have_a_probability() {
             let Some(sample) = lights[light].sample_li(&at, u).filter(|sample| !sample.radiance.is_black()) else {
                 continue;
             };
+            if !is_scattered(&at, sample.wi) {
+                continue;
+            }
             lit += 1;
             assert!(tree.pmf(&at, light, 1.0) > 0.0, "light {light} at {at:?}: {sample:?}");
         }
     }
     assert!(lit > 10_000, "{lit}");
+}
+
+/// Lamps over a surface with a narrow lobe: knowing the lobe, the tree selects those that it mirrors. The relative second
+/// moment of the scattered light is 1 if lights are selected by what they contribute.
+#[test]
+fn lights_in_the_lobe_of_the_receiver_are_preferred() {
+    let lamp = |i: usize| {
+        let position = Vec3::new((i % 40) as f32 - 20.0, (i / 40) as f32 - 5.0, 2.0);
+        Light::Point(PointLight { position, intensity: Spectrum::ONE })
+    };
+    let lights: Vec<Light> = (0..400).map(lamp).collect();
+    let tree = tree(&lights);
+    let wo = Vec3::new(-0.9, 0.0, 0.3).normalize();
+    for alpha in [0.03f32, 0.1, 0.3] {
+        let (n, alpha2) = (Vec3::Z, alpha * alpha);
+        let outline = ScatteringOutline { n, wo, diffuse: 0.0, glossy: 1.0, alpha2, transmits: false };
+        let at = LightSampleContext::new(Vec3::ZERO, n);
+        let scattered = |light: usize| {
+            let to = lights[light].bounds().expect("a place").center();
+            let (d2, wi) = (to.length_squared(), to.normalize());
+            f64::from(outline.reflected(wi.into(), 0.0f32) / d2)
+        };
+        let sum: f64 = (0..400).map(scattered).sum();
+        let moment = |at: &LightSampleContext| {
+            (0..400).map(|light| scattered(light).powi(2) / tree.pmf(at, light, 1.0)).sum::<f64>() / (sum * sum)
+        };
+        let (known, unknown) = (moment(&at.scattering(outline)), moment(&at));
+        assert!(known < 0.5 * unknown, "{alpha}: {known} {unknown}");
+    }
 }
 
 /// A light a hundred times as near as others of its kind is chosen almost always; one that faces away, never.
@@ -161,7 +215,7 @@ fn near_lights_are_preferred_and_those_that_face_away_are_not_chosen() {
     let lights: Vec<Light> =
         (1..=20).map(|i| lamp(i as f32, false)).chain([lamp(0.1, false), lamp(0.05, true)]).collect();
     let tree = tree(&lights);
-    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Z };
+    let at = LightSampleContext::new(Vec3::ZERO, Vec3::Z);
     assert!(tree.pmf(&at, 20, 1.0) > 0.9, "{}", tree.pmf(&at, 20, 1.0));
     assert_eq!(tree.pmf(&at, 21, 1.0), 0.0);
 }
@@ -172,7 +226,7 @@ fn hard_lights_have_a_tree() {
     let point = |position, strength| Light::Point(PointLight { position, intensity: Spectrum::splat(strength) });
     let same: Vec<Light> = (0..1_000_000).map(|_| point(Vec3::ONE, 1.0)).collect();
     let same = tree(&same);
-    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Z };
+    let at = LightSampleContext::new(Vec3::ZERO, Vec3::Z);
     let (light, pmf) = select(&same, &at, 0.123_456_789);
     assert!((0.5..2.0).contains(&(pmf * 1e6)), "light {light}: {pmf}");
     let uneven: Vec<Light> =
@@ -205,7 +259,8 @@ fn cuts_hold_each_light_once() {
         let whole = tree.cut(&at, usize::MAX);
         for (light, _) in lights.iter().enumerate().filter(|(k, _)| tree.cut_pmf(&whole, &at, *k) == 0.0) {
             let u = [numbers.next(), numbers.next()];
-            assert!(lights[light].sample_li(&at, u).is_none(), "light {light} is in no group and lights {at:?}");
+            let sample = lights[light].sample_li(&at, u).filter(|sample| is_scattered(&at, sample.wi));
+            assert!(sample.is_none(), "light {light} is in no group and lights {at:?}");
         }
     }
 }
@@ -225,7 +280,7 @@ fn no_light_is_above_the_bound_of_a_group() {
     let tree = LightTree::new(&reaches).expect("lights");
     let mut closest = 0.0f64;
     for i in 0..2000 {
-        let at = LightSampleContext { p: numbers.point() * 2.0, ng: numbers.direction() };
+        let at = LightSampleContext::new(numbers.point() * 2.0, numbers.direction());
         let (diffuse, glossy) = if i % 2 == 0 { (1.0, 0.0) } else { (0.3, 0.7) };
         let exact = |light: usize| {
             let Reach { bounds, normals, two_sided, .. } = reaches[light].expect("a light");
@@ -280,7 +335,8 @@ fn touching_receiver([a, b, c]: [Vec3; 3], i: usize, numbers: &mut Numbers) -> L
     };
     let above = [0.0, 1e-7, -1e-7, 1e-5, -1e-5, 0.3 * (b - a).length()][i % 6];
     let ng = [Vec3::ZERO, normal, -normal, (b - a).normalize_or_zero(), numbers.direction()][i % 5];
-    LightSampleContext { p: a + (b - a) * s + (c - a) * t + normal * above, ng }
+    let p = a + (b - a) * s + (c - a) * t + normal * above;
+    LightSampleContext::new(p, ng).scattering(outline(i, ng, numbers))
 }
 
 /// The same where cosines and distances vanish, for groups of any size and lights one in the other. A light that is
@@ -303,7 +359,7 @@ fn lights_without_a_probability_never_shine() {
                 let never = tree.pmf(&at, number, 1.0) == 0.0;
                 let mut shines = |_| {
                     let sample = light.sample_li(&at, [numbers.next(), numbers.next()]);
-                    sample.is_some_and(|sample| !sample.radiance.is_black())
+                    sample.is_some_and(|sample| !sample.radiance.is_black() && is_scattered(&at, sample.wi))
                 };
                 let shone = (0..4).any(&mut shines);
                 assert!(!(never && shone), "light {number} of round {round} at {at:?}");
@@ -319,7 +375,7 @@ fn lights_without_a_probability_never_shine() {
 fn no_light_vanishes_beside_others() {
     let point =
         |x: f32, intensity| Light::Point(PointLight { position: Vec3::X * x, intensity: Spectrum::splat(intensity) });
-    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::Z };
+    let at = LightSampleContext::new(Vec3::ZERO, Vec3::Z);
     for (far, strong, weak) in [(1.0, 1e30, 1e-30), (1e10, 1e30, 1e-30), (1e17, 1e4, 1.0), (1e17, 1.0, 1e-10)] {
         let lights: Vec<Light> =
             (0..40).map(|i| point(if i < 20 { 1.0 } else { far }, if i % 2 == 0 { strong } else { weak })).collect();
@@ -336,7 +392,7 @@ fn a_strong_light_far_away_counts_by_its_irradiance() {
     let lamps = (0..20).map(|i| point(Vec3::new(i as f32, 1.0, 0.0) * 1e-8, 20e-16));
     let lights: Vec<Light> = lamps.chain([point(Vec3::X, 1.0)]).collect();
     let tree = tree(&lights);
-    let at = LightSampleContext { p: Vec3::ZERO, ng: Vec3::ZERO };
+    let at = LightSampleContext::new(Vec3::ZERO, Vec3::ZERO);
     // The star gives 1, the nearest lamp 20 and all lamps twice as much: 1/42, and a factor of 4 for bounds of groups.
     let star = tree.pmf(&at, 20, 1.0);
     assert!((0.006..0.1).contains(&star), "{star}");

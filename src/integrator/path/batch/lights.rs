@@ -170,7 +170,7 @@ impl<F: Float> LightSamples<F> {
     fn of_any(lights: &Lights, index: F::Int, [p, ng]: [Vec3<F>; 2], wanted: F::Mask, u: [F; 2]) -> Self {
         let mut samples = [None; MOST_LANES];
         for_each_bit(wanted.bits(), |lane| {
-            let at = LightSampleContext { p: p.lane(lane).into(), ng: ng.lane(lane).into() };
+            let at = LightSampleContext::new(p.lane(lane).into(), ng.lane(lane).into());
             let light = &lights.all()[index.lane(lane) as usize];
             samples[lane] = one(light, &at, u.map(|u| u.lane(lane)));
         });

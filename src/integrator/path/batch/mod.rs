@@ -32,7 +32,7 @@ use crate::spectrum::Spectrum;
 use etendue_lanes::{Float, Int, Long, MOST_LANES, Native, filled};
 use lights::LightRows;
 use objects::Objects;
-use paths::{Paths, Rare, Shadows};
+use paths::{Kept, Paths, Rare, Shadows};
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Mutex;
@@ -63,8 +63,7 @@ pub(in crate::integrator) struct BatchedPath<'a, F: Float = Native> {
     samples: Samples,
     options: IntegratorConfig,
     objects: Objects<'a>,
-    /// Whether paths may have [`Rare`] state.
-    has_rare: bool,
+    kept: Kept,
     lights: LightRows,
     /// That of camera rays.
     coherence: Coherence,
@@ -89,10 +88,10 @@ struct Batch {
 }
 
 impl Batch {
-    fn new(capacity: usize, has_rare: bool) -> Self {
+    fn new(capacity: usize, kept: Kept) -> Self {
         Batch {
-            paths: Paths::new(capacity, has_rare),
-            next: Paths::new(capacity, has_rare),
+            paths: Paths::new(capacity, kept),
+            next: Paths::new(capacity, kept),
             shadows: Shadows::new(capacity),
             hits: Hits::new(capacity),
             occluded: vec![false; capacity + PADDING],
@@ -110,7 +109,7 @@ impl<'a, F: Float> BatchedPath<'a, F> {
             tracer: PathTracer::new(scene, options.max_depth, options.transparent),
             samples: Samples::new(camera, options),
             options: *options,
-            has_rare: objects.has_rare(),
+            kept: Kept { rare: objects.has_rare(), outlines: scene.lights().is_by_receiver() },
             objects,
             lights: LightRows::new(scene.lights()),
             coherence: if scene.accel().bytes() < CACHED { Coherence::Coherent } else { Coherence::Incoherent },
@@ -123,7 +122,7 @@ impl<'a, F: Float> BatchedPath<'a, F> {
     /// Returns an idle batch of `capacity` paths, or a new one.
     fn batch(&self, capacity: usize) -> Batch {
         let idle = self.idle.lock().ok().and_then(|mut idle| idle.pop());
-        idle.filter(|batch| batch.capacity >= capacity).unwrap_or_else(|| Batch::new(capacity, self.has_rare))
+        idle.filter(|batch| batch.capacity >= capacity).unwrap_or_else(|| Batch::new(capacity, self.kept))
     }
 
     /// Starts a path in each of `pixels`.

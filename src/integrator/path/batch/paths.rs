@@ -1,11 +1,13 @@
 //! State of a batch: live paths side by side, and the shadow rays of one bounce.
 
 use crate::geometry::{PADDING, Ray, RayState, Rays};
-use crate::light::LightSampleContext;
+use crate::light::{LightSampleContext, Receivers};
 use crate::path::{PreviousVertex, RandomWalk};
 use crate::sampling::{Density, Pdf};
 use crate::scene::Scene;
 use crate::spectrum::{LANES, Spectrum};
+use crate::transport::ScatteringOutline;
+use etendue_lanes::Float;
 use glam::Vec3;
 
 /// Live paths after the same number of scattering events.
@@ -26,6 +28,17 @@ pub(super) struct Paths {
     pub(super) pixels: Vec<u32>,
     /// What only some surfaces change; empty in a scene without such surfaces.
     pub(super) rare: Vec<Rare>,
+    /// Scattering at the departure vertices; empty if the selection of lights does not depend on it.
+    pub(super) outlines: Vec<ScatteringOutline>,
+}
+
+/// State that not every scene needs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kept {
+    /// See [`Paths::rare`].
+    pub(super) rare: bool,
+    /// See [`Paths::outlines`].
+    pub(super) outlines: bool,
 }
 
 /// State of a path that surfaces with a kernel leave as it is.
@@ -56,8 +69,8 @@ fn vector(columns: &[Vec<f32>; 3], at: usize) -> Vec3 {
 }
 
 impl Paths {
-    /// Returns room for `capacity` paths. Without `has_rare` it keeps no [`Rare`] state.
-    pub(super) fn new(capacity: usize, has_rare: bool) -> Self {
+    /// Returns room for `capacity` paths.
+    pub(super) fn new(capacity: usize, kept: Kept) -> Self {
         Paths {
             rays: Rays::new(capacity),
             beta: columns(capacity),
@@ -66,7 +79,8 @@ impl Paths {
             from_ng: columns(capacity),
             keys: vec![0; capacity + PADDING],
             pixels: vec![0; capacity + PADDING],
-            rare: if has_rare { vec![Rare::NONE; capacity + PADDING] } else { Vec::new() },
+            rare: if kept.rare { vec![Rare::NONE; capacity + PADDING] } else { Vec::new() },
+            outlines: if kept.outlines { vec![ScatteringOutline::UNKNOWN; capacity + PADDING] } else { Vec::new() },
         }
     }
 
@@ -74,6 +88,13 @@ impl Paths {
     #[inline]
     pub(super) fn len(&self) -> usize {
         self.rays.len()
+    }
+
+    /// Returns the receivers from which a group of paths departs.
+    #[inline(always)]
+    pub(super) fn receivers<F: Float>(&self, at: usize) -> Receivers<'_, F> {
+        let [p, ng] = [&self.from, &self.from_ng].map(|columns| etendue_lanes::Vec3::load(columns, at));
+        Receivers { p, ng, outlines: self.outlines.get(at..).and_then(|rest| rest.first_chunk()) }
     }
 
     /// Appends the path of `walk`.
@@ -84,11 +105,14 @@ impl Paths {
         (0..LANES).for_each(|lane| self.beta[lane][at] = walk.beta[lane]);
         (self.keys[at], self.pixels[at]) = (key, pixel);
         let mut delta = false;
-        if let PreviousVertex::Surface(LightSampleContext { p, ng }, density) = walk.departure {
+        if let PreviousVertex::Surface(LightSampleContext { p, ng, scattering }, density) = walk.departure {
             self.pdf[at] = density.value();
             delta = density.is_delta();
             for axis in 0..3 {
                 (self.from[axis][at], self.from_ng[axis][at]) = (p[axis], ng[axis]);
+            }
+            if let Some(outline) = self.outlines.get_mut(at) {
+                *outline = scattering;
             }
         }
         if let Some(rare) = self.rare.get_mut(at) {
@@ -103,7 +127,8 @@ impl Paths {
         let departure = if depth == 0 {
             PreviousVertex::Camera
         } else {
-            let from = LightSampleContext { p: vector(&self.from, at), ng: vector(&self.from_ng, at) };
+            let from = LightSampleContext::new(vector(&self.from, at), vector(&self.from_ng, at));
+            let from = self.outlines.get(at).map_or(from, |&outline| from.scattering(outline));
             let pdf = self.pdf[at];
             let density = if rare.delta { Density::Delta(pdf) } else { Density::Smooth(Pdf::new(pdf)) };
             PreviousVertex::Surface(from, density)

@@ -9,15 +9,18 @@ use super::paths::{Paths, Rare, Shadows};
 use super::points::{Group, Points, in_lanes};
 use super::surfaces::{SurfaceFinder, VaryingSurfaces};
 use super::{Batch, BatchedPath};
+use crate::bsdf::Shares;
 use crate::bsdf::lanes::{LaneConductor, LaneLambert, LaneMetalDielectric, LanePoint, LaneSample, LaneScatter};
 use crate::geometry::lanes::offset;
 use crate::geometry::{Hit, Hits, SurfacePoint};
 use crate::integrator::samples::PassNumbers;
+use crate::light::Receivers;
 use crate::path::{LONGEST, ROULETTE_FROM, TraceStats, survival_probability};
 use crate::sampling::{Sampler, Slot, power};
 use crate::scene::Edge;
 use crate::spectrum::Spectrum;
-use etendue_lanes::{Float, Int, Long, Mask, Vec3, for_each_bit};
+use crate::transport::ScatteringOutline;
+use etendue_lanes::{Float, Int, Long, MOST_LANES, Mask, ROW, Vec3, for_each_bit};
 
 impl<F: Float> BatchedPath<'_, F> {
     /// Takes the paths of `batch`, whose hits are found, to their next edges, and collects shadow rays. Adds emission
@@ -123,7 +126,10 @@ impl<F: Float> Stage<'_, '_, F> {
         let lights = (self.all.tracer.scene.lights(), &self.all.lights);
         let u = sampler.u2(self.depth, Slot::LightPoint);
         let pick = || sampler.u1(self.depth, Slot::LightPick);
-        let chosen = lights.0.choose_lanes([points.p, points.ng], scatters, u, pick);
+        let outlines = lights.0.is_by_receiver().then(|| self.outlines(group, &point, n, lanes));
+        let receivers = Receivers { p: points.p, ng: points.ng, outlines: outlines.as_ref() };
+        let choose = || lights.0.choose_lanes(&receivers, scatters, u, pick);
+        let chosen = self.tally.selection.time_of(lights.0, choose);
         let light = LightSamples::new(lights, [points.p, points.ng], scatters, chosen);
         let lobe = if lanes.metal_dielectric != 0 { sampler.u1(self.depth, Slot::Lobe) } else { F::splat(0.0) };
         let [u, v] = sampler.u2(self.depth, Slot::Direction);
@@ -133,7 +139,72 @@ impl<F: Float> Stage<'_, '_, F> {
         lanes.single |= doubtful.bits();
         let kept = scatters & !doubtful;
         self.shadow(group, points, &light, &outcome, kept);
-        self.depart(group, points, &outcome.sample, kept & outcome.sample.valid, sampler);
+        let alive = self.depart(group, points, &outcome.sample, kept & outcome.sample.valid, sampler);
+        if let Some(outlines) = &outlines {
+            self.keep_outlines(outlines, alive);
+        }
+    }
+
+    /// Returns the outlines of scattering of a group with the shading normals `n`.
+    #[inline(never)]
+    fn outlines(
+        &self,
+        group: &Group<F>,
+        point: &LanePoint<F>,
+        n: Vec3<F>,
+        lanes: &LaneSets,
+    ) -> [ScatteringOutline; MOST_LANES] {
+        let mut outlines = [ScatteringOutline::UNKNOWN; MOST_LANES];
+        let mut add = |bits: u32, Shares { diffuse, glossy, alpha2 }: Shares<F>| {
+            for_each_bit(bits, |lane| {
+                outlines[lane] = ScatteringOutline {
+                    n: n.lane(lane).into(),
+                    wo: (-group.direction).lane(lane).into(),
+                    diffuse: diffuse.lane(lane),
+                    glossy: glossy.lane(lane),
+                    alpha2: alpha2.lane(lane),
+                    transmits: false,
+                };
+            });
+        };
+        let columns = |bits: u32| self.columns(group.at, bits, lanes.varying);
+        if lanes.lambert != 0 {
+            add(lanes.lambert, LaneLambert::new(columns(lanes.lambert), point).shares());
+        }
+        if lanes.conductor != 0 {
+            add(lanes.conductor, LaneConductor::new(columns(lanes.conductor), point).shares());
+        }
+        if lanes.metal_dielectric != 0 {
+            add(lanes.metal_dielectric, LaneMetalDielectric::new(columns(lanes.metal_dielectric), point).shares());
+        }
+        outlines
+    }
+
+    /// Appends the outlines of the `alive` lanes, which were the last to be appended to the next paths.
+    fn keep_outlines(&mut self, outlines: &[ScatteringOutline; MOST_LANES], alive: F::Mask) {
+        let next = &mut *self.next;
+        let mut at = next.len() - alive.bits().count_ones() as usize;
+        for_each_bit(alive.bits(), |lane| {
+            next.outlines[at] = outlines[lane];
+            at += 1;
+        });
+    }
+
+    /// Returns the parameters of the surfaces in the given lanes of a group, as columns.
+    #[inline(always)]
+    fn columns(&self, at: usize, lanes: u32, varying: u32) -> [[F; ROW]; 3] {
+        let parameters = in_lanes(lanes, |lane| {
+            if varying >> lane & 1 == 1 {
+                &self.varying.parameters[lane]
+            } else {
+                &self.all.objects.rows[self.hits.objects[at + lane] as usize].parameters
+            }
+        });
+        [
+            F::rows(|lane| &parameters[lane][0]),
+            F::rows(|lane| &parameters[lane][1]),
+            F::rows(|lane| &parameters[lane][2]),
+        ]
     }
 
     /// Scattering by all models of a group.
@@ -163,19 +234,7 @@ impl<F: Float> Stage<'_, '_, F> {
     #[inline(always)]
     fn model<M: LaneScatter<F>>(&self, event: &Event<F>, lanes: u32) -> Outcome<F> {
         let Event { group, point, light, u, varying } = *event;
-        let parameters = in_lanes(lanes, |lane| {
-            if varying >> lane & 1 == 1 {
-                &self.varying.parameters[lane]
-            } else {
-                &self.all.objects.rows[self.hits.objects[group.at + lane] as usize].parameters
-            }
-        });
-        let columns = [
-            F::rows(|lane| &parameters[lane][0]),
-            F::rows(|lane| &parameters[lane][1]),
-            F::rows(|lane| &parameters[lane][2]),
-        ];
-        let model = M::new(columns, point);
+        let model = M::new(self.columns(group.at, lanes, varying), point);
         let (scattering, sample) = (model.scattering(point, light.wi), model.sampled(point, u));
         let one = F::splat(1.0);
         let weight = F::select(light.dirac, one, power(light.density, scattering.pdf)) / light.density;
@@ -209,7 +268,7 @@ impl<F: Float> Stage<'_, '_, F> {
         shadows.rays.set_len(at + mask.bits().count_ones() as usize);
     }
 
-    /// Sends the `kept` lanes on along the sampled directions, as far as roulette lets them.
+    /// Sends the `kept` lanes on along the sampled directions, and returns those that roulette lets live.
     #[inline(always)]
     fn depart(
         &mut self,
@@ -218,13 +277,13 @@ impl<F: Float> Stage<'_, '_, F> {
         sample: &LaneSample<F>,
         kept: F::Mask,
         mut sampler: impl Sampler<F>,
-    ) {
+    ) -> F::Mask {
         let mut beta = group.beta * sample.weight;
         let depth = self.depth + 1;
         let mut alive = kept;
         if depth >= LONGEST {
             self.tally.overlong += u64::from(kept.bits().count_ones());
-            return;
+            return F::first(0);
         }
         if depth < ROULETTE_FROM {
             alive = alive & beta.is_lit();
@@ -238,6 +297,7 @@ impl<F: Float> Stage<'_, '_, F> {
             }
         }
         self.pack(group, points, sample, beta, alive);
+        alive
     }
 
     /// Returns the factors of roulette of a group.
@@ -291,8 +351,9 @@ impl<F: Float> Stage<'_, '_, F> {
         let (radiance, pdf) = environment.along_lanes(Vec3::load(&self.paths.rays.direction, at));
         let mut light = Spectrum::<F>::load(&self.paths.beta, at) * radiance;
         if self.depth > 0 {
-            let from = [&self.paths.from, &self.paths.from_ng].map(|columns| Vec3::<F>::load(columns, at));
-            let weight = power(F::load(&self.paths.pdf, at), lights.pmf_lanes(from, missed, index) * pdf);
+            let pmf = || lights.pmf_lanes(&self.paths.receivers::<F>(at), missed, index);
+            let pmf = self.tally.selection.time_of(lights, pmf);
+            let weight = power(F::load(&self.paths.pdf, at), pmf * pdf);
             light = light * F::select(self.dirac(at), F::splat(1.0), weight);
         }
         for_each_bit(missed.bits(), |lane| {
@@ -313,14 +374,15 @@ impl<F: Float> Stage<'_, '_, F> {
     /// Adds the environment to the pixel of path number `at`, which leaves the scene.
     fn background(&mut self, at: usize) {
         let walk = self.paths.walk(self.all.tracer.scene, at, self.depth);
-        self.colors[self.paths.pixels[at] as usize] += self.all.tracer.background(&walk);
+        self.colors[self.paths.pixels[at] as usize] += self.all.tracer.background(&walk, self.tally);
     }
 
     /// Adds the emission of the triangle that path number `at` meets, in `lane` of `points`.
     fn emission(&mut self, at: usize, points: &Points<F>, lane: usize) {
         let walk = self.paths.walk(self.all.tracer.scene, at, self.depth);
         let barycentric = points.weights(lane);
-        let light = self.all.tracer.emitted(&walk, self.hits.hit(at), points.p.lane(lane).into(), barycentric);
+        let light =
+            self.all.tracer.emitted(&walk, self.hits.hit(at), points.p.lane(lane).into(), barycentric, self.tally);
         self.colors[self.paths.pixels[at] as usize] += light;
     }
 
@@ -343,8 +405,8 @@ impl<F: Float> Stage<'_, '_, F> {
         if !has_met {
             point = walk.arrived(point, sampler, self.tally);
             self.colors[pixel as usize] += match &point {
-                Some(point) => tracer.emitted(&walk, point.hit, point.p, point.barycentric),
-                None => tracer.background(&walk),
+                Some(point) => tracer.emitted(&walk, point.hit, point.p, point.barycentric, self.tally),
+                None => tracer.background(&walk, self.tally),
             };
         }
         let Some(point) = &mut point.filter(|_| walk.depth < tracer.max_depth) else { return };

@@ -2,6 +2,10 @@
 //! `eval(wi, wo)`: light arrives along `wi` and leaves along `wo`. Both point away from the surface. This holds for
 //! camera and light subpaths.
 
+mod outline;
+
+pub use outline::ScatteringOutline;
+
 /// Transported quantity, as in pbrt and Mitsuba.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum TransportMode {
