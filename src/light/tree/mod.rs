@@ -5,8 +5,8 @@
 //! known light with the same operations, so that both agree bit for bit. Where no light can arrive it selects one
 //! nevertheless.
 //!
-//! It pays where many lights differ in distance or orientation. It does not know what stands between a light and the
-//! receiver, nor how the receiver scatters. Lights at infinity are not in the tree.
+//! It pays where many lights differ in distance or orientation, and at glossy receivers of which the lobe is known. It
+//! does not know what stands between a light and the receiver. Lights at infinity are not in the tree.
 
 mod build;
 mod cut;
