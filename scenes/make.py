@@ -207,7 +207,7 @@ CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "caustic-pool": ((0.0, -2.5, 1.9), math.radians(-46.0), 48.0),
            "mirror-caustic": ((0.0, -2.8, 1.15), math.radians(11.0), 32.0),
            "many-lights": ((0.0, -11.0, 6.0), math.atan2(-6.0, 10.0), 50.0),
-           "street": ((0.6, -6.0, 1.7), math.radians(4.0), 62.0),
+           "street": ((0.6, -6.0, 1.7), math.radians(4.0), 62.0), "hall": ((0.8, 0.6, 1.7), math.radians(-6.0), 62.0),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
 CAMERAS["door-2cm"] = CAMERAS["ajar-door"]
 # Point lights: position and radiant intensity.
@@ -484,6 +484,28 @@ def street():
         **{name: emitter(*color) for name, color in glows.items()}}
 
 
+def hall():
+    """A hall with a polished floor under a thousand lamps of 8 cm in three colours, with shelves in between."""
+    numbers = random.Random(3)
+    lamps, shelves = [[], [], []], []
+    for row in range(20):
+        for column in range(50):
+            x, y = -9.5 + row + numbers.uniform(-0.2, 0.2), 1.0 + column + numbers.uniform(-0.2, 0.2)
+            lamps[numbers.choice((0, 0, 0, 1, 2))].append(quad((x, y, 4.9), (x, y + 0.08, 4.9), (x + 0.08, y + 0.08, 4.9), (x + 0.08, y, 4.9)))
+    for k in range(8):
+        x = (-7.5, 4.5)[k % 2]
+        shelves.append(box((x, 6.0 + 11.0 * (k // 2), 0), (x + 3.0, 6.5 + 11.0 * (k // 2), 3.6)))
+    room = [("floor", quad((-10, 0, 0), (10, 0, 0), (10, 52, 0), (-10, 52, 0)), "floor"),
+            ("ceiling", quad((-10, 0, 5), (-10, 52, 5), (10, 52, 5), (10, 0, 5)), "plaster"),
+            ("walls", merged([quad((-10, 0, 0), (-10, 52, 0), (-10, 52, 5), (-10, 0, 5)), quad((10, 0, 0), (10, 0, 5), (10, 52, 5), (10, 52, 0)),
+                              quad((-10, 52, 0), (10, 52, 0), (10, 52, 5), (-10, 52, 5)), quad((10, 0, 0), (-10, 0, 0), (-10, 0, 5), (10, 0, 5))]), "plaster"),
+            ("shelves", merged(shelves), "wood")]
+    glows = {"warm": (60, 48, 30), "cold": (30, 42, 60), "red": (160, 20, 12)}
+    return room + [(name, merged(quads), name) for name, quads in zip(glows, lamps)], {
+        "floor": {"pbrMetallicRoughness": surface((0.12, 0.1, 0.09), 0.0, 0.15)}, "plaster": diffuse(0.6, 0.58, 0.55), "wood": diffuse(0.35, 0.24, 0.15),
+        **{name: emitter(*color) for name, color in glows.items()}}
+
+
 def facing(side, x, low, high):
     """A rectangle in the plane of `x` that faces the middle of the street."""
     (a, b), (c, d) = low, high
@@ -494,6 +516,7 @@ def facing(side, x, low, high):
 SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door,
           "door-2cm": door_2cm, "caustic-pool": caustic_pool, "mirror-caustic": mirror_caustic,
           "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "many-lights": many_lights, "street": street,
+          "hall": hall,
           "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------

@@ -28,6 +28,9 @@ const TRAVERSAL_COST_CACHED: f32 = 3.0;
 /// Number of triangles whose tree fits into the second-level cache of a core.
 const CACHED: usize = 10_000;
 
+/// Number of leaves from which a heap of them is too large to be improved.
+const HEAP: u32 = 4096;
+
 /// Largest share of its size by which a box becomes larger: rays hit no more boxes that can be measured.
 const LARGER_BY: f32 = 1e-4;
 
@@ -118,14 +121,34 @@ fn binary<B: Boundable>(boxes: &[B], indices: Vec<u32>, effort: BvhBuildParams, 
     );
     bvh.uses_spatial_splits = effort.pre_split;
     let mut optimizer = ReinsertionOptimizer::default();
-    optimizer.run(&mut bvh, effort.reinsertion_batch_ratio, None);
+    let ratio = if has_heap(&bvh) { 0.0 } else { effort.reinsertion_batch_ratio };
+    optimizer.run(&mut bvh, ratio, None);
     if most_in_leaf > 1 {
         let cost = if boxes.len() <= CACHED { TRAVERSAL_COST_CACHED } else { TRAVERSAL_COST };
         collapse(&mut bvh, most_in_leaf, cost);
-        let again = effort.reinsertion_batch_ratio * effort.post_collapse_reinsertion_batch_ratio_multiplier;
-        optimizer.run(&mut bvh, again, None);
+        optimizer.run(&mut bvh, ratio * effort.post_collapse_reinsertion_batch_ratio_multiplier, None);
     }
     bvh
+}
+
+/// Whether thousands of leaves of `bvh` lie one in the other. The search for better places in such a heap visits all of
+/// it, once for each leaf.
+fn has_heap(bvh: &Bvh2) -> bool {
+    // Number of leaves below each node, and the sum of their areas. Children follow their parent.
+    let mut below = vec![(0, 0.0f64); bvh.nodes.len()];
+    for (i, node) in bvh.nodes.iter().enumerate().rev() {
+        let area = f64::from(node.aabb().half_area());
+        if node.is_leaf() {
+            below[i] = (1, area);
+            continue;
+        }
+        let [left, right] = [0, 1].map(|k| below[node.first_index as usize + k]);
+        below[i] = (left.0 + right.0, left.1 + right.1);
+        if below[i].0 >= HEAP && below[i].1 >= 0.25 * f64::from(below[i].0) * area {
+            return true;
+        }
+    }
+    false
 }
 
 /// Collapses `bvh` to a wide tree; `leaf` stores the primitives of a leaf and returns its index.

@@ -50,9 +50,15 @@ pub(super) struct Weights {
 impl Weights {
     #[inline(always)]
     fn new(of: [f32; WIDTH]) -> Self {
+        // Two chains of additions side by side. A child without weight leaves the sum as it is.
+        let [mut low, mut high] = [[0.0; WIDTH / 2 + 1]; 2];
+        for k in 0..WIDTH / 2 {
+            low[k + 1] = low[k] + f64::from(of[k]);
+            high[k + 1] = high[k] + f64::from(of[k + WIDTH / 2]);
+        }
         let mut sums = [0.0; WIDTH + 1];
-        for (k, weight) in of.into_iter().enumerate() {
-            sums[k + 1] = sums[k] + f64::from(weight);
+        for k in 0..=WIDTH / 2 {
+            (sums[k], sums[k + WIDTH / 2]) = (low[k], low[WIDTH / 2] + high[k]);
         }
         Weights { of, sums }
     }
