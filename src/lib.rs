@@ -47,6 +47,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod film;
 pub mod light;
+pub mod medium;
 // floor 6
 pub mod scene;
 // floor 7

@@ -1,8 +1,13 @@
-//! Selection of lights for a receiver: by the light tree, and beside it the lights at infinity.
+//! Selection of lights for a receiver: by the light tree, and beside it the lights at infinity. A small share of the
+//! selection is uniform: a weak lamp in a room stays sampled beside strong ones behind its walls, which the tree does
+//! not know.
 
-use super::tree::Descent;
+use super::tree::{BELOW_ONE_F64, Descent};
 use super::{Light, LightSampleContext, LightTree, Reach};
 use etendue_lanes::{MOST_LANES, for_each_bit};
+
+/// Share of the selection that is uniform among the lights that shine.
+const UNIFORM: f64 = 0.05;
 
 /// Least share of the lights with a place, and of those at infinity, where both exist: the tree does not know what
 /// stands before a light.
@@ -18,14 +23,16 @@ pub(super) struct ByReceiver {
     /// Sum of the intensities in the tree.
     unit: f64,
     distant: Vec<Distant>,
+    /// All of both kinds.
+    shining: Vec<u32>,
 }
 
 /// The selection of a light.
 enum Begun {
     /// In the tree.
     InTree(Descent),
-    /// A light at infinity, with its probability.
-    Distant(u32, f64),
+    /// A light, with its probability.
+    Selected(u32, f64),
 }
 
 /// A light at infinity.
@@ -48,12 +55,15 @@ impl ByReceiver {
             Some(Distant { light: i as u32, irradiance, toward })
         });
         let (tree, distant) = (LightTree::new(&reaches), distant.collect::<Vec<_>>());
-        (tree.is_some() || !distant.is_empty()).then_some(ByReceiver { tree, unit, distant })
+        let near =
+            reaches.iter().zip(0..).filter(|(reach, _)| tree.is_some() && reach.is_some()).map(|(_, light)| light);
+        let shining: Vec<u32> = near.chain(distant.iter().map(|light| light.light)).collect();
+        (!shining.is_empty()).then_some(ByReceiver { tree, unit, distant, shining })
     }
 
     /// Returns the memory in bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.tree.as_ref().map_or(0, LightTree::bytes)
+        self.tree.as_ref().map_or(0, LightTree::bytes) + size_of_val(&*self.shining)
     }
 
     /// Selects lights for the receivers `at` in the given `lanes` by numbers `u` in [0, 1). Calls `found` with each lane,
@@ -74,7 +84,7 @@ impl ByReceiver {
                 descents[lane] = descent;
                 active |= 1 << lane;
             }
-            Begun::Distant(light, pmf) => found(lane, light, pmf),
+            Begun::Selected(light, pmf) => found(lane, light, pmf),
         });
         let Some(tree) = &self.tree else { return };
         while active != 0 {
@@ -83,7 +93,7 @@ impl ByReceiver {
                 let descent = &mut descents[lane];
                 tree.step(&at[lane], descent);
                 if let Some(light) = descent.light() {
-                    found(lane, light, descent.pmf);
+                    found(lane, light, self.with_uniform(descent.pmf));
                     rest &= !(1 << lane);
                 }
             });
@@ -91,9 +101,22 @@ impl ByReceiver {
         }
     }
 
-    /// Selects between the tree and the lights at infinity.
+    /// Returns the probability of a light that is selected for the receiver with probability `pmf`, where the selection
+    /// is not uniform.
+    #[inline]
+    fn with_uniform(&self, pmf: f64) -> f64 {
+        UNIFORM / self.shining.len() as f64 + (1.0 - UNIFORM) * pmf
+    }
+
+    /// Selects between the tree, the lights at infinity, and all of them.
     #[inline]
     fn begin(&self, at: &LightSampleContext, u: f64) -> Begun {
+        if u < UNIFORM {
+            let count = self.shining.len();
+            let light = self.shining[((u / UNIFORM * count as f64) as usize).min(count - 1)];
+            return Begun::Selected(light, self.pmf(at, light as usize));
+        }
+        let u = ((u - UNIFORM) / (1.0 - UNIFORM)).min(BELOW_ONE_F64);
         let (near, distant) = self.shares(at);
         if u < near {
             return Begun::InTree(Descent::new(u / near, near));
@@ -105,18 +128,19 @@ impl ByReceiver {
             rest -= light.importance(at);
             rest < 0.0 || *i == last
         });
-        chosen.map_or(Begun::Distant(0, 0.0), |(_, light)| Begun::Distant(light.light, pmf(light)))
+        chosen.map_or(Begun::Selected(0, 0.0), |(_, light)| Begun::Selected(light.light, self.with_uniform(pmf(light))))
     }
 
     /// Returns the probability that [`ByReceiver::sample_all`] selects light `i` for the receiver `at`.
     #[inline]
     pub(super) fn pmf(&self, at: &LightSampleContext, i: usize) -> f64 {
         let (near, distant) = self.shares(at);
-        match self.distant.iter().find(|light| light.light as usize == i) {
-            Some(light) => (1.0 - near) * (light.importance(at) / distant),
-            None if near > 0.0 => self.tree.as_ref().map_or(0.0, |tree| tree.pmf(at, i, near)),
-            None => 0.0,
-        }
+        let selected = match (self.distant.iter().find(|light| light.light as usize == i), &self.tree) {
+            (Some(light), _) => (1.0 - near) * (light.importance(at) / distant),
+            (None, Some(tree)) if tree.has(i) => tree.pmf(at, i, near),
+            (None, _) => return 0.0,
+        };
+        self.with_uniform(selected)
     }
 
     /// Returns the share of the lights with a place, and the sum of the importance of the others.
@@ -192,6 +216,9 @@ mod tests {
                 let sum: f64 = (0..lights.len()).map(|light| choice.pmf(&at, light)).sum();
                 // Rounding of a few dozen sums of numbers below 1.
                 assert!((sum - 1.0).abs() < 1e-12, "{near} {suns} {sky}: {sum}");
+                // No light vanishes beside others.
+                let least = 0.999 * UNIFORM / lights.len() as f64;
+                assert!((0..lights.len()).all(|light| choice.pmf(&at, light) >= least), "{near} {suns} {sky}");
                 let found = |_: usize, light: u32, pmf: f64| {
                     seen[light as usize] = true;
                     assert_eq!(pmf.to_bits(), choice.pmf(&at, light as usize).to_bits());

@@ -15,6 +15,7 @@ mod grazing;
 mod identities;
 mod inverses;
 mod lights;
+mod media;
 mod models;
 mod monte_carlo;
 mod punctual;

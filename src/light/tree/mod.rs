@@ -26,7 +26,7 @@ use node::{LEAF, Node};
 use smallvec::SmallVec;
 
 /// The largest f64 below 1.
-const BELOW_ONE_F64: f64 = 1.0 - f64::EPSILON / 2.0;
+pub(super) const BELOW_ONE_F64: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A tree over lights with a place.
 #[derive(Debug)]
@@ -89,6 +89,12 @@ impl LightTree {
     /// Returns the memory in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.nodes) + size_of_val(&*self.places)
+    }
+
+    /// Whether it holds `light`.
+    #[inline]
+    pub fn has(&self, light: usize) -> bool {
+        self.places[light].is_some()
     }
 
     /// Takes `descent` one level down for the receiver `at`.

@@ -1,0 +1,77 @@
+//! Free flights: how far light goes along an edge until it collides with a medium and scatters.
+//!
+//! A flight crosses the media of an edge one after the other. Its length is exponential in the optical depth of one
+//! lane, which is selected with equal probability for the whole edge. The density of a collision, and the probability of
+//! reaching the end, are means over lanes, so that a factor is at most the number of lanes. They depend on the edge alone
+//! and not on what the walk carries: both directions of an edge have the same.
+//!
+//! In media that only absorb there are no collisions, and light is weighted by the transmittance.
+
+use super::Homogeneous;
+use crate::spectrum::{LANES, Spectrum};
+
+/// A flight on its way along an edge.
+#[derive(Debug, Clone, Copy)]
+pub struct Flight {
+    lane: usize,
+    /// Optical depth in that lane until the collision.
+    left: f32,
+    /// Transmittance of the scattering media that it has crossed.
+    through: Spectrum,
+    /// The same of those that only absorb.
+    absorbed: Spectrum,
+}
+
+/// A collision that scatters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Collision {
+    /// Distance in the last medium.
+    pub distance: f32,
+    /// σs times the transmittance over the density, per length.
+    pub factor: Spectrum,
+    /// The density.
+    pub density: f32,
+}
+
+impl Flight {
+    /// Begins a flight by u in [0, 1)²: of the lane, and of the length.
+    #[inline]
+    pub fn new([lane, u]: [f32; 2]) -> Self {
+        let lane = ((lane * LANES as f32) as usize).min(LANES - 1);
+        Flight { lane, left: -(-u).ln_1p(), through: Spectrum::ONE, absorbed: Spectrum::ONE }
+    }
+
+    /// Crosses `length` of `medium`; returns the collision on the way, if there is one.
+    #[inline]
+    pub fn cross(&mut self, medium: &Homogeneous, length: f32) -> Option<Collision> {
+        if !medium.scatters() {
+            self.absorbed *= medium.transmittance(length);
+            return None;
+        }
+        // Infinite in a lane without extinction.
+        let distance = self.left / medium.extinction[self.lane];
+        if distance < length {
+            let through = self.through * medium.transmittance(distance);
+            let density = (through * medium.extinction).mean();
+            let factor = self.absorbed * through * medium.scattering / density;
+            return Some(Collision { distance, factor, density });
+        }
+        if medium.extinction[self.lane] > 0.0 {
+            self.left -= medium.extinction[self.lane] * length;
+        }
+        self.through *= medium.transmittance(length);
+        None
+    }
+
+    /// Returns the probability of getting as far as it has.
+    #[inline]
+    pub fn chance(&self) -> f32 {
+        self.through.mean()
+    }
+
+    /// Returns the transmittance over [`Flight::chance`].
+    #[inline]
+    pub fn factor(&self) -> Spectrum {
+        self.absorbed * self.through / self.chance()
+    }
+}

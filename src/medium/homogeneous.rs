@@ -1,0 +1,35 @@
+//! Media that are the same everywhere, for which all integrals are known.
+
+use super::Phase;
+use crate::spectrum::Spectrum;
+
+/// A homogeneous medium.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Homogeneous {
+    /// Absorption and scattering together, σt per unit of length.
+    pub(super) extinction: Spectrum,
+    /// σs per unit of length.
+    pub(super) scattering: Spectrum,
+    /// How it scatters.
+    pub phase: Phase,
+}
+
+impl Homogeneous {
+    /// Returns the medium with coefficients of absorption and scattering per unit of length, finite and not negative.
+    pub fn new(absorption: Spectrum, scattering: Spectrum, phase: Phase) -> Self {
+        Homogeneous { extinction: absorption + scattering, scattering, phase }
+    }
+
+    /// Whether anything is scattered in it.
+    #[inline]
+    pub fn scatters(&self) -> bool {
+        !self.scattering.is_black()
+    }
+
+    /// Returns the transmittance of `length` (Beer and Lambert).
+    #[inline]
+    pub fn transmittance(&self, length: f32) -> Spectrum {
+        // A lane without extinction transmits fully, also where 0 · ∞ would be NaN.
+        self.extinction.map(|s: f32| if s > 0.0 { (-s * length).exp() } else { 1.0 })
+    }
+}

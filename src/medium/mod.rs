@@ -1,0 +1,12 @@
+//! Participating media: what happens to light between surfaces.
+//!
+//! Phase functions follow the conventions of scattering functions: light arrives along `wi` and leaves along `wo`, and
+//! both point away from the vertex. Coefficients are per unit of length, one a lane.
+
+mod flight;
+mod homogeneous;
+mod phase;
+
+pub use flight::{Collision, Flight};
+pub use homogeneous::Homogeneous;
+pub use phase::{Phase, PhaseSample};
