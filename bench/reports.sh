@@ -39,6 +39,7 @@ with_chains() {
 }
 BUDGET=${BUDGET:-25s} with_chains door-2cm
 BUDGET=${BUDGET:-25s} with_chains caustic-pool
+BUDGET=${BUDGET:-15s} page many-lights many-lights street hall -- --size 96x96 --methods path,bdpt,vpl,lightcuts --backends embree
 BUDGET=${BUDGET:-7s} page spheres sphere-lamp sphere-cap -- --size 48x48
 
 "$etendue" bench rays scenes/{cornell-box,modified-cornell,landscape}/scene.gltf --size 256x256 --filter box --depth 64 \

@@ -27,12 +27,12 @@
 //! light subpaths do not conserve flux.
 
 use super::sides::{Sided, Sources};
-use super::{Bsdf, BsdfSample, Lobes, Surface};
+use super::{Bsdf, BsdfSample, Lobes, Shares, Surface};
 use crate::geometry::{Local, SurfacePoint};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
-use crate::transport::TransportMode;
+use crate::transport::{ScatteringOutline, TransportMode};
 use glam::Vec3;
 
 /// Scattering context: the surface point, its BSDF and the known direction. All directions have unit length and point
@@ -274,10 +274,12 @@ impl<'a> Shading<'a> {
         self.known
     }
 
-    /// Known direction as the BSDF sees it, a single one in a camera subpath.
+    /// Returns the outline of scattering toward the known direction.
     #[inline]
-    pub(super) fn seen(&self) -> Local {
-        self.seen.direct
+    pub fn outline(&self) -> ScatteringOutline {
+        let Shares { diffuse, glossy, alpha2 } = self.surface.shares(self.seen.direct);
+        let (n, wo, transmits) = (self.point.frame.n, self.known, self.surface.transmits());
+        ScatteringOutline { n, wo, diffuse, glossy, alpha2, transmits }
     }
 
     /// Components of the surface.

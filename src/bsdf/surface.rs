@@ -1,6 +1,6 @@
 //! The closed set of scattering models, dispatched by `match`.
 
-use super::{Bsdf, BsdfSample, Conductor, Dielectric, Lambert, Lobes, MetalDielectric, ScatteringBound, Thin};
+use super::{Bsdf, BsdfSample, Conductor, Dielectric, Lambert, Lobes, MetalDielectric, ScatteringBound, Shares, Thin};
 use crate::geometry::Local;
 use crate::numeric::Scalar;
 use crate::spectrum::Spectrum;
@@ -54,6 +54,26 @@ impl Surface {
             Surface::Dielectric(b) if b.ggx.is_dirac() => ScatteringBound::ZERO,
             Surface::Thin(b) if b.ggx.is_dirac() => ScatteringBound::ZERO,
             Surface::Dielectric(_) | Surface::Thin(_) => ScatteringBound::NONE,
+        }
+    }
+
+    /// Returns the weights of the diffuse part and of the lobe for the direction `known`.
+    #[inline]
+    pub fn shares(&self, known: Local) -> Shares {
+        match self {
+            Surface::Conductor(b) => Shares { diffuse: 0.0, glossy: 1.0, alpha2: b.ggx.alpha() * b.ggx.alpha() },
+            Surface::MetalDielectric(b) => b.shares(known),
+            Surface::Black | Surface::Lambert(_) | Surface::Dielectric(_) | Surface::Thin(_) => Shares::DIFFUSE,
+        }
+    }
+
+    /// Whether light crosses it.
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        match self {
+            Surface::Dielectric(_) | Surface::Thin(_) => true,
+            Surface::MetalDielectric(b) => b.transmits(),
+            Surface::Black | Surface::Lambert(_) | Surface::Conductor(_) => false,
         }
     }
 
