@@ -20,6 +20,17 @@ impl Homogeneous {
         Homogeneous { extinction: absorption + scattering, scattering, phase }
     }
 
+    /// Whether light passes it unchanged.
+    pub fn is_clear(&self) -> bool {
+        self.extinction.is_black()
+    }
+
+    /// Returns all its numbers: media with the same numbers are equal.
+    pub fn numbers(&self) -> [f32; 10] {
+        let ([a, b, c], [d, e, f], [g, h, i, j]) = (self.extinction.0, self.scattering.0, self.phase.numbers());
+        [a, b, c, d, e, f, g, h, i, j]
+    }
+
     /// Whether anything is scattered in it.
     #[inline]
     pub fn scatters(&self) -> bool {

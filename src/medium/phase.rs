@@ -89,6 +89,16 @@ impl Phase {
         PhaseSample { direction, pdf: Pdf::new(self.of(turn)) }
     }
 
+    /// Returns its kind and its parameters as numbers.
+    pub fn numbers(&self) -> [f32; 4] {
+        match *self {
+            Phase::Isotropic => [0.0; 4],
+            Phase::HenyeyGreenstein(g) => [1.0, g, 0.0, 0.0],
+            Phase::Mixture([a, b], share) => [2.0, a, b, share],
+            Phase::Rayleigh => [3.0, 0.0, 0.0, 0.0],
+        }
+    }
+
     /// Returns the mean cosine of the angle by which light is turned, from −1 to 1.
     pub fn mean_cosine(&self) -> f32 {
         match *self {

@@ -3,6 +3,7 @@
 
 mod connect;
 mod emitter;
+mod fly;
 mod full;
 mod mis;
 mod selection_stats;
@@ -12,6 +13,7 @@ mod walk;
 
 pub use connect::{Connection, Splat, connect, next_event, splat};
 pub use emitter::Emitter;
+pub use fly::{FlightEnd, MediumPoint};
 pub use full::{Densities, Evaluation, FullPath, PathVertex, VertexPdfs};
 pub use mis::{MisStrategy, PartialMis, Technique, Techniques};
 pub use selection_stats::SelectionStats;

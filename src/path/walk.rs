@@ -9,7 +9,7 @@ use super::SelectionStats;
 use crate::accel::RayClass;
 use crate::bsdf::{Shading, ShadingSample, Surface};
 use crate::camera::CameraSample;
-use crate::geometry::{Ray, SurfacePoint};
+use crate::geometry::{Bodies, Ray, SurfacePoint};
 use crate::light::{AreaLight, LightSampleContext};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
@@ -94,7 +94,7 @@ pub enum PreviousVertex {
 
 /// State of a random walk.
 pub struct RandomWalk<'a> {
-    scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     /// Transport mode.
     pub mode: TransportMode,
     /// Current edge, with a unit direction.
@@ -193,20 +193,24 @@ impl<'a> RandomWalk<'a> {
         tally: &mut TraceStats,
     ) -> Option<SurfacePoint> {
         if let Some(first) = &point {
-            if self.scene.features().content() && self.scene.may_pass(first, self.ray.state.bodies)
-                || self.unseen(first)
-            {
+            if self.may_pass(first) {
                 point = self.past(*first, sampler, tally);
             }
         }
-        self.absorb(point.as_ref().map_or(f32::INFINITY, |p| p.t));
+        self.absorb(self.ray.state.bodies, point.as_ref().map_or(f32::INFINITY, |p| p.t));
         tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
         point
     }
 
+    /// Whether [`RandomWalk::passes`] may be true at `point`; a cheap test.
+    #[inline]
+    pub(super) fn may_pass(&self, point: &SurfacePoint) -> bool {
+        self.scene.features().content() && self.scene.may_pass(point, self.ray.state.bodies) || self.unseen(point)
+    }
+
     /// Traces the current edge to the first hit.
     #[inline(always)] // see `arrive`
-    fn trace(&self, tally: &mut TraceStats) -> Option<SurfacePoint> {
+    pub(super) fn trace(&self, tally: &mut TraceStats) -> Option<SurfacePoint> {
         let class = match self.departure {
             PreviousVertex::Camera => RayClass::Camera,
             PreviousVertex::Light | PreviousVertex::Surface(..) => RayClass::Bounce(self.depth),
@@ -236,21 +240,11 @@ impl<'a> RandomWalk<'a> {
     ) -> Option<SurfacePoint> {
         let mut u = sampler.u1(self.bounce, Slot::Event);
         for _ in 0..LONGEST {
-            let w = self.ray.direction;
-            let passage =
-                if self.unseen(&point) { Passage::FREE } else { self.scene.passage(&point, w, self.ray.state.bodies) };
-            let (met, chance) = (passage.met, passage.chance());
-            if u < met {
-                self.beta *= passage.alpha / met;
-                self.survival *= met;
+            let bodies = self.ray.state.bodies;
+            if !self.passes(&point, &mut u) {
                 return Some(point);
             }
-            // The rescaled u is uniform again, so that one random number serves all surfaces of the edge.
-            u = ((u - met) / chance).min(BELOW_ONE);
-            self.absorb(point.t);
-            self.beta *= passage.through.map(|t: f32| t / chance);
-            self.survival *= chance;
-            self.ray = point.spawn(w).carrying(self.scene.state_toward(&point, self.ray.state, w));
+            self.absorb(bodies, point.t);
             point = self.trace(tally)?;
         }
         tally.overlong += 1;
@@ -258,11 +252,29 @@ impl<'a> RandomWalk<'a> {
         None
     }
 
+    /// Decides by `u` whether the walk passes the surface at `point`, and moves the edge behind it if so. `u` is uniform
+    /// again, so that one random number serves all surfaces of an edge.
+    pub(super) fn passes(&mut self, point: &SurfacePoint, u: &mut f32) -> bool {
+        let w = self.ray.direction;
+        let passage =
+            if self.unseen(point) { Passage::FREE } else { self.scene.passage(point, w, self.ray.state.bodies) };
+        let (met, chance) = (passage.met, passage.chance());
+        if *u < met {
+            self.beta *= passage.alpha / met;
+            self.survival *= met;
+            return false;
+        }
+        *u = ((*u - met) / chance).min(BELOW_ONE);
+        self.beta *= passage.through.map(|t: f32| t / chance);
+        self.survival *= chance;
+        self.ray = point.spawn(w).carrying(self.scene.state_toward(point, self.ray.state, w));
+        true
+    }
+
     #[inline]
-    fn absorb(&mut self, length: f32) {
-        let bodies = self.ray.state.bodies;
+    fn absorb(&mut self, bodies: Bodies, length: f32) {
         if !bodies.is_empty() && self.scene.features().media {
-            self.beta *= self.scene.absorption(bodies, length);
+            self.beta *= self.scene.extinction(bodies, length);
         }
     }
 

@@ -36,10 +36,8 @@ pub enum Slot {
     /// Events along an edge in their order, each decided by what the one before left of the number: surfaces that blend
     /// by alpha, null boundaries, collisions in media.
     Event = 7,
-    /// Free flight in a medium. Nothing draws it yet.
+    /// Free flight in media, two dimensions: the lane, and the optical depth.
     MediumDistance = 8,
-    /// Wavelengths of the path, at bounce 0. Nothing draws it yet.
-    Wavelength = 9,
     /// Position on the film, two dimensions, at bounce 0.
     Film = 10,
     /// Point of the camera's lens, two dimensions: of a camera subpath at bounce 0, and of the connection of a light
@@ -102,8 +100,7 @@ mod tests {
             (LightPoint, 2),
             (Roulette, 1),
             (Event, 1),
-            (MediumDistance, 1),
-            (Wavelength, 1),
+            (MediumDistance, 2),
             (Film, 2),
             (Lens, 2),
             (Time, 1),

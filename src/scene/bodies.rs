@@ -19,6 +19,7 @@ use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, RayState, SurfacePoint, TriangleMesh};
 use crate::light::Light;
+use crate::medium::Homogeneous;
 use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -181,9 +182,14 @@ impl AllBodies {
         &self.list[body as usize].interior
     }
 
-    /// Returns whether any body absorbs.
-    pub(super) fn absorb(&self) -> bool {
-        self.list.iter().any(|b| !b.interior.absorption.is_black())
+    /// Returns whether any body weakens light.
+    pub(super) fn attenuate(&self) -> bool {
+        self.list.iter().any(|b| !b.interior.medium.is_clear())
+    }
+
+    /// Returns whether any body scatters light.
+    pub(super) fn scatter(&self) -> bool {
+        self.list.iter().any(|b| b.interior.medium.scatters())
     }
 
     /// Returns whether any two bodies may overlap.
@@ -352,12 +358,16 @@ impl Scene {
         state.within(self.bodies_toward(point, state.bodies, w))
     }
 
-    /// Returns the transmittance of `length` scene units in `bodies` (Beer and Lambert).
+    /// Returns the medium in `bodies`; `None` in empty space.
     #[inline]
-    pub fn absorption(&self, bodies: Bodies, length: f32) -> Spectrum {
-        let Some(body) = bodies.first() else { return Spectrum::ONE };
-        // A channel without absorption transmits fully, also where 0 · ∞ would be NaN.
-        self.bodies.interior(body).absorption.map(|s: f32| if s > 0.0 { (-s * length).exp() } else { 1.0 })
+    pub fn medium(&self, bodies: Bodies) -> Option<&Homogeneous> {
+        bodies.first().map(|body| &self.bodies.interior(body).medium)
+    }
+
+    /// Returns the transmittance of `length` scene units in `bodies`.
+    #[inline]
+    pub fn extinction(&self, bodies: Bodies, length: f32) -> Spectrum {
+        self.medium(bodies).map_or(Spectrum::ONE, |medium| medium.transmittance(length))
     }
 
     /// Returns the refractive index outside the boundary of `object`, reached in `bodies`; 1 for objects that bound no

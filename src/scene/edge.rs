@@ -4,8 +4,9 @@
 use super::{ObjectInfo, Scene};
 use crate::accel::RayClass;
 use crate::camera::CameraPoint;
-use crate::geometry::{Bodies, Hit, Ray, RayState, SurfacePoint};
+use crate::geometry::{Bodies, Hit, Ray, RayState, SurfacePoint, spawn_segment};
 use crate::light::EmitterPoint;
+use crate::numeric::BELOW_ONE;
 use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -81,6 +82,21 @@ impl Edge {
         Edge { ray, to_camera: matches!(end, EdgeEnd::Camera(_)) }
     }
 
+    /// Creates the edge from the point `p` in a medium, where rays have this `state`, in the unit direction `w` to a
+    /// light.
+    #[inline]
+    pub fn from_medium(p: Vec3, state: RayState, w: Vec3, end: EmitterPoint) -> Self {
+        let ray = match end {
+            EmitterPoint::Surface { p: to, error, ng, touched: Hit::NONE } => spawn_segment(p, 0.0, w, to, error, ng),
+            EmitterPoint::Surface { p: to, touched, .. } => {
+                Ray { t_max: BELOW_ONE, end: touched, ..Ray::new(p, to - p) }
+            }
+            EmitterPoint::Point(to) => Ray { t_max: BELOW_ONE, ..Ray::new(p, to - p) },
+            EmitterPoint::Distant => Ray::new(p, w),
+        };
+        Edge { ray: ray.carrying(state), to_camera: false }
+    }
+
     /// Returns its ray: up to the parameter 1, or free to infinity.
     #[inline]
     pub fn ray(&self) -> &Ray {
@@ -147,7 +163,7 @@ impl Scene {
         if self.is_occluded(ray, rays) {
             Spectrum::ZERO
         } else {
-            self.absorption(ray.state.bodies, segment_length(ray))
+            self.extinction(ray.state.bodies, segment_length(ray))
         }
     }
 
@@ -156,7 +172,7 @@ impl Scene {
         if self.features.content() {
             return self.content(edge, rays);
         }
-        let through = self.absorption(edge.ray.state.bodies, segment_length(&edge.ray));
+        let through = self.extinction(edge.ray.state.bodies, segment_length(&edge.ray));
         EdgeThroughput { through, chance: 1.0 }
     }
 
@@ -174,10 +190,10 @@ impl Scene {
         while !found.through.is_black() {
             *rays += 1;
             let Some(point) = self.intersect(&ray) else {
-                found.through *= self.absorption(ray.state.bodies, segment_length(&ray));
+                found.through *= self.extinction(ray.state.bodies, segment_length(&ray));
                 break;
             };
-            found.through *= self.absorption(ray.state.bodies, ray.direction.length() * point.t);
+            found.through *= self.extinction(ray.state.bodies, ray.direction.length() * point.t);
             if !self.is_unseen(edge, &point) {
                 let passage = self.passage(&point, unit, ray.state.bodies);
                 found.through *= passage.through;

@@ -1,12 +1,12 @@
 //! The medium inside a body.
 
-use crate::spectrum::Spectrum;
+use crate::medium::Homogeneous;
 
 /// Interior medium of a material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Interior {
-    /// Absorption coefficient per scene unit of length.
-    pub(super) absorption: Spectrum,
+    /// The medium; coefficients are per scene unit of length.
+    pub(super) medium: Homogeneous,
     /// Refractive index.
     pub(super) ior: f32,
     /// Precedence: see `bodies`.
@@ -15,8 +15,10 @@ pub(super) struct Interior {
 
 impl Interior {
     /// Returns a key that is equal for equal interiors.
-    pub(super) fn key(&self) -> ([u32; 4], i32) {
-        let [r, g, b] = self.absorption.0;
-        ([r, g, b, self.ior].map(f32::to_bits), self.priority)
+    pub(super) fn key(&self) -> ([u32; 11], i32) {
+        let mut bits = [0; 11];
+        let numbers = self.medium.numbers().into_iter().chain([self.ior]);
+        bits.iter_mut().zip(numbers).for_each(|(bits, number)| *bits = number.to_bits());
+        (bits, self.priority)
     }
 }

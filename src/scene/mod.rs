@@ -64,8 +64,10 @@ pub struct Features {
     pub blends: bool,
     /// Some surface is culled for the camera when seen from behind.
     pub culled: bool,
-    /// Some object has an absorbing interior.
+    /// Some object has an interior that absorbs or scatters.
     pub media: bool,
+    /// Some object has an interior that scatters.
+    pub scattering: bool,
     /// Some surface transmits light straight through.
     pub panes: bool,
     /// Some bodies may contain others.
@@ -101,7 +103,8 @@ impl Features {
             ("alpha-mask", self.masks),
             ("alpha-blend", self.blends),
             ("single-sided", self.culled),
-            ("absorption", self.media),
+            ("media", self.media),
+            ("scattering-media", self.scattering),
             ("panes", self.panes),
             ("nested-bodies", self.nested),
             ("textures", self.textures),

@@ -53,7 +53,7 @@ fn solid(ior: f32, sigma: f64) -> Material {
     let attenuation_distance = if sigma > 0.0 { sigma.recip() } else { f64::INFINITY };
     with_model(glass(0.0), |m| {
         m.ior = ior;
-        m.volume = Some(Volume { attenuation_distance, attenuation_color: color });
+        m.volume = Some(Volume { attenuation_distance, attenuation_color: color, ..Volume::CLEAR });
     })
 }
 

@@ -49,8 +49,7 @@ fn the_camera_sees_through_the_back_of_a_single_sided_surface() {
 
 #[test]
 fn the_back_of_glass_is_a_surface_of_it() {
-    let volume =
-        Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: etendue::spectrum::Spectrum::ONE });
+    let volume = Some(Volume::CLEAR);
     let glass = with_model(curtain(), |m| {
         m.transmission = 1.0;
         m.volume = volume;

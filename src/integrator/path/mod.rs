@@ -16,7 +16,8 @@ use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::camera::CameraSample;
 use crate::geometry::{Hit, Local, SurfacePoint};
 use crate::light::{ChosenLight, Light, LightSample, LightSampleContext};
-use crate::path::{PreviousVertex, RandomWalk, TraceStats};
+use crate::medium::PhaseSample;
+use crate::path::{FlightEnd, MediumPoint, PreviousVertex, RandomWalk, TraceStats};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
 use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
@@ -183,6 +184,47 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         Some((edge, walk.beta * scattering.f_cos * sample.radiance * weight))
     }
 
+    /// Leaves a collision in a medium: samples a light, of which it returns the light, and then a direction.
+    fn collided(
+        &self,
+        walk: &mut RandomWalk,
+        point: &MediumPoint,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Spectrum {
+        let (wo, bounce) = (-walk.ray.direction, walk.bounce);
+        let mut light = Spectrum::ZERO;
+        if S::SAMPLES_LIGHTS {
+            if let Some((edge, contribution)) = self.light_on_medium(walk, point, wo, sampler, tally) {
+                light = contribution * self.scene.transmittance(&edge, sampler, bounce, &mut tally.shadows);
+            }
+        }
+        let PhaseSample { direction, pdf } = point.phase.sample(wo, sampler.u2(bounce, Slot::Direction));
+        walk.scatter_in_medium(point, direction, Density::Smooth(pdf));
+        light
+    }
+
+    /// Does [`PathTracer::light_sample`] for a collision in a medium.
+    fn light_on_medium(
+        &self,
+        walk: &RandomWalk,
+        point: &MediumPoint,
+        wo: Vec3,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Option<(Edge, Spectrum)> {
+        let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(point));
+        let u = sampler.u2(walk.bounce, Slot::LightPoint);
+        let choose = || lights.choose(&receiver, u, || sampler.u1(walk.bounce, Slot::LightPick));
+        let ChosenLight { index, pmf, u } = tally.selection.time_of(lights, choose)?;
+        let sample = lights.all()[index].sample_li(&receiver, u)?;
+        let value = point.phase.eval(sample.wi, wo);
+        let scattering = Scattering { f_cos: Spectrum::splat(value), pdf: Pdf::new(value) };
+        let weight = light_weight::<S>(&scattering, &sample, pmf);
+        let edge = Edge::from_medium(point.p, point.state, sample.wi, sample.end);
+        Some((edge, walk.beta * sample.radiance * (value * weight)))
+    }
+
     /// Leaves the vertex of `walk` at `point`: samples a light, of which `light` gets the edge and the contribution if
     /// nothing blocks the edge, and then a direction. Returns whether the walk goes on.
     #[inline(always)] // see RandomWalk::arrive
@@ -232,8 +274,22 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
     ) -> Spectrum {
         let mut walk = RandomWalk::from_camera(self.scene, camera);
         let mut total = Spectrum::ZERO;
+        let scatters = self.scene.features().scattering;
         loop {
-            let Some(mut point) = walk.arrive(sampler, tally) else { return total + self.background(&walk, tally) };
+            let end =
+                if scatters { walk.fly(sampler, tally) } else { walk.arrive(sampler, tally).map(FlightEnd::Surface) };
+            let mut point = match end {
+                None => return total + self.background(&walk, tally),
+                Some(FlightEnd::Surface(point)) => point,
+                Some(FlightEnd::Medium(_)) if walk.depth >= self.max_depth => return total,
+                Some(FlightEnd::Medium(point)) => {
+                    total += self.collided(&mut walk, &point, sampler, tally);
+                    if walk.survives(sampler, tally) {
+                        continue;
+                    }
+                    return total;
+                }
+            };
             total += self.emitted(&walk, point.hit, point.p, point.barycentric, tally);
             if walk.depth >= self.max_depth {
                 return total;

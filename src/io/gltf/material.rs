@@ -159,7 +159,7 @@ impl Source<'_> {
         }
         let attenuation_color = self.unit_color(volume.attenuation_color.0, "attenuation colour", notes);
         let solid = volume.thickness_factor.0 > 0.0;
-        Ok(solid.then_some(Volume { attenuation_distance: distance, attenuation_color }))
+        Ok(solid.then_some(Volume { attenuation_distance: distance, attenuation_color, ..Volume::CLEAR }))
     }
 
     /// Files often exceed the range by a rounding error, which must not cause an energy gain.

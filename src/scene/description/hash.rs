@@ -214,9 +214,14 @@ impl Content for MetalFresnel {
 
 impl Content for Volume {
     fn feed(&self, bytes: &mut Bytes) {
-        let Volume { attenuation_distance, attenuation_color } = self;
+        let Volume { attenuation_distance, attenuation_color, scattering, phase } = self;
         attenuation_distance.feed(bytes);
         attenuation_color.feed(bytes);
+        // Files without scattering keep their hashes.
+        if !scattering.is_black() {
+            scattering.feed(bytes);
+            phase.numbers().feed(bytes);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Materials as loaded: a scattering model, with the properties that all models share.
 
+use crate::medium::Phase;
 use crate::spectrum::Spectrum;
 use crate::texture::Texture;
 
@@ -28,13 +29,27 @@ pub enum MetalFresnel {
     Constant,
 }
 
-/// Attenuation inside a solid.
+/// The homogeneous medium inside a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Volume {
-    /// Distance at which white light takes the attenuation colour, in file units; infinite without attenuation.
+    /// Distance at which white light takes the attenuation colour by absorption, in file units; infinite without it.
     pub attenuation_distance: f64,
     /// The attenuation colour.
     pub attenuation_color: Spectrum,
+    /// Scattering coefficient per file unit of length.
+    pub scattering: Spectrum,
+    /// How it scatters.
+    pub phase: Phase,
+}
+
+impl Volume {
+    /// A medium that light passes unchanged.
+    pub const CLEAR: Volume = Volume {
+        attenuation_distance: f64::INFINITY,
+        attenuation_color: Spectrum::ONE,
+        scattering: Spectrum::ZERO,
+        phase: Phase::Isotropic,
+    };
 }
 
 /// A material: how a surface scatters, what it emits, and where it exists. Each texture multiplies its factor.

@@ -12,6 +12,7 @@ use super::rebase::Rebase;
 use super::usage::Usage;
 use crate::bsdf::{Bsdf, Ggx, Lobes, Surface};
 use crate::light::{Coverage, Emission};
+use crate::medium::Homogeneous;
 use crate::spectrum::Spectrum;
 use crate::texture::Texture;
 use glam::{Vec2, Vec4};
@@ -207,5 +208,6 @@ fn interior(m: &description::Material, rebase: &Rebase) -> Option<Interior> {
     } else {
         Spectrum::ZERO
     };
-    Some(Interior { absorption, ior, priority: m.priority })
+    let scattering = volume.scattering.map(|s: f32| (f64::from(s) / rebase.scale) as f32);
+    Some(Interior { medium: Homogeneous::new(absorption, scattering, volume.phase), ior, priority: m.priority })
 }

@@ -105,7 +105,7 @@ pub fn metal(reflectance: f32, roughness: f32) -> Material {
 
 /// Clear solid glass of index 1.5 and perceptual roughness `roughness`.
 pub fn glass(roughness: f32) -> Material {
-    let volume = Some(Volume { attenuation_distance: f64::INFINITY, attenuation_color: Spectrum::ONE });
+    let volume = Some(Volume::CLEAR);
     with_model(matte(1.0, 0.0), |m| {
         m.specular = 1.0;
         m.transmission = 1.0;

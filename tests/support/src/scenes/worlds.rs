@@ -150,7 +150,8 @@ fn open() -> World {
 /// Coloured glass, rough and clear, and the same far away and large, as instances.
 fn tinted() -> World {
     let mut scene = room();
-    let volume = Some(Volume { attenuation_distance: 0.3, attenuation_color: Spectrum([0.9, 0.4, 0.6]) });
+    let volume =
+        Some(Volume { attenuation_distance: 0.3, attenuation_color: Spectrum([0.9, 0.4, 0.6]), ..Volume::CLEAR });
     Ball::new(3, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), with_model(glass(0.0), |m| m.volume = volume));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), with_model(glass(0.6), |m| m.volume = volume));
     Ball::new(2, 0.2).add(
@@ -178,7 +179,8 @@ fn nested() -> World {
     let inside = |ior, distance, color| {
         with_model(glass(0.0), |m| {
             m.ior = ior;
-            m.volume = Some(Volume { attenuation_distance: distance, attenuation_color: Spectrum(color) });
+            m.volume =
+                Some(Volume { attenuation_distance: distance, attenuation_color: Spectrum(color), ..Volume::CLEAR });
         })
     };
     add_box(&mut scene, Vec3::new(0.0, -0.3, 0.0), Vec3::new(0.9, 0.6, 0.9), inside(1.33, 2.0, [0.5, 0.8, 0.9]));

@@ -1,0 +1,83 @@
+//! Walks in scenes with media that scatter: an edge ends on a surface or at a collision.
+
+use super::walk::{LONGEST, PreviousVertex, RandomWalk, TraceStats};
+use crate::geometry::{Ray, RayState, SurfacePoint};
+use crate::light::LightSampleContext;
+use crate::medium::{Collision, Flight, Phase};
+use crate::sampling::{Density, Sampler, Slot};
+use crate::spectrum::Spectrum;
+use glam::Vec3;
+
+/// Where an edge ends.
+#[allow(clippy::large_enum_variant)] // nearly all edges end on surfaces
+pub enum FlightEnd {
+    /// On a surface.
+    Surface(SurfacePoint),
+    /// At a collision.
+    Medium(MediumPoint),
+}
+
+/// A collision in a medium.
+#[derive(Debug, Clone, Copy)]
+pub struct MediumPoint {
+    /// Position.
+    pub p: Vec3,
+    /// How the medium scatters.
+    pub phase: Phase,
+    /// State of rays there.
+    pub state: RayState,
+}
+
+impl From<&MediumPoint> for LightSampleContext {
+    #[inline]
+    fn from(point: &MediumPoint) -> Self {
+        LightSampleContext::new(point.p, Vec3::ZERO)
+    }
+}
+
+impl RandomWalk<'_> {
+    /// Does [`RandomWalk::arrive`] in a scene with media that scatter: `None` if the walk leaves the scene.
+    pub fn fly(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Option<FlightEnd> {
+        let mut flight = Flight::new(sampler.u2(self.bounce, Slot::MediumDistance));
+        let mut u = None;
+        for _ in 0..LONGEST {
+            let point = self.trace(tally);
+            tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
+            let length = point.as_ref().map_or(f32::INFINITY, |point| point.t);
+            if let Some(collided) = self.collide(&mut flight, length) {
+                return Some(FlightEnd::Medium(collided));
+            }
+            let met = point.filter(|point| {
+                !self.may_pass(point) || {
+                    let u = u.get_or_insert_with(|| sampler.u1(self.bounce, Slot::Event));
+                    !self.passes(point, u)
+                }
+            });
+            if point.is_none() || met.is_some() {
+                self.beta *= flight.factor();
+                return met.map(FlightEnd::Surface);
+            }
+        }
+        tally.overlong += 1;
+        self.beta = Spectrum::ZERO;
+        None
+    }
+
+    /// Takes `flight` through `length` of the medium of the current edge.
+    fn collide(&mut self, flight: &mut Flight, length: f32) -> Option<MediumPoint> {
+        let state = self.ray.state;
+        let medium = self.scene.medium(state.bodies)?;
+        let Collision { distance, factor, .. } = flight.cross(medium, length)?;
+        self.beta *= factor;
+        Some(MediumPoint { p: self.ray.at(distance), phase: medium.phase, state })
+    }
+
+    /// Leaves a collision along the unit vector `w`, sampled by its value, which is `density`.
+    pub fn scatter_in_medium(&mut self, point: &MediumPoint, w: Vec3, density: Density) {
+        self.straight = false;
+        self.depth += 1;
+        self.bounce += 1;
+        self.departure = PreviousVertex::Surface(LightSampleContext::from(point), density);
+        self.ray = Ray::new(point.p, w).carrying(point.state);
+    }
+}
