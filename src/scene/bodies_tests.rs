@@ -1,8 +1,10 @@
 use super::*;
+use crate::medium::Phase;
 
 /// Boxes of that half-size around points of the x axis.
 fn boxes(places: &[(f32, f32)]) -> AllBodies {
-    let interior = Interior { absorption: Spectrum::ZERO, ior: 1.5, priority: 0 };
+    let interior =
+        Interior { medium: Homogeneous::new(Spectrum::ZERO, Spectrum::ZERO, Phase::Isotropic), ior: 1.5, priority: 0 };
     let body = |&(x, half): &(f32, f32)| {
         let (centre, half) = (Vec3::X * x, Vec3::splat(half));
         Body { interior, bounds: Bounds { min: centre - half, max: centre + half }, is_open: false }

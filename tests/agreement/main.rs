@@ -24,6 +24,7 @@ mod lamps;
 mod lens;
 mod many_lights;
 mod meaning;
+mod media;
 mod moved;
 mod picture;
 mod pixel_filters;

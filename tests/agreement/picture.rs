@@ -91,7 +91,7 @@ pub(crate) fn render_guarded(scene: &Scene, shot: Shot) -> (Picture, Guards) {
 }
 
 /// Mean over some pixels and the variance of that mean.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Block {
     pub(crate) mean: f64,
     pub(crate) variance: f64,

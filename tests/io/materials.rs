@@ -318,4 +318,15 @@ fn our_own_extras_are_read_strictly() {
     assert_eq!(with(json!({ "fresnel": "Constant" })).error(), neither);
     assert_eq!(with(json!({ "fresnel": 1 })).error(), neither);
     assert_eq!(with(json!(1)).error(), "material 'gold': extras.etendue is not an object");
+    let scattering = "material 'gold': extras.etendue.scattering is neither a number nor three of them, from 0 to 1e6";
+    for wrong in [json!(-1), json!([1, 2]), json!("milk"), json!([1, 2, 1e7])] {
+        assert_eq!(with(json!({ "scattering": wrong })).error(), scattering);
+    }
+    for wrong in [json!(1), json!([0.5, 0.5, 2]), json!("mie")] {
+        let error = with(json!({ "scattering": 1, "phase": wrong })).error();
+        assert!(error.starts_with("material 'gold': extras.etendue.phase is neither"), "{error}");
+    }
+    assert_eq!(with(json!({ "phase": 0.5 })).error(), "material 'gold': extras.etendue has a phase, but no scattering");
+    let nothing = "material 'gold': extras.etendue.scattering has no volume with a thickness to fill";
+    assert_eq!(with(json!({ "scattering": 1 })).error(), nothing);
 }

@@ -93,7 +93,13 @@ impl Source<'_> {
         if self.json.extensions.as_ref().is_some_and(|extensions| extensions.unlit.is_some()) {
             return Ok(unlit(material, base));
         }
-        Ok(Material { model: MaterialModel::MetallicRoughness(self.extended(base, notes)?), ..material })
+        let mut model = self.extended(base, notes)?;
+        if let Some((scattering, phase)) = asked.scattering {
+            let without =
+                || self.named(Error::scene("extras.etendue.scattering has no volume with a thickness to fill"));
+            model.volume = Some(Volume { scattering, phase, ..model.volume.ok_or_else(without)? });
+        }
+        Ok(Material { model: MaterialModel::MetallicRoughness(model), ..material })
     }
 
     /// Applies the material's extensions to `base`.

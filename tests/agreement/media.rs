@@ -1,0 +1,119 @@
+//! Media that scatter, against tables and closed forms.
+
+use crate::picture::{Shot, render, scene};
+use etendue::integrator::Method;
+use etendue::medium::Phase;
+use etendue::scene::description::{Description, EnvironmentDescription, Material, Volume};
+use etendue::spectrum::Spectrum;
+use etendue_testing::deep;
+use etendue_testing::studio::{Ball, add_box, add_square, camera, glass, matte, narrow, point_light, with_model};
+use glam::{DVec3, Vec3};
+
+const METHODS: [Method; 3] = [Method::Path, Method::PathNee, Method::PathNaive];
+
+/// The boundary of a medium of index `ior` with extinction 1 per metre.
+fn filled(ior: f32, albedo: f32, phase: Phase) -> Material {
+    let attenuation_distance = if albedo < 1.0 { 1.0 / (1.0 - f64::from(albedo)) } else { f64::INFINITY };
+    let attenuation_color = Spectrum::splat((-1.0f32).exp());
+    with_model(glass(0.0), |m| {
+        m.ior = ior;
+        m.volume = Some(Volume { attenuation_distance, attenuation_color, scattering: Spectrum::splat(albedo), phase });
+    })
+}
+
+fn sky(scene: &mut Description) {
+    scene.environment = Some(EnvironmentDescription::Uniform(Spectrum::ONE));
+}
+
+/// A wide slab under a white sky, seen along its normal.
+fn slab(albedo: f32, phase: Phase, depth: f32) -> Description {
+    let mut scene = Description::default();
+    add_box(&mut scene, Vec3::ZERO, Vec3::new(500.0, 0.5 * depth, 500.0), filled(1.0, albedo, phase));
+    sky(&mut scene);
+    scene.cameras.push(narrow(camera(DVec3::new(0.0, 20.0, 1e-3), DVec3::ZERO), 0.01));
+    scene
+}
+
+/// What a camera along the normal sees of a slab is, by reciprocity, what the slab reflects and transmits of light along
+/// the normal: reflectance, diffuse and direct transmittance by adding and doubling [vandeHulst80].
+#[test]
+fn slabs_reflect_and_transmit_as_the_tables_say() {
+    let g = Phase::HenyeyGreenstein;
+    let cases = [
+        (0.5, Phase::Isotropic, 1.0, 0.099119, 0.078179),
+        (0.8, Phase::Isotropic, 2.0, 0.265939, 0.150614),
+        (0.9, Phase::Isotropic, 0.5, 0.169039, 0.158852),
+        (0.99, Phase::Isotropic, 5.0, 0.680076, 0.213889),
+        (1.0, Phase::Isotropic, 2.0, 0.517514, 0.347149),
+        (0.9, g(0.75), 2.0, 0.097395, 0.525622),
+        (0.9, g(0.8), 1.0, 0.042355, 0.477497),
+        (0.99, g(0.8), 2.0, 0.120111, 0.716535),
+        (0.9, g(-0.5), 2.0, 0.462772, 0.140736),
+    ];
+    let spp = if deep() { 1 << 15 } else { 1 << 10 };
+    for (albedo, phase, depth, reflected, transmitted) in cases {
+        for method in METHODS {
+            let open = slab(albedo, phase, depth);
+            let mut closed = slab(albedo, phase, depth);
+            // A black floor hides the sky below.
+            add_square(&mut closed, Vec3::NEG_Y * depth, Vec3::X * 900.0, Vec3::NEG_Z * 900.0, matte(0.0, 0.0));
+            let direct = f64::from((-depth).exp());
+            for (what, description, expected) in
+                [("reflectance", closed, reflected), ("all", open, reflected + transmitted + direct)]
+            {
+                let found = render(&scene(description), Shot::new(method, 8, spp)).overall();
+                let error = found.variance.sqrt();
+                println!("{albedo} {phase:?} {depth} {method:?} {what}: {:.6} ± {error:.6}, {expected}", found.mean);
+                // Six standard errors, the rounding of the tables, and the ends of the slab.
+                assert!((found.mean - expected).abs() < 6.0 * error + 2e-6, "{what}: {found:?}, {expected}");
+            }
+        }
+    }
+}
+
+/// Nothing is lost: in a white sky all that scatters without loss is invisible, whatever its boundary.
+#[test]
+fn media_without_absorption_are_invisible_in_a_white_sky() {
+    for (ior, phase) in [(1.0, Phase::Isotropic), (1.0, Phase::HenyeyGreenstein(0.9)), (1.5, Phase::Rayleigh)] {
+        let mut description = Description::default();
+        Ball::new(3, 1.0).add(&mut description, DVec3::ZERO, filled(ior, 1.0, phase));
+        sky(&mut description);
+        description.cameras.push(camera(DVec3::new(0.0, 0.5, 3.0), DVec3::ZERO));
+        let scene = scene(description);
+        for method in METHODS {
+            let found = render(&scene, Shot::new(method, 16, 64)).overall();
+            let error = found.variance.sqrt();
+            println!("{ior} {phase:?} {method:?}: {:.6} ± {error:.6}", found.mean);
+            assert!((found.mean - 1.0).abs() < 6.0 * error + 1e-5, "{ior} {phase:?} {method:?}: {found:?}");
+        }
+    }
+}
+
+/// A lamp in fog and its light that scatters once, against the integral along the view.
+#[test]
+fn light_of_a_point_that_scatters_once_is_its_integral() {
+    let phase = Phase::HenyeyGreenstein(0.4);
+    let lamp = DVec3::new(0.3, 0.8, 0.0);
+    let mut description = Description::default();
+    add_box(&mut description, Vec3::ZERO, Vec3::splat(2.0), filled(1.0, 0.7, phase));
+    description.lights.push(point_light(lamp, 3.0));
+    let eye = DVec3::new(0.0, 0.0, 1.0);
+    description.cameras.push(narrow(camera(eye, DVec3::ZERO), 0.01));
+    let steps = 200_000;
+    let length = 3.0;
+    let at = |k: i32| {
+        let t = length * (f64::from(k) + 0.5) / f64::from(steps);
+        let p = eye + DVec3::NEG_Z * t;
+        let to = lamp - p;
+        let (d, cos) = (to.length(), -(to.normalize().dot(DVec3::Z)));
+        let g = 0.4f64;
+        let value = (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * cos).powf(1.5));
+        0.7 * 3.0 * value * (-t - d).exp() / (d * d)
+    };
+    let expected: f64 = (0..steps).map(at).sum::<f64>() * length / f64::from(steps);
+    let shot = Shot { depth: Some(1), ..Shot::new(Method::Path, 8, 4096) };
+    let found = render(&scene(description), shot).overall();
+    let error = found.variance.sqrt();
+    println!("{:.6} ± {error:.6}, {expected:.6}", found.mean);
+    assert!((found.mean - expected).abs() < 6.0 * error + 1e-5, "{found:?} {expected}");
+}
