@@ -18,7 +18,10 @@
 use crate::picture::{Block, Picture, Shot, limit, render, scene_under};
 use etendue::accel::Backend;
 use etendue::integrator::Method;
-use etendue::scene::description::{AlphaMode, Description, EnvironmentDescription, Instance, Material, MaterialModel};
+use etendue::medium::Phase;
+use etendue::scene::description::{
+    AlphaMode, Description, EnvironmentDescription, Instance, Material, MaterialModel, Volume,
+};
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Bitmap, Encoding, RadianceMap, Texels, Texture, TextureFilter, Wrap};
 use etendue_testing::deep;
@@ -44,6 +47,8 @@ pub(crate) enum Kind {
     Lossless,
     /// Anything in a room, the camera in the middle of a glass ball.
     InGlass,
+    /// The same where all glass scatters, without a loss.
+    Milky,
 }
 
 pub(crate) const KINDS: [Kind; 5] = [Kind::Room, Kind::Sky, Kind::Matte, Kind::Lossless, Kind::InGlass];
@@ -53,6 +58,7 @@ impl Kind {
         match self {
             Kind::Matte => &[Method::Path, Method::PathNaive],
             Kind::Lossless => &[Method::Path, Method::PathNee],
+            Kind::Milky => &[Method::Path, Method::PathNee],
             _ => &[Method::Path],
         }
     }
@@ -222,7 +228,7 @@ impl Maker {
         let eye = DVec3::from([(); 3].map(|()| self.between(-0.03, 0.03)));
         let target = eye + self.turn() * DVec3::Z;
         self.scene.cameras.push(camera(eye, target));
-        if self.kind == Kind::InGlass {
+        if matches!(self.kind, Kind::InGlass | Kind::Milky) {
             let index = self.between(1.2, 2.0) as f32;
             Ball::new(3, 0.2).add(&mut self.scene, DVec3::ZERO, with_model(glass(0.0), |m| m.ior = index));
             self.expected *= f64::from(index).powi(2);
@@ -236,6 +242,21 @@ impl Maker {
         let by = DAffine3::from_scale_rotation_translation(DVec3::splat(scale), self.turn(), to);
         self.scene.instances.iter_mut().for_each(|i| i.transform = by * i.transform);
         self.scene.cameras.iter_mut().for_each(|c| c.transform = by * c.transform);
+        if self.kind == Kind::Milky {
+            self.fill(scale as f32);
+        }
+    }
+
+    /// Fills all glass with media of a mean free path of a few centimetres and more, in a room of `scale`.
+    fn fill(&mut self, scale: f32) {
+        for i in 0..self.scene.materials.len() {
+            let scattering = self.colour(20.0) / scale;
+            let g = self.between(-0.9, 0.9) as f32;
+            let phase = [Phase::Isotropic, Phase::Rayleigh, Phase::HenyeyGreenstein(g), Phase::Mixture([g, -g], 0.3)];
+            let phase = phase[self.one_of(4) as usize];
+            let MaterialModel::MetallicRoughness(model) = &mut self.scene.materials[i].model else { continue };
+            model.volume = model.volume.map(|volume| Volume { scattering, phase, ..volume });
+        }
     }
 }
 
@@ -284,7 +305,7 @@ fn verdict(picture: &Picture, spp: u64, expected: f64, limit: f64) -> Result<(),
 fn random_scenes_in_equilibrium_are_one_brightness() {
     let (rounds, spp, planted) = if deep() { (20, 512, 1.02) } else { (3, 64, 1.05) };
     let shots: Vec<(Kind, u64, Method, Backend)> = (0..rounds)
-        .flat_map(|round| KINDS.into_iter().map(move |kind| (kind, round)))
+        .flat_map(|round| KINDS.into_iter().chain([Kind::Milky]).map(move |kind| (kind, round)))
         .flat_map(|(kind, round)| kind.methods().iter().map(move |&method| (kind, round, method)))
         .flat_map(|(kind, round, method)| Backend::AVAILABLE.iter().map(move |&backend| (kind, round, method, backend)))
         .collect();
