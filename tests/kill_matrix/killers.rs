@@ -159,7 +159,6 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("agreement", "many_lights::grids_of_points_and_of_specks_give_the_sum_of_their_irradiances"),
     of("agreement", "uneven_lights::a_light_far_away_hides_no_others"),
     of("agreement", "virtual_lights::a_room_in_equilibrium_is_one_brightness"),
-    of("agreement", "virtual_lights::a_cut_of_bounded_error_keeps_the_bound"),
     of("lib", "light::tree::tests::no_light_is_above_the_bound_of_a_group"),
     of("lib", "light::tree::tests::cuts_hold_each_light_once"),
     of("lib", "transport::outline::tests::the_density_of_a_lobe_integrates_to_one"),
