@@ -52,7 +52,7 @@ test: setup ## format, lints, architecture, all tests with and without Embree, d
 test-deep: setup scenes ## all tests, those that render for minutes included
 	ETENDUE_TEST_DEEP=1 $(CARGO) test --locked --workspace
 	$(CARGO) clippy --locked --workspace --all-targets --no-default-features --features cli -- -D warnings
-	$(CARGO) test --locked --no-default-features --features cli --lib --test accel
+	$(CARGO) test --locked --workspace --no-default-features --features cli --lib --test accel
 
 # Needs root, Debian's munge, slurmctld, slurmd and slurm-client, and PyPI for openjd-cli (farm/README.md). ETENDUE names the binary.
 test-farm: ## farm/: shards killed and requeued under a real Slurm, and run by openjd-cli (see farm/README.md)
