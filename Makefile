@@ -23,9 +23,10 @@ demo: build ## render scenes/cornell-box to out/cornell-box.exr and .png
 # The tests without Embree run in the copy of the repository that has the mutations, all of them off (tests/kill_matrix). So little
 # is built for the kill matrix alone. The target folder is the same.
 TARGET := $(abspath $(or $(CARGO_TARGET_DIR),target))
-# All tests but agreement, architecture and kill_matrix. The first renders with both backends in the run with Embree, and its killers
-# run in the kill matrix. The others read the sources, which the mutations have changed.
-WITHOUT_EMBREE := --no-default-features --features cli --lib --bins --test 'ac*' --test '[!ak]*'
+# Tests of the program, of files and of sampling. Unit tests, agreement and accel ask both backends in the run with Embree, and their
+# killers run in the kill matrix. architecture and kill_matrix read the sources, which the mutations have changed. `make test-deep`
+# runs unit tests and accel, too.
+WITHOUT_EMBREE := --no-default-features --features cli --bins --test '[!ak]*'
 
 # What to run while working: minutes, and no test that renders for long.
 check: setup ## format, lints, architecture, mutations still fit, unit tests, tests of sampling and of paths
@@ -40,7 +41,6 @@ test: setup ## format, lints, architecture, all tests with and without Embree, d
 	$(CARGO) fmt --all --check
 	$(CARGO) test --locked --workspace --test architecture
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	$(CARGO) clippy --locked --workspace --all-targets --no-default-features --features cli -- -D warnings
 	$(CARGO) clippy --locked --lib --no-default-features -- -D warnings
 	! $(CARGO) tree --locked --edges normal --no-default-features --prefix none | grep -E '^($(COMMAND_LINE)) '
 	$(CARGO) test --locked --workspace
@@ -51,6 +51,8 @@ test: setup ## format, lints, architecture, all tests with and without Embree, d
 
 test-deep: setup scenes ## all tests, those that render for minutes included
 	ETENDUE_TEST_DEEP=1 $(CARGO) test --locked --workspace
+	$(CARGO) clippy --locked --workspace --all-targets --no-default-features --features cli -- -D warnings
+	$(CARGO) test --locked --workspace --no-default-features --features cli --lib --test accel
 
 # Needs root, Debian's munge, slurmctld, slurmd and slurm-client, and PyPI for openjd-cli (farm/README.md). ETENDUE names the binary.
 test-farm: ## farm/: shards killed and requeued under a real Slurm, and run by openjd-cli (see farm/README.md)
@@ -62,7 +64,7 @@ test-farm: ## farm/: shards killed and requeued under a real Slurm, and run by o
 kill-matrix: setup ## turn on every mutation of tests/kill_matrix and see a test fail for each
 	$(CARGO) test --locked --workspace --test kill_matrix -- --all
 
-kill-matrix-part: setup ## the sixth of it whose turn it is today (ETENDUE_KILL_PART=0 to 5 chooses)
+kill-matrix-part: setup ## the twelfth of it whose turn it is today (ETENDUE_KILL_PART=0 to 11 chooses)
 	$(CARGO) test --locked --workspace --test kill_matrix -- --today
 
 bench: build ## time to error against other renderers, ray rates, start-up time (see bench/versus.sh)

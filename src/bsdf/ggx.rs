@@ -124,7 +124,7 @@ impl Ggx {
     }
 
     #[inline]
-    fn alpha_squared<T: Scalar>(self) -> T {
+    pub(super) fn alpha_squared<T: Scalar>(self) -> T {
         T::of(f64::from(self.alpha)).squared()
     }
 }

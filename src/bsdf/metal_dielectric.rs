@@ -99,7 +99,7 @@ impl MetalDielectric {
     #[inline]
     pub(super) fn shares(&self, known: Local) -> Shares {
         let Some(DirectionTerms { choice, .. }) = self.end(known) else { return Shares::DIFFUSE };
-        let (diffuse, alpha2) = (choice.diffuse + choice.transmission, self.ggx.alpha() * self.ggx.alpha());
+        let (diffuse, alpha2) = (choice.diffuse + choice.transmission, self.ggx.alpha_squared());
         let glossy = if self.ggx.is_dirac() { 0.0 } else { choice.specular };
         Shares { diffuse, glossy, alpha2 }
     }

@@ -61,7 +61,7 @@ impl Surface {
     #[inline]
     pub fn shares(&self, known: Local) -> Shares {
         match self {
-            Surface::Conductor(b) => Shares { diffuse: 0.0, glossy: 1.0, alpha2: b.ggx.alpha() * b.ggx.alpha() },
+            Surface::Conductor(b) => Shares { diffuse: 0.0, glossy: 1.0, alpha2: b.ggx.alpha_squared() },
             Surface::MetalDielectric(b) => b.shares(known),
             Surface::Black | Surface::Lambert(_) | Surface::Dielectric(_) | Surface::Thin(_) => Shares::DIFFUSE,
         }

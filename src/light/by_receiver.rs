@@ -7,7 +7,7 @@ use super::{Light, LightSampleContext, LightTree, Reach};
 use etendue_lanes::{MOST_LANES, for_each_bit};
 
 /// Share of the selection that is uniform among the lights that shine.
-const UNIFORM: f64 = 0.05;
+const UNIFORM: f64 = 0.02;
 
 /// Least share of the lights with a place, and of those at infinity, where both exist: the tree does not know what
 /// stands before a light.

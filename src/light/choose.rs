@@ -116,7 +116,8 @@ impl Lights {
     #[inline]
     pub fn choose(&self, at: &LightSampleContext, point: [f32; 2], pick: impl FnOnce() -> f32) -> Option<ChosenLight> {
         let [p, ng] = [at.p, at.ng].map(etendue_lanes::Vec3::from);
-        let at = Receivers { p, ng, outlines: Some(&[at.scattering; MOST_LANES]) };
+        let outlines = self.is_by_receiver().then_some([at.scattering; MOST_LANES]);
+        let at = Receivers { p, ng, outlines: outlines.as_ref() };
         let (index, pmf, u) = self.choose_lanes::<f32>(&at, true, point, pick)?;
         (pmf > 0.0).then_some(ChosenLight { index: index as usize, pmf: Pdf::new(pmf), u })
     }

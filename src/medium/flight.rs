@@ -1,9 +1,9 @@
 //! Free flights: how far light goes along an edge until it collides with a medium and scatters.
 //!
 //! A flight crosses the media of an edge one after the other. Its length is exponential in the optical depth of one
-//! lane, which is selected with equal probability for the whole edge. The density of a collision, and the probability of
-//! reaching the end, are means over lanes, so that a factor is at most the number of lanes. They depend on the edge alone
-//! and not on what the walk carries: both directions of an edge have the same.
+//! lane, which is selected with equal probability for the whole edge. The density of a collision, and the probability
+//! of reaching the end, are means over lanes, so that a factor is at most the number of lanes. They depend on the
+//! edge alone and not on what the walk carries: both directions of an edge have the same.
 //!
 //! In media that only absorb there are no collisions, and light is weighted by the transmittance.
 

@@ -5,7 +5,7 @@
 //! copy of the repository with all mutations, target/kill-matrix/tree, in which `ETENDUE_MUTANT=name` turns one on.
 //! The following build its tests and run the killers:
 //!
-//! - `--today`: the sixth of the mutations whose turn it is, or that of `ETENDUE_KILL_PART` (0 to 5), each until one
+//! - `--today`: the twelfth of the mutations whose turn it is, or that of `ETENDUE_KILL_PART` (0 to 11), each until one
 //!   killer kills, the fastest first;
 //! - `--each`: all, each until one killer kills;
 //! - `--all`: all, against all killers;
@@ -32,7 +32,7 @@ use mutations::Mutation;
 use std::process::ExitCode;
 
 /// Number of parts of the mutations, one for each day.
-const PARTS: u64 = 6;
+const PARTS: u64 = 12;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -75,7 +75,7 @@ fn named<'m>(mutations: &'m [Mutation], names: &[&str]) -> Result<Vec<&'m Mutati
 /// The mutations whose turn it is.
 fn today(mutations: &[Mutation]) -> Result<Vec<&Mutation>, String> {
     let turn = match std::env::var("ETENDUE_KILL_PART") {
-        Ok(text) => text.parse().ok().filter(|&part| part < PARTS).ok_or("ETENDUE_KILL_PART is 0 to 5")?,
+        Ok(text) => text.parse().ok().filter(|&part| part < PARTS).ok_or("ETENDUE_KILL_PART is 0 to 11")?,
         Err(_) => std::time::UNIX_EPOCH.elapsed().map_err(|e| e.to_string())?.as_secs() / 86_400 % PARTS,
     };
     println!("part {turn} of 0 to {} (ETENDUE_KILL_PART={turn} repeats it)", PARTS - 1);

@@ -121,7 +121,8 @@ fn binary<B: Boundable>(boxes: &[B], indices: Vec<u32>, effort: BvhBuildParams, 
     );
     bvh.uses_spatial_splits = effort.pre_split;
     let mut optimizer = ReinsertionOptimizer::default();
-    let ratio = if has_heap(&bvh) { 0.0 } else { effort.reinsertion_batch_ratio };
+    let ratio = effort.reinsertion_batch_ratio;
+    let ratio = if ratio > 0.0 && has_heap(&bvh) { 0.0 } else { ratio };
     optimizer.run(&mut bvh, ratio, None);
     if most_in_leaf > 1 {
         let cost = if boxes.len() <= CACHED { TRAVERSAL_COST_CACHED } else { TRAVERSAL_COST };

@@ -46,6 +46,8 @@ pub(super) struct Gather<'p, 'a> {
 /// A vertex of a camera walk that gathers light.
 pub(super) struct Receiver<'v, 's> {
     pub(super) shading: &'v Shading<'s>,
+    /// The same for the selection of lights.
+    pub(super) context: LightSampleContext,
     /// State in which the walk arrived.
     pub(super) state: RayState,
     /// Number of the vertex.
@@ -55,10 +57,6 @@ pub(super) struct Receiver<'v, 's> {
 }
 
 impl Receiver<'_, '_> {
-    pub(super) fn context(&self) -> LightSampleContext {
-        LightSampleContext::from(self.shading)
-    }
-
     fn edge(&self, scene: &Scene, wi: glam::Vec3, end: EdgeEnd) -> Edge {
         Edge::new(scene, self.shading.point, self.state, wi, end)
     }
@@ -75,7 +73,7 @@ impl Gather<'_, '_> {
 
     /// Returns the weighted direct light at `at`, and the cut that was sampled.
     pub(super) fn direct(&self, at: &Receiver, sampler: &mut impl Sampler, tally: &mut TraceStats) -> (Spectrum, Cut) {
-        let receiver = at.context();
+        let receiver = at.context;
         let cut = tally.selection.time(|| self.lights.cut(&receiver, self.direct_size()));
         tally.selection.cut(cut.len());
         let mut sum = Spectrum::ZERO;
@@ -106,7 +104,7 @@ impl Gather<'_, '_> {
             }
             Indirect::Bounded(groups) => {
                 let Some(groups) = groups else { return Limited::ZERO };
-                let receiver = (at.context(), bound(at.shading.point, at.shading.surface, at.shading.known()));
+                let receiver = (at.context, bound(at.shading.point, at.shading.surface, at.shading.known()));
                 groups.gather(self.virtual_lights, &receiver, self.limit.most, |light| {
                     self.contribution(&self.virtual_lights[light], at, 0, sampler, tally)
                 })
@@ -123,7 +121,7 @@ impl Gather<'_, '_> {
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,
     ) -> Limited {
-        let receiver = at.context();
+        let receiver = at.context;
         let cut = tally.selection.time(|| tree.cut(&receiver, size));
         tally.selection.cut(cut.len());
         let mut sum = Limited::ZERO;
@@ -149,7 +147,7 @@ impl Gather<'_, '_> {
         if light.events > at.events_left {
             return Limited::ZERO;
         }
-        let receiver = at.context();
+        let receiver = at.context;
         let to = light.p - receiver.p;
         let d2 = to.length_squared();
         let wi = to / d2.sqrt();

@@ -135,12 +135,13 @@ impl Radiance for GatherWalk<'_, '_> {
             let surface = scene.surface(&mut point, walk.ray.state.bodies);
             let wo = -walk.ray.direction;
             let Some(shading) = &Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return total };
+            let context = LightSampleContext::from(shading);
             let is_smooth = shading.lobes().intersects(Lobes::SMOOTH);
             let gathers = is_smooth && self.goes_beyond(departure.as_ref(), &walk, shading, sampler);
             let mut cut = Cut::default();
             if gathers {
                 let events_left = self.max_depth - walk.depth - 1;
-                let receiver = Receiver { shading, state: walk.ray.state, bounce: walk.bounce, events_left };
+                let receiver = Receiver { shading, context, state: walk.ray.state, bounce: walk.bounce, events_left };
                 let direct;
                 (direct, cut) = self.gather.direct(&receiver, sampler, tally);
                 let Limited { light, excess } = self.gather.indirect(&receiver, sampler, tally);
@@ -153,12 +154,9 @@ impl Radiance for GatherWalk<'_, '_> {
             departure = match scatter.density {
                 Density::Delta(_) => None,
                 Density::Smooth(_) if !gathers => return total,
-                Density::Smooth(pdf) => {
-                    let at = LightSampleContext::from(shading);
-                    Some(Departure { at, cut, pdf, f_cos: scatter.weight * pdf.value() })
-                }
+                Density::Smooth(pdf) => Some(Departure { at: context, cut, pdf, f_cos: scatter.weight * pdf.value() }),
             };
-            walk.depart(&point, LightSampleContext::from(&point), scatter);
+            walk.depart(&point, context, scatter);
             if !walk.survives(sampler, tally) {
                 return total;
             }
