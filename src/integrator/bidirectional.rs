@@ -8,12 +8,11 @@
 
 use super::camera_pass::Radiance;
 use super::{BdptConfig, IntegratorConfig, PilotEstimate};
-use crate::bsdf::Shading;
 use crate::camera::{Camera, CameraSample};
 use crate::light::{EmitterPoint, Light};
 use crate::path::{
-    Arrival, Connection, MisStrategy, PartialMis, PreviousVertex, RandomWalk, Subpath, SubpathVertex, Techniques,
-    TraceStats, Vertex,
+    Arrival, Connection, MisStrategy, PartialMis, PreviousVertex, RandomWalk, Scatterer, Subpath, SubpathVertex,
+    Techniques, TraceStats, Vertex,
 };
 use crate::path::{SurfaceVertex, connect, next_event, splat};
 use crate::sampling::{Sampler, Slot};
@@ -153,10 +152,10 @@ impl<'a> Bidirectional<'a> {
             Some((path, Arrival::Infinity(sums))) if s == 0 => self.background(&path, &sums, sink),
             Some((path, Arrival::Vertex(z))) if s == 0 => self.emitted(&path, &z, sink),
             Some((_, Arrival::Vertex(z))) if z.vertex.is_connectible() => {
-                let Some(shading) = z.shading() else { return };
+                let Some(scatterer) = z.scatterer() else { return };
                 let found = match &y {
-                    Some(y) => connect(&self.weights, y, &z, &shading),
-                    None => next_event(self.scene, &self.weights, &z, &shading, camera),
+                    Some(y) => connect(&self.weights, y, &z, &scatterer),
+                    None => next_event(self.scene, &self.weights, &z, &scatterer, camera),
                 };
                 self.trace_connection([s, t], found, camera, sink, tally);
             }
@@ -175,7 +174,7 @@ impl<'a> Bidirectional<'a> {
     ) -> Option<(Subpath<'s>, Arrival<'s>)> {
         for _ in 1..edge {
             let Arrival::Vertex(vertex) = path.arrive(&self.camera, sampler, tally) else { return None };
-            path.depart(&vertex, &vertex.shading()?, sampler)?;
+            path.depart(&vertex, &vertex.scatterer()?, sampler)?;
         }
         let arrival = path.arrive(&self.camera, sampler, tally);
         Some((path, arrival))
@@ -205,10 +204,11 @@ impl<'a> Bidirectional<'a> {
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,
     ) -> Option<TechniqueSample> {
-        let &Connection { value, weight, survival, .. } = found;
+        let &Connection { value, survival, .. } = found;
         let edge = found.edge(self.scene)?;
-        let through = self.scene.transmittance(&edge, sampler, connection(s, t), &mut tally.shadows);
-        Some(TechniqueSample { s, t, value: value * through, weight, survival })
+        let clear = self.scene.clearance(&edge, sampler, connection(s, t), &mut tally.shadows);
+        let (value, weight) = (value * clear.through, found.weight(&self.weights, clear.flight));
+        Some(TechniqueSample { s, t, value, weight, survival })
     }
 
     /// Traces a light subpath and returns its connectible vertices.
@@ -222,9 +222,9 @@ impl<'a> Bidirectional<'a> {
             let longest = vertex.sums.index as usize >= *self.events.end();
             let goes_on = !longest
                 && vertex
-                    .shading()
+                    .scatterer()
                     .as_ref()
-                    .is_some_and(|shading| path.go_on(vertex, shading, sampler, tally).is_some());
+                    .is_some_and(|scatterer| path.go_on(vertex, scatterer, sampler, tally).is_some());
             if vertex.vertex.is_connectible() {
                 vertices.extend(arrival.vertex());
             }
@@ -277,11 +277,11 @@ impl<'a> Bidirectional<'a> {
             if !(hit || next_event || connect) || z.sums.index as usize > *self.events.end() {
                 return;
             }
-            let Some(shading) = &z.shading() else { return };
+            let Some(scatterer) = &z.scatterer() else { return };
             if z.vertex.is_connectible() {
-                self.connections(z, shading, from_light, sampler, sink, tally);
+                self.connections(z, scatterer, from_light, sampler, sink, tally);
             }
-            if path.go_on(z, shading, sampler, tally).is_none() {
+            if path.go_on(z, scatterer, sampler, tally).is_none() {
                 return;
             }
         }
@@ -291,7 +291,7 @@ impl<'a> Bidirectional<'a> {
     fn connections(
         &self,
         z: &SubpathVertex,
-        shading: &Shading,
+        scatterer: &Scatterer,
         from_light: &[SubpathVertex],
         sampler: &mut impl Sampler,
         sink: &mut impl Sink,
@@ -299,13 +299,13 @@ impl<'a> Bidirectional<'a> {
     ) {
         let t = z.sums.index as usize + 1;
         if self.is_enabled(1, t) {
-            let found = next_event(self.scene, &self.weights, z, shading, sampler);
+            let found = next_event(self.scene, &self.weights, z, scatterer, sampler);
             self.trace_connection([1, t], found, sampler, sink, tally);
         }
         for y in from_light {
             let s = y.sums.index as usize + 1;
             if self.is_enabled(s, t) {
-                let found = connect(&self.weights, y, z, shading);
+                let found = connect(&self.weights, y, z, scatterer);
                 let found = found.and_then(|found| self.connection_roulette(found, sampler, s, t));
                 self.trace_connection([s, t], found, sampler, sink, tally);
             }
@@ -321,7 +321,8 @@ impl<'a> Bidirectional<'a> {
         s: usize,
         t: usize,
     ) -> Option<Connection<'v>> {
-        let worth = found.value.max_lane() * found.weight as f32;
+        // As if the edge were clear.
+        let worth = found.value.max_lane() * found.weight(&self.weights, Spectrum::ONE) as f32;
         if worth >= self.worthwhile || worth.is_nan() {
             return Some(found);
         }
@@ -368,7 +369,7 @@ impl<'a> Bidirectional<'a> {
     fn end_pdfs(&self, walk: &RandomWalk, index: usize, end: &EmitterPoint, position: f64) -> [f64; 2] {
         let lights = self.scene.lights();
         let direct = match &walk.departure {
-            PreviousVertex::Surface(at, _) => lights.end_pdf_li(at, index, end, walk.ray.direction, position),
+            PreviousVertex::Scattered(at, _) => lights.end_pdf_li(at, index, end, walk.ray.direction, position),
             PreviousVertex::Camera | PreviousVertex::Light => 0.0,
         };
         [direct, f64::from(lights.emitter_pmf(index).value()) * position]

@@ -27,10 +27,16 @@ pub struct Flight {
 pub struct Collision {
     /// Distance in the last medium.
     pub distance: f32,
-    /// σs times the transmittance over the density, per length.
+    /// σs times the transmittance over the density, see [`density`].
     pub factor: Spectrum,
-    /// The density.
-    pub density: f32,
+}
+
+/// Returns the density per length with which flights along an edge collide where the medium has this `extinction`, or,
+/// for an extinction of 1, the probability with which they reach a surface there. `through` is the transmittance of the
+/// scattering media on the edge.
+#[inline]
+pub fn density(through: Spectrum, extinction: Spectrum) -> f32 {
+    (through * extinction).mean()
 }
 
 impl Flight {
@@ -51,10 +57,9 @@ impl Flight {
         // Infinite in a lane without extinction.
         let distance = self.left / medium.extinction[self.lane];
         if distance < length {
-            let through = self.through * medium.transmittance(distance);
-            let density = (through * medium.extinction).mean();
-            let factor = self.absorbed * through * medium.scattering / density;
-            return Some(Collision { distance, factor, density });
+            self.through *= medium.transmittance(distance);
+            let density = density(self.through, medium.extinction);
+            return Some(Collision { distance, factor: self.absorbed * self.through * medium.scattering / density });
         }
         if medium.extinction[self.lane] > 0.0 {
             self.left -= medium.extinction[self.lane] * length;
@@ -63,15 +68,15 @@ impl Flight {
         None
     }
 
-    /// Returns the probability of getting as far as it has.
+    /// Returns the transmittance of the scattering media that it has crossed.
     #[inline]
-    pub fn chance(&self) -> f32 {
-        self.through.mean()
+    pub fn through(&self) -> Spectrum {
+        self.through
     }
 
-    /// Returns the transmittance over [`Flight::chance`].
+    /// Returns the transmittance over the probability of getting as far as it has.
     #[inline]
     pub fn factor(&self) -> Spectrum {
-        self.absorbed * self.through / self.chance()
+        self.absorbed * self.through / density(self.through, Spectrum::ONE)
     }
 }

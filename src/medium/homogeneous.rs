@@ -7,9 +7,9 @@ use crate::spectrum::Spectrum;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Homogeneous {
     /// Absorption and scattering together, σt per unit of length.
-    pub(super) extinction: Spectrum,
+    pub extinction: Spectrum,
     /// σs per unit of length.
-    pub(super) scattering: Spectrum,
+    pub scattering: Spectrum,
     /// How it scatters.
     pub phase: Phase,
 }

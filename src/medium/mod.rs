@@ -7,6 +7,6 @@ mod flight;
 mod homogeneous;
 mod phase;
 
-pub use flight::{Collision, Flight};
+pub use flight::{Collision, Flight, density};
 pub use homogeneous::Homogeneous;
 pub use phase::{Phase, PhaseSample};

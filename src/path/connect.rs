@@ -1,9 +1,9 @@
 //! Connections between two subpaths, and between a subpath and an endpoint: their contribution and MIS weight.
 //! Visibility is tested last, since it traces a ray.
 
-use super::mis::MisStrategy;
-use super::{SubpathVertex, Vertex};
-use crate::bsdf::{Scattering, Shading};
+use super::mis::{FlightPdfs, MisStrategy};
+use super::{Scatterer, SubpathVertex, Vertex};
+use crate::bsdf::Scattering;
 use crate::camera::{Camera, LensPoint};
 use crate::light::{ChosenLight, EmitterPoint};
 use crate::sampling::{Density, Sampler, Slot};
@@ -16,8 +16,9 @@ use glam::Vec3;
 pub struct Connection<'v> {
     /// f(x̄) divided by the density of the technique, without the transmittance of the segment.
     pub value: Spectrum,
-    /// MIS weight of the technique.
-    pub weight: f64,
+    /// Density ratios of the techniques that walk along the edge instead, to its end and to its start: see
+    /// [`MisStrategy::connection`].
+    others: [f64; 2],
     /// Probability that both subpaths survived roulette. `value` is already divided by it.
     pub survival: f32,
     /// Vertex at which the edge begins.
@@ -32,6 +33,13 @@ impl Connection<'_> {
     #[inline]
     pub fn survived(self, q: f32) -> Self {
         Connection { value: self.value / q, survival: self.survival * q, ..self }
+    }
+
+    /// Returns the MIS weight of the technique if the media on the edge that scatter have the transmittance `flight`.
+    #[inline]
+    pub fn weight(&self, weights: &MisStrategy, flight: Spectrum) -> f64 {
+        let end = if let EdgeEnd::Medium(_, extinction) = self.end { extinction } else { Spectrum::ONE };
+        weights.connection(self.others, FlightPdfs::new(flight, self.from.extinction(), end))
     }
 
     /// Returns the edge to test for visibility. It is made on demand, since roulette drops many connections.
@@ -55,7 +63,7 @@ pub fn next_event<'v>(
     scene: &Scene,
     weights: &MisStrategy,
     z: &'v SubpathVertex,
-    shading: &Shading,
+    scatterer: &Scatterer,
     sampler: &mut impl Sampler,
 ) -> Option<Connection<'v>> {
     let bounce = z.sums.index - 1;
@@ -65,7 +73,7 @@ pub fn next_event<'v>(
     let ChosenLight { index, pmf, u } = chosen?;
     let light = &scene.lights().all()[index];
     let sample = light.sample_li(&receiver, u)?;
-    let Scattering { f_cos, pdf } = shading.scattering(sample.wi)?;
+    let Scattering { f_cos, pdf } = scatterer.scattering(sample.wi)?;
     let pmf = f64::from(pmf.value());
     let emission = light.ray_density(scene.ball(), -sample.wi);
     let ratio = f64::from(scene.lights().emitter_pmf(index).value()) / pmf;
@@ -79,10 +87,10 @@ pub fn next_event<'v>(
         Density::Smooth(toward) => f64::from(pdf.value()) / (pmf * f64::from(toward.value())),
         Density::Delta(_) => 0.0,
     };
-    let reverse = f64::from(shading.reverse_pdf(sample.wi).value());
+    let reverse = f64::from(scatterer.reverse_pdf(sample.wi).value());
     Some(Connection {
         value: z.beta * f_cos * sample.radiance / (pmf as f32 * sample.density.value()),
-        weight: weights.next_event(hit, weights.earlier(&z.sums, made, reverse)),
+        others: [weights.instead_of_sample(hit), weights.earlier(&z.sums, made, reverse)],
         survival: z.survival,
         from: &z.vertex,
         wi: sample.wi,
@@ -96,25 +104,25 @@ pub fn connect<'v>(
     weights: &MisStrategy,
     y: &'v SubpathVertex,
     z: &'v SubpathVertex,
-    z_shading: &Shading,
+    z_scatterer: &Scatterer,
 ) -> Option<Connection<'v>> {
     let to = y.vertex.p()? - z.vertex.p()?;
     let d2 = to.length_squared();
     let wi = to / d2.sqrt();
     // Borrowed, not moved out of the options: a copy of what was just written stalls.
-    let Some(at_z) = &z_shading.scattering(wi) else { return None };
-    let Some(y_shading) = &y.shading() else { return None };
-    let Some(at_y) = &y_shading.scattering(-wi) else { return None };
+    let Some(at_z) = &z_scatterer.scattering(wi) else { return None };
+    let Some(y_scatterer) = &y.scatterer() else { return None };
+    let Some(at_y) = &y_scatterer.scattering(-wi) else { return None };
     if d2 <= 0.0 {
         return None;
     }
     let per_area = |pdf: f32, at: &Vertex| f64::from(pdf) * f64::from(at.cos(wi)) / f64::from(d2);
-    let reverse = |shading: &Shading, w: Vec3| f64::from(shading.reverse_pdf(w).value());
-    let light = weights.earlier(&y.sums, per_area(at_z.pdf.value(), &y.vertex), reverse(y_shading, -wi));
-    let camera = weights.earlier(&z.sums, per_area(at_y.pdf.value(), &z.vertex), reverse(z_shading, wi));
+    let reverse = |scatterer: &Scatterer, w: Vec3| f64::from(scatterer.reverse_pdf(w).value());
+    let light = weights.earlier(&y.sums, per_area(at_z.pdf.value(), &y.vertex), reverse(y_scatterer, -wi));
+    let camera = weights.earlier(&z.sums, per_area(at_y.pdf.value(), &z.vertex), reverse(z_scatterer, wi));
     let value = y.beta * at_y.f_cos * at_z.f_cos * z.beta / d2;
-    let (weight, survival) = (weights.connection(light, camera), y.survival * z.survival);
-    Some(Connection { value, weight, survival, from: &z.vertex, wi, end: y.vertex.as_end() })
+    let (others, survival) = ([light, camera], y.survival * z.survival);
+    Some(Connection { value, others, survival, from: &z.vertex, wi, end: y.vertex.as_end() })
 }
 
 /// Connects the vertex `y` of a light subpath to the point `lens` of the camera's lens; `None` if `y` is outside the
@@ -130,13 +138,14 @@ pub fn splat<'v>(
     if y.vertex.surface().is_some_and(|at| scene.culled(&at.point, -seen.wi)) {
         return None;
     }
-    let Some(shading) = &y.shading() else { return None };
-    let Some(at_y) = &shading.scattering(seen.wi) else { return None };
+    let Some(scatterer) = &y.scatterer() else { return None };
+    let Some(at_y) = &scatterer.scattering(seen.wi) else { return None };
     // The density of the point of the lens is a factor of We and of every technique.
     let density = f64::from(seen.importance) * f64::from(y.vertex.cos(seen.wi));
-    let reverse = f64::from(shading.reverse_pdf(seen.wi).value());
+    let reverse = f64::from(scatterer.reverse_pdf(seen.wi).value());
     let value = y.beta * at_y.f_cos * seen.importance;
-    let (weight, end) = (weights.splat(&y.sums, density, reverse), EdgeEnd::Camera(seen.eye));
-    let connection = Connection { value, weight, survival: y.survival, from: &y.vertex, wi: seen.wi, end };
+    let others = [0.0, weights.instead_of_splat(&y.sums, density, reverse)];
+    let end = EdgeEnd::Camera(seen.eye);
+    let connection = Connection { value, others, survival: y.survival, from: &y.vertex, wi: seen.wi, end };
     Some(Splat { connection, film: seen.film })
 }

@@ -47,18 +47,18 @@ impl Emitter {
         Emitter { index, end: sample.end, radiance: sample.radiance * falloff }
     }
 
-    /// Chooses a light for `point` with the random numbers of [`Lights::choose`](crate::light::Lights::choose). Returns
+    /// Chooses a light for `receiver` with the random numbers of [`Lights::choose`](crate::light::Lights::choose). Returns
     /// the endpoint and its emission direction.
     pub fn chosen(
         scene: &Scene,
-        point: &SurfacePoint,
+        receiver: &LightSampleContext,
         u: [f32; 2],
         pick: impl FnOnce() -> f32,
     ) -> Option<(Self, DVec3)> {
-        let (lights, receiver) = (scene.lights(), LightSampleContext::from(point));
-        let ChosenLight { index, u, .. } = lights.choose(&receiver, u, pick)?;
-        let sample = lights.all()[index].sample_li(&receiver, u)?;
-        Some((Emitter::of_sample(index, &sample, point.p), -sample.wi.as_dvec3()))
+        let lights = scene.lights();
+        let ChosenLight { index, u, .. } = lights.choose(receiver, u, pick)?;
+        let sample = lights.all()[index].sample_li(receiver, u)?;
+        Some((Emitter::of_sample(index, &sample, receiver.p), -sample.wi.as_dvec3()))
     }
 
     /// Returns the same endpoint emitting along the unit vector `w` toward the position `at`, in place of `before`.

@@ -3,7 +3,7 @@
 use super::walk::{LONGEST, PreviousVertex, RandomWalk, TraceStats};
 use crate::geometry::{Ray, RayState, SurfacePoint};
 use crate::light::LightSampleContext;
-use crate::medium::{Collision, Flight, Phase};
+use crate::medium::{Collision, Flight, Homogeneous, Phase};
 use crate::sampling::{Density, Sampler, Slot};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -24,8 +24,20 @@ pub struct MediumPoint {
     pub p: Vec3,
     /// How the medium scatters.
     pub phase: Phase,
+    /// σt there, per unit of length.
+    pub extinction: Spectrum,
+    /// σs there, per unit of length.
+    pub scattering: Spectrum,
     /// State of rays there.
     pub state: RayState,
+}
+
+/// An edge that a walk has flown along.
+pub struct Flown {
+    /// Its end; `None` outside the scene.
+    pub end: Option<FlightEnd>,
+    /// Transmittance of the scattering media on it.
+    pub through: Spectrum,
 }
 
 impl From<&MediumPoint> for LightSampleContext {
@@ -36,8 +48,8 @@ impl From<&MediumPoint> for LightSampleContext {
 }
 
 impl RandomWalk<'_> {
-    /// Does [`RandomWalk::arrive`] in a scene with media that scatter: `None` if the walk leaves the scene.
-    pub fn fly(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Option<FlightEnd> {
+    /// Does [`RandomWalk::arrive`] in a scene with media that scatter.
+    pub fn fly(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Flown {
         let mut flight = Flight::new(sampler.u2(self.bounce, Slot::MediumDistance));
         let mut u = None;
         for _ in 0..LONGEST {
@@ -45,7 +57,7 @@ impl RandomWalk<'_> {
             tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
             let length = point.as_ref().map_or(f32::INFINITY, |point| point.t);
             if let Some(collided) = self.collide(&mut flight, length) {
-                return Some(FlightEnd::Medium(collided));
+                return Flown { end: Some(FlightEnd::Medium(collided)), through: flight.through() };
             }
             let met = point.filter(|point| {
                 !self.may_pass(point) || {
@@ -55,21 +67,22 @@ impl RandomWalk<'_> {
             });
             if point.is_none() || met.is_some() {
                 self.beta *= flight.factor();
-                return met.map(FlightEnd::Surface);
+                return Flown { end: met.map(FlightEnd::Surface), through: flight.through() };
             }
         }
         tally.overlong += 1;
         self.beta = Spectrum::ZERO;
-        None
+        Flown { end: None, through: Spectrum::ONE }
     }
 
     /// Takes `flight` through `length` of the medium of the current edge.
     fn collide(&mut self, flight: &mut Flight, length: f32) -> Option<MediumPoint> {
         let state = self.ray.state;
         let medium = self.scene.medium(state.bodies)?;
-        let Collision { distance, factor, .. } = flight.cross(medium, length)?;
+        let Collision { distance, factor } = flight.cross(medium, length)?;
         self.beta *= factor;
-        Some(MediumPoint { p: self.ray.at(distance), phase: medium.phase, state })
+        let &Homogeneous { extinction, scattering, phase } = medium;
+        Some(MediumPoint { p: self.ray.at(distance), phase, extinction, scattering, state })
     }
 
     /// Leaves a collision along the unit vector `w`, sampled by its value, which is `density`.
@@ -77,7 +90,7 @@ impl RandomWalk<'_> {
         self.straight = false;
         self.depth += 1;
         self.bounce += 1;
-        self.departure = PreviousVertex::Surface(LightSampleContext::from(point), density);
+        self.departure = PreviousVertex::Scattered(LightSampleContext::from(point), density);
         self.ray = Ray::new(point.p, w).carrying(point.state);
     }
 }

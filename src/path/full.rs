@@ -2,32 +2,29 @@
 //! computed from their definitions in f64. It is the reference for the recursive MIS weights, and the basis of methods
 //! that mutate paths.
 //!
-//! Visibility and transmittance of edges are left out, as in all densities. The path names its Dirac components. Their
+//! Visibility and transmittance of edges are left out; [`super::Content`] adds them. The path names its Dirac components. Their
 //! directions are taken from the path, and values and probabilities are those of the component (see
 //! [`FullPath::evaluate`]).
 
 use super::mis::MisStrategy;
-use super::{Emitter, SubpathVertex, SurfaceVertex};
+use super::{Emitter, MediumPoint, SubpathVertex, SurfaceVertex, Vertex};
 use crate::bsdf::shading::folds;
 use crate::bsdf::sides::{Sided, Sources};
 use crate::bsdf::{Bsdf, Lobes, Surface};
 use crate::camera::{Camera, CameraPoint, WiSample};
-use crate::geometry::{Frame, Local, Ray, RayState, SurfacePoint};
-use crate::light::{EmitterPoint, Light, LightSampleContext};
+use crate::geometry::{Frame, Local, SurfacePoint};
+use crate::light::{EmitterPoint, Light};
 use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
 use glam::{DVec3, Vec3};
+use std::borrow::Cow;
 
 /// Interior vertex of a path.
 #[derive(Clone)]
 pub struct PathVertex {
-    /// Surface point.
-    pub point: SurfacePoint,
-    /// State in which a walk arrives; see [`Scene::state_toward`].
-    pub state: RayState,
-    /// Scattering model.
-    pub surface: Surface,
+    /// On a surface or in a medium.
+    pub vertex: Vertex<'static>,
     /// Scattering component: one Dirac lobe, or [`Lobes::SMOOTH`].
     pub lobe: Lobes,
 }
@@ -105,18 +102,27 @@ impl PathVertex {
     /// Creates the vertex of a walk that scatters through `lobe`; `None` if it is an endpoint.
     pub fn new(vertex: &SubpathVertex, lobe: Lobes) -> Option<Self> {
         let lobe = if lobe.intersects(Lobes::DIRAC) { lobe } else { Lobes::SMOOTH };
-        let SurfaceVertex { point, surface, state } = vertex.vertex.surface()?;
-        Some(PathVertex { point: *point, state: *state, surface: **surface, lobe })
+        let vertex = match &vertex.vertex {
+            Vertex::Surface(SurfaceVertex { point, surface, state }) => {
+                Vertex::Surface(SurfaceVertex { point: *point, surface: Cow::Owned(**surface), state: *state })
+            }
+            Vertex::Medium(point) => Vertex::Medium(*point),
+            Vertex::Camera(_) | Vertex::Light(_) => return None,
+        };
+        Some(PathVertex { vertex, lobe })
     }
 
-    /// Returns a ray that leaves it in the unit direction `w`.
-    pub fn spawn(&self, scene: &Scene, w: Vec3) -> Ray {
-        self.point.spawn(w).carrying(scene.state_toward(&self.point, self.state, w))
+    /// Returns its position.
+    pub fn p(&self) -> Vec3 {
+        self.vertex.p().expect("an interior vertex is at a place")
     }
 
-    /// Returns the edge in the unit direction `w` to `end`.
-    pub fn edge_to(&self, scene: &Scene, w: Vec3, end: EdgeEnd) -> Edge {
-        Edge::new(scene, &self.point, self.state, w, end)
+    /// Bound on the distance of its position from where it is exactly.
+    fn error(&self) -> f64 {
+        match &self.vertex {
+            Vertex::Surface(at) => f64::from(at.point.error),
+            _ => f64::from(2.0 * f32::EPSILON * self.p().abs().max_element()),
+        }
     }
 
     /// Whether the scattering component is a Dirac lobe.
@@ -153,6 +159,11 @@ fn sided(point: &SurfacePoint, w: DVec3) -> Sided<f64> {
     Sided { local: local(&point.frame, w), cos: w.dot(point.ng.as_dvec3()) }
 }
 
+fn medium_factors(point: &MediumPoint, wi: DVec3, wo: DVec3) -> Factors {
+    let value = f64::from(point.phase.eval(wi.as_vec3(), wo.as_vec3()));
+    Factors { f: point.scattering.cast::<f64>() * value, to_camera: value, to_light: value, perturbation: [1.0; 2] }
+}
+
 fn smooth_factors(surface: &Surface, seen: &Seen) -> Factors {
     let mut all = Factors { f: Spectrum::ZERO, to_camera: 0.0, to_light: 0.0, perturbation: [1.0; 2] };
     for (wi, chosen) in seen.wi.choices() {
@@ -171,6 +182,25 @@ fn cosine(w: DVec3, ng: Vec3) -> f64 {
     w.dot(ng.as_dvec3()).abs()
 }
 
+/// Returns edge `i` of a path, starting at the end nearer to the camera except for the last edge.
+pub fn edge(
+    scene: &Scene,
+    emitter: &Emitter,
+    nodes: &[PathVertex],
+    eye: &CameraPoint,
+    directions: &[DVec3],
+    i: usize,
+) -> Edge {
+    let (node, w, end) = if i + 1 == directions.len() {
+        (&nodes[i - 1], directions[i], EdgeEnd::Camera(*eye))
+    } else if i == 0 {
+        (&nodes[0], -directions[0], EdgeEnd::Light(emitter.end))
+    } else {
+        (&nodes[i], -directions[i], nodes[i - 1].vertex.as_end())
+    };
+    node.vertex.edge_to(scene, w.as_vec3(), end).expect("an interior vertex has edges")
+}
+
 impl<'a> FullPath<'a> {
     /// Creates the path from `emitter` through `nodes` to `camera`, whose connection with the last of them is `eye`.
     /// `directions` are unit vectors along its edges in the direction of light flow: those of sampled walks, or
@@ -187,7 +217,7 @@ impl<'a> FullPath<'a> {
         directions: Vec<DVec3>,
     ) -> FullPath<'a> {
         assert!(!nodes.is_empty() && directions.len() == nodes.len() + 1, "{} directions", directions.len());
-        let points: Vec<DVec3> = nodes.iter().map(|n| n.point.p.as_dvec3()).collect();
+        let points: Vec<DVec3> = nodes.iter().map(|n| n.p().as_dvec3()).collect();
         let first = match emitter.end {
             EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p) => p.as_dvec3().distance_squared(points[0]),
             EmitterPoint::Distant => 1.0,
@@ -201,7 +231,7 @@ impl<'a> FullPath<'a> {
     /// Returns the unit directions of the edges between the vertices and the camera's point `eye`, in f64. `first` is
     /// the direction of light from infinity.
     pub fn straight(emitter: &Emitter, nodes: &[PathVertex], eye: &CameraPoint, first: DVec3) -> Vec<DVec3> {
-        let mut points: Vec<DVec3> = nodes.iter().map(|n| n.point.p.as_dvec3()).collect();
+        let mut points: Vec<DVec3> = nodes.iter().map(|n| n.p().as_dvec3()).collect();
         points.push(eye.p.as_dvec3());
         let begin = match emitter.end {
             EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p) => (points[0] - p.as_dvec3()).normalize(),
@@ -209,6 +239,11 @@ impl<'a> FullPath<'a> {
         };
         let between = points.windows(2).map(|pair| (pair[1] - pair[0]).normalize());
         std::iter::once(begin).chain(between).collect()
+    }
+
+    /// Returns edge `i`, starting at the end nearer to the camera except for the last edge.
+    pub fn edge(&self, i: usize) -> Edge {
+        edge(self.scene, &self.emitter, &self.nodes, &self.eye.eye, &self.directions, i)
     }
 
     /// Emitter endpoint.
@@ -283,31 +318,42 @@ impl<'a> FullPath<'a> {
         }
     }
 
-    /// |wi·ng| and |wo·ng| of xᵢ.
+    /// C(x) of xᵢ for wi and wo.
     fn cosines(&self, i: usize) -> [f64; 2] {
-        let ng = self.nodes[i - 1].point.ng;
-        [cosine(self.directions[i - 1], ng), cosine(self.directions[i], ng)]
+        match &self.nodes[i - 1].vertex {
+            Vertex::Surface(at) => [self.directions[i - 1], self.directions[i]].map(|w| cosine(w, at.point.ng)),
+            _ => [1.0; 2],
+        }
+    }
+
+    /// Returns the surface of xᵢ; `None` in a medium.
+    fn surface(&self, i: usize) -> Option<&SurfaceVertex<'_>> {
+        self.nodes[i - 1].vertex.surface()
     }
 
     /// Returns wi and wo of xᵢ as passed to its BSDF; `None` where F is zero.
     fn seen(&self, i: usize) -> Option<Seen> {
-        let node = &self.nodes[i - 1];
-        let [wi, wo] = [-self.directions[i - 1], self.directions[i]].map(|w| sided(&node.point, w));
-        let ng = local(&node.point.frame, node.point.ng.as_dvec3());
+        let point = &self.surface(i)?.point;
+        let [wi, wo] = [-self.directions[i - 1], self.directions[i]].map(|w| sided(point, w));
+        let ng = local(&point.frame, point.ng.as_dvec3());
         Some(Seen { wi: wi.sources(ng.z, || ng)?, wo: wo.seen()?, share: wo.share(ng.z), cos_i: wi.cos.abs() })
     }
 
     fn factors(&self, i: usize) -> Factors {
         let node = &self.nodes[i - 1];
-        let factors = self.seen(i).and_then(|seen| {
-            if node.is_dirac() { self.dirac_factors(i, &seen) } else { Some(smooth_factors(&node.surface, &seen)) }
+        if let Vertex::Medium(point) = &node.vertex {
+            return medium_factors(point, -self.directions[i - 1], self.directions[i]);
+        }
+        let factors = self.seen(i).and_then(|seen| match self.surface(i) {
+            Some(at) if !node.is_dirac() => Some(smooth_factors(&at.surface, &seen)),
+            _ => self.dirac_factors(i, &seen),
         });
         factors.unwrap_or(Factors { f: Spectrum::ZERO, to_camera: 0.0, to_light: 0.0, perturbation: [0.0; 2] })
     }
 
     fn dirac_factors(&self, i: usize, seen: &Seen) -> Option<Factors> {
-        let (node, wo) = (&self.nodes[i - 1], seen.wo);
-        let dirac = |known, mode| node.surface.dirac(single(known), mode, node.lobe);
+        let (surface, lobe, wo) = (&self.surface(i)?.surface, self.nodes[i - 1].lobe, seen.wo);
+        let dirac = |known, mode| surface.dirac(single(known), mode, lobe);
         let (wi, chosen) = self.component(i, seen)?;
         let (camera, light) = (dirac(wi, TransportMode::Importance)?, dirac(wo, TransportMode::Radiance)?);
         let perturbation = [wo.z.abs() * f64::from(camera.eta).powi(2), wi.z.abs()];
@@ -322,8 +368,8 @@ impl<'a> FullPath<'a> {
     /// Returns wi of the Dirac component at xᵢ as passed to the BSDF, and the probability that a light subpath selects
     /// it.
     fn component(&self, i: usize, seen: &Seen) -> Option<(Local<f64>, f64)> {
-        let node = &self.nodes[i - 1];
-        let folds = folds(&node.point, &node.surface, self.directions[i].as_vec3(), node.lobe)?;
+        let at = self.surface(i)?;
+        let folds = folds(&at.point, &at.surface, self.directions[i].as_vec3(), self.nodes[i - 1].lobe)?;
         seen.wi.choice(folds.source)
     }
 
@@ -334,8 +380,8 @@ impl<'a> FullPath<'a> {
         let light = &lights.all()[self.emitter.index];
         let (index, end, wi) = (self.emitter.index, &self.emitter.end, -self.directions[0].as_vec3());
         let emission = light.pdf_le(self.scene.ball(), end, -wi);
-        let direct =
-            lights.end_pdf_li(&LightSampleContext::from(&self.nodes[0].point), index, end, wi, emission.position);
+        let receiver = self.nodes[0].vertex.context().expect("an interior vertex receives light");
+        let direct = lights.end_pdf_li(&receiver, index, end, wi, emission.position);
         let made = f64::from(lights.emitter_pmf(index).value()) * emission.position;
         let area_at_1 = self.cosines(1)[0] / self.lengths2[0];
         let from_light = |first: [f64; 2], of: &dyn Fn(&Factors) -> f64| {
@@ -399,18 +445,19 @@ impl<'a> FullPath<'a> {
         const ROUNDINGS: f64 = 16.0 * f32::EPSILON as f64;
         let error = |i: usize| match (i, self.emitter.end) {
             (0, EmitterPoint::Surface { error, .. }) => f64::from(error),
-            _ if (1..self.k()).contains(&i) => f64::from(self.nodes[i - 1].point.error),
+            _ if (1..self.k()).contains(&i) => self.nodes[i - 1].error(),
             _ => 0.0,
         };
         ROUNDINGS + 4.0 * (error(i) + error(i + 1)) / self.lengths2[i].sqrt()
     }
 
     fn verify_dirac(&self, i: usize) -> Result<(), String> {
-        let node = &self.nodes[i - 1];
+        let (lobe, surface) = (self.nodes[i - 1].lobe, self.surface(i).map(|at| &at.surface));
+        let surface = surface.ok_or_else(|| format!("vertex {i} is not on a surface"))?;
         let seen = self.seen(i).ok_or_else(|| format!("vertex {i} scatters nothing"))?;
         let component = self.component(i, &seen);
         let ((wi, _), wo) = (component.ok_or_else(|| format!("vertex {i} has no such component"))?, seen.wo);
-        let made = node.surface.dirac(single(wi), TransportMode::Importance, node.lobe);
+        let made = surface.dirac(single(wi), TransportMode::Importance, lobe);
         let made = made.ok_or_else(|| format!("vertex {i} has no such component"))?;
         let off = made.direction.cast::<f64>().plus(wo.reversed());
         let off = off.dot(off).sqrt();

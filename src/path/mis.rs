@@ -14,10 +14,16 @@
 //! rᵢ (a + q b), with a in [`PartialMis::vc`] and b in [`PartialMis::vc_prev`]. Every ratio is raised to the power of
 //! the heuristic first.
 //!
-//! Densities include neither roulette nor the transmittance of edges, so that weights are functions of the path.
+//! Densities include neither roulette nor surfaces that a walk passes, so that weights are functions of the path. In media
+//! that scatter, a walk reaches the end of an edge by a free flight, with the density [`crate::medium::density`] of the
+//! end. It is a factor of pᵢ and, with the other end, of rᵢ₋₁; a connection of both ends has no such factor. So it
+//! includes the transmittance of these media.
+//!
 //! Reference: [Veach97 §10.2].
 
+use crate::medium::density;
 use crate::sampling::Heuristic;
+use crate::spectrum::Spectrum;
 use glam::Vec3;
 
 /// Kind of technique, as named on the command line, in `render.toml` and in reports.
@@ -133,6 +139,28 @@ pub struct PartialMis {
     pub index: u32,
 }
 
+/// Densities of free flights along an edge: see [`crate::medium::density`].
+#[derive(Debug, Clone, Copy)]
+pub struct FlightPdfs {
+    /// Of its end, from its start.
+    pub forward: f64,
+    /// Of its start, from its end.
+    pub reverse: f64,
+}
+
+impl FlightPdfs {
+    /// Without media that scatter.
+    pub const CERTAIN: FlightPdfs = FlightPdfs { forward: 1.0, reverse: 1.0 };
+
+    /// Returns those of an edge whose media have the transmittance `through`, with the extinction at its two ends: see
+    /// [`super::Vertex::extinction`].
+    #[inline]
+    pub fn new(through: Spectrum, start: Spectrum, end: Spectrum) -> Self {
+        let [forward, reverse] = [end, start].map(|extinction| f64::from(density(through, extinction)));
+        FlightPdfs { forward, reverse }
+    }
+}
+
 /// Origin of a subpath edge.
 #[derive(Debug, Clone, Copy)]
 pub enum EdgeOrigin {
@@ -143,10 +171,25 @@ pub enum EdgeOrigin {
         /// Its geometric normal.
         ng: Vec3,
     },
-    /// At a point in space.
+    /// In a medium.
+    Medium {
+        /// The point.
+        p: Vec3,
+        /// σt there.
+        extinction: Spectrum,
+    },
+    /// At a point light.
     Point(Vec3),
     /// At the camera or at infinity. The known density is per area perpendicular to the edge, at its end.
     Distant,
+}
+
+impl EdgeOrigin {
+    /// Returns σt if it lies in a medium, else 1.
+    #[inline]
+    pub fn extinction(&self) -> Spectrum {
+        if let EdgeOrigin::Medium { extinction, .. } = self { *extinction } else { Spectrum::ONE }
+    }
 }
 
 /// Subpath edge with an end not yet found.
@@ -248,9 +291,10 @@ impl MisStrategy {
         if index < 2 { 1.0 } else { Self::factor(self.techniques.connect) }
     }
 
-    /// Returns the partial sums at a vertex at `p`, reached by `link` along the unit direction `w`; `cos` is its C(x).
+    /// Returns the partial sums at a vertex at `p`, reached by `link` along the unit direction `w` in a flight with the
+    /// densities `flight`; `cos` is its C(x).
     #[inline]
-    pub fn arrive(&self, link: &MisEdge, p: Vec3, cos: f32, w: Vec3) -> PartialMis {
+    pub fn arrive(&self, link: &MisEdge, p: Vec3, cos: f32, w: Vec3, flight: FlightPdfs) -> PartialMis {
         let cos = f64::from(cos);
         let (made, back) = match link.start {
             EdgeOrigin::Distant => (link.forward * cos, 1.0),
@@ -259,18 +303,22 @@ impl MisStrategy {
                 let d2 = squared_distance(from, p);
                 (link.forward * cos / d2, cosine(w, ng) / d2)
             }
+            EdgeOrigin::Medium { p: from, .. } => {
+                let d2 = squared_distance(from, p);
+                (link.forward * cos / d2, d2.recip())
+            }
         };
-        self.push_vertex(link, made, back)
+        self.push_vertex(link, made * flight.forward, back * flight.reverse)
     }
 
-    /// Returns the partial sums at infinity in the unit direction `w`.
+    /// Returns the partial sums at infinity in the unit direction `w`, reached in a flight with the densities `flight`.
     #[inline]
-    pub fn escape(&self, link: &MisEdge, w: Vec3) -> PartialMis {
+    pub fn escape(&self, link: &MisEdge, w: Vec3, flight: FlightPdfs) -> PartialMis {
         let back = match link.start {
             EdgeOrigin::Surface { ng, .. } => cosine(w, ng),
             _ => 1.0,
         };
-        self.push_vertex(link, link.forward, back)
+        self.push_vertex(link, link.forward * flight.forward, back * flight.reverse)
     }
 
     /// Appends a vertex with forward density `made`. `back` converts a density per solid angle at the vertex to one per
@@ -306,23 +354,25 @@ impl MisStrategy {
         1.0 / (1.0 + next_event + self.power(end) * self.power(ray) * sums.vc_prev)
     }
 
-    /// Returns the MIS weight of a light sample. `hit` is the BSDF sampling density over that of the sample, 0 for a
-    /// Dirac light. `earlier` is [`MisStrategy::earlier`] of the camera subpath.
+    /// Returns the density ratio of hitting a light instead of sampling it. `hit` is the density of the direction at the
+    /// receiver over that of the sample, 0 for a Dirac light.
     #[inline]
-    pub fn next_event(&self, hit: f64, earlier: f64) -> f64 {
-        1.0 / (1.0 + Self::factor(self.techniques.hit) * self.power(hit) + earlier)
+    pub fn instead_of_sample(&self, hit: f64) -> f64 {
+        Self::factor(self.techniques.hit) * self.power(hit)
     }
 
-    /// Returns the MIS weight of a vertex connection, given [`MisStrategy::earlier`] of both subpaths.
+    /// Returns the sum of the density ratios of the techniques that sample the vertex with `sums` from the camera,
+    /// relative to a connection to the camera. `seen` is the density per area with which camera rays sample the vertex,
+    /// `reverse` the density of the direction toward the light.
     #[inline]
-    pub fn connection(&self, light: f64, camera: f64) -> f64 {
-        1.0 / (1.0 + light + camera)
+    pub fn instead_of_splat(&self, sums: &PartialMis, seen: f64, reverse: f64) -> f64 {
+        self.earlier(sums, seen / self.light_walks, reverse)
     }
 
-    /// Returns the MIS weight of a connection to the camera. `seen` is the density per area with which camera rays
-    /// sample the vertex, `reverse` the density of the direction toward the light.
+    /// Returns the MIS weight of a connection. `others` are the density ratios of the techniques that walk along the edge
+    /// instead, to its end and to its start, without the densities `flight` of free flights.
     #[inline]
-    pub fn splat(&self, sums: &PartialMis, seen: f64, reverse: f64) -> f64 {
-        1.0 / (1.0 + self.earlier(sums, seen / self.light_walks, reverse))
+    pub fn connection(&self, [to_end, to_start]: [f64; 2], flight: FlightPdfs) -> f64 {
+        1.0 / (1.0 + to_end * self.power(flight.forward) + to_start * self.power(flight.reverse))
     }
 }

@@ -2,13 +2,14 @@
 //!
 //! Usage: `arrive`, connect the vertex, `depart`, repeat.
 
-use super::mis::{MisEdge, MisStrategy, PartialMis};
-use super::{Emitter, PreviousVertex, RandomWalk, SurfaceVertex, TraceStats, Vertex};
-use crate::bsdf::{Lobes, Shading};
+use super::mis::{FlightPdfs, MisEdge, MisStrategy, PartialMis};
+use super::{Emitter, FlightEnd, Flown, PreviousVertex, RandomWalk, Scatterer, SurfaceVertex, TraceStats, Vertex};
+use crate::bsdf::Lobes;
 use crate::camera::{Camera, CameraSample, LensPoint};
 use crate::geometry::SurfacePoint;
 use crate::light::{EmitterPoint, LeRandom, LightSampleContext};
-use crate::sampling::{Sampler, Slot};
+use crate::medium::PhaseSample;
+use crate::sampling::{Density, Sampler, Slot};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
@@ -31,10 +32,10 @@ pub struct SubpathVertex<'a> {
 }
 
 impl SubpathVertex<'_> {
-    /// See [`Vertex::shading`].
+    /// See [`Vertex::scatterer`].
     #[inline]
-    pub fn shading(&self) -> Option<Shading<'_>> {
-        self.vertex.shading(self.known, self.mode)
+    pub fn scatterer(&self) -> Option<Scatterer<'_>> {
+        self.vertex.scatterer(self.known, self.mode)
     }
 }
 
@@ -111,54 +112,93 @@ impl<'a> Subpath<'a> {
     /// Traces the current edge to its end.
     #[inline]
     pub fn arrive(&mut self, camera: &Camera, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Arrival<'a> {
-        let Some(mut point) = self.walk.arrive(sampler, tally) else {
-            return Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction));
-        };
+        if self.scene.features().scattering {
+            return self.fly(camera, sampler, tally);
+        }
+        match self.walk.arrive(sampler, tally) {
+            Some(point) => Arrival::Vertex(self.on_surface(camera, point, FlightPdfs::CERTAIN)),
+            None => Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction, FlightPdfs::CERTAIN)),
+        }
+    }
+
+    /// Does [`Subpath::arrive`] in a scene with media that scatter.
+    fn fly(&mut self, camera: &Camera, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Arrival<'a> {
+        let Flown { end, through } = self.walk.fly(sampler, tally);
+        let pdfs = |end| FlightPdfs::new(through, self.link.start.extinction(), end);
+        match end {
+            Some(FlightEnd::Surface(point)) => Arrival::Vertex(self.on_surface(camera, point, pdfs(Spectrum::ONE))),
+            Some(FlightEnd::Medium(point)) => {
+                let flight = pdfs(point.extinction);
+                let w = self.walk.ray.direction;
+                self.complete(camera, &LightSampleContext::from(&point), w);
+                let sums = self.weights.arrive(&self.link, point.p, 1.0, w, flight);
+                Arrival::Vertex(self.vertex(Vertex::Medium(point), sums))
+            }
+            None => Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction, pdfs(Spectrum::ONE))),
+        }
+    }
+
+    /// Returns the vertex on the surface at `point`, reached in a flight with the densities `flight`.
+    #[inline(always)] // see RandomWalk::arrive
+    fn on_surface(&mut self, camera: &Camera, mut point: SurfacePoint, flight: FlightPdfs) -> SubpathVertex<'a> {
         let (w, state) = (self.walk.ray.direction, self.walk.ray.state);
-        self.complete(camera, &point, w);
-        let sums = self.weights.arrive(&self.link, point.p, point.cos(w), w);
+        self.complete(camera, &LightSampleContext::from(&point), w);
+        let sums = self.weights.arrive(&self.link, point.p, point.cos(w), w, flight);
         let surface = self.scene.surface(&mut point, state.bodies);
+        self.vertex(Vertex::Surface(SurfaceVertex { point, surface, state }), sums)
+    }
+
+    /// Returns the vertex at which the walk has arrived.
+    #[inline(always)]
+    fn vertex(&self, vertex: Vertex<'a>, sums: PartialMis) -> SubpathVertex<'a> {
         let RandomWalk { beta, survival, mode, .. } = self.walk;
-        // The vertex is large. Made in the expression that returns it, it is not moved.
-        Arrival::Vertex(SubpathVertex {
-            vertex: Vertex::Surface(SurfaceVertex { point, surface, state }),
-            known: -w,
-            beta,
-            survival,
-            sums,
-            mode,
-        })
+        SubpathVertex { vertex, known: -self.walk.ray.direction, beta, survival, sums, mode }
     }
 
     /// Computes what the first edge of the subpath could not know before its end: the density of a camera ray at
-    /// `point`, and that of a light sample from `point` to the light.
+    /// `receiver`, and that of a light sample from there to the light.
     #[inline]
-    fn complete(&mut self, camera: &Camera, point: &SurfacePoint, w: Vec3) {
+    fn complete(&mut self, camera: &Camera, receiver: &LightSampleContext, w: Vec3) {
         match (&self.walk.departure, &self.start) {
             (PreviousVertex::Camera, &Start::Camera(lens)) => {
-                let seen = camera.sample_wi(point.p, lens);
+                let seen = camera.sample_wi(receiver.p, lens);
                 self.link.forward = seen.map_or(0.0, |seen| f64::from(seen.importance));
             }
             (PreviousVertex::Light, &Start::Light(index, ref end, [pmf, position])) => {
-                let receiver = LightSampleContext::from(point);
-                let direct = self.scene.lights().end_pdf_li(&receiver, index, end, -w, position);
+                let direct = self.scene.lights().end_pdf_li(receiver, index, end, -w, position);
                 self.weights.received(&mut self.link, direct, pmf * position);
             }
             _ => {}
         }
     }
 
-    /// Samples the BSDF at `vertex`, at which the walk has arrived. Returns the sampled component; `None` if nothing
-    /// scatters.
+    /// Samples the direction in which the walk leaves `vertex`, at which it has arrived. Returns the sampled component;
+    /// `None` if nothing scatters.
     #[inline]
-    pub fn depart(&mut self, vertex: &SubpathVertex, shading: &Shading, sampler: &mut impl Sampler) -> Option<Lobes> {
-        let SurfaceVertex { point, surface, .. } = vertex.vertex.surface()?;
-        let scatter = shading.sample(self.walk.scattering_numbers(surface, sampler))?;
-        let densities = shading.densities(&scatter);
-        let origin = vertex.vertex.origin();
-        self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), origin);
-        self.walk.depart(point, LightSampleContext::from(point), &scatter);
-        Some(scatter.lobe)
+    pub fn depart(
+        &mut self,
+        vertex: &SubpathVertex,
+        scatterer: &Scatterer,
+        sampler: &mut impl Sampler,
+    ) -> Option<Lobes> {
+        match (&vertex.vertex, scatterer) {
+            (Vertex::Surface(SurfaceVertex { point, surface, .. }), Scatterer::Surface(shading)) => {
+                let scatter = shading.sample(self.walk.scattering_numbers(surface, sampler))?;
+                let densities = shading.densities(&scatter);
+                let origin = vertex.vertex.origin();
+                self.link = self.weights.from_vertex(vertex.sums, densities, scatter.density.is_delta(), origin);
+                self.walk.depart(point, LightSampleContext::from(point), &scatter);
+                Some(scatter.lobe)
+            }
+            (Vertex::Medium(point), Scatterer::Medium(phase)) => {
+                let PhaseSample { direction, pdf } = phase.sample(sampler.u2(self.walk.bounce, Slot::Direction));
+                let densities = [f64::from(pdf.value()); 2];
+                self.link = self.weights.from_vertex(vertex.sums, densities, false, vertex.vertex.origin());
+                self.walk.scatter_in_medium(point, direction, Density::Smooth(pdf));
+                Some(Lobes::SMOOTH)
+            }
+            _ => None,
+        }
     }
 
     /// [`Subpath::depart`] followed by Russian roulette; `None` if the walk ends.
@@ -166,11 +206,11 @@ impl<'a> Subpath<'a> {
     pub fn go_on(
         &mut self,
         vertex: &SubpathVertex,
-        shading: &Shading,
+        scatterer: &Scatterer,
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,
     ) -> Option<Lobes> {
-        let lobe = self.depart(vertex, shading, sampler)?;
+        let lobe = self.depart(vertex, scatterer, sampler)?;
         self.walk.survives(sampler, tally).then_some(lobe)
     }
 }

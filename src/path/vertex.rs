@@ -2,17 +2,21 @@
 //! scattering, and the edges that leave it.
 
 use super::mis::EdgeOrigin;
+use super::scatterer::PhaseAt;
+use super::{MediumPoint, Scatterer};
 use crate::bsdf::{Bsdf, Lobes, Shading, Surface};
 use crate::camera::CameraPoint;
-use crate::geometry::{RayState, SurfacePoint};
+use crate::geometry::{Ray, RayState, SurfacePoint};
 use crate::light::{EmitterPoint, LightSampleContext};
 use crate::scene::{Edge, EdgeEnd, Scene};
+use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
 use glam::Vec3;
 use std::borrow::Cow;
 
 /// Vertex of a path.
 #[allow(clippy::large_enum_variant)] // nearly all vertices lie on surfaces
+#[derive(Clone)]
 pub enum Vertex<'a> {
     /// At the camera.
     Camera(CameraPoint),
@@ -21,10 +25,11 @@ pub enum Vertex<'a> {
     /// On a surface.
     Surface(SurfaceVertex<'a>),
     /// In a medium.
-    Medium(MediumVertex),
+    Medium(MediumPoint),
 }
 
 /// A vertex on a surface.
+#[derive(Clone)]
 pub struct SurfaceVertex<'a> {
     /// Surface point.
     pub point: SurfacePoint,
@@ -34,10 +39,6 @@ pub struct SurfaceVertex<'a> {
     pub state: RayState,
 }
 
-/// A scattering event in a medium. There is none, since media absorb only.
-#[derive(Debug, Clone, Copy)]
-pub enum MediumVertex {}
-
 impl Vertex<'_> {
     /// Returns C(x) for the unit direction `w`: |w·ng| on a surface, 1 in space. The camera's cosine is part of We.
     #[inline]
@@ -45,8 +46,9 @@ impl Vertex<'_> {
         match self {
             Vertex::Surface(vertex) => vertex.point.cos(w),
             Vertex::Light(EmitterPoint::Surface { ng, .. }) => w.dot(*ng).abs(),
-            Vertex::Camera(_) | Vertex::Light(EmitterPoint::Point(_) | EmitterPoint::Distant) => 1.0,
-            Vertex::Medium(none) => match *none {},
+            Vertex::Camera(_) | Vertex::Medium(_) | Vertex::Light(EmitterPoint::Point(_) | EmitterPoint::Distant) => {
+                1.0
+            }
         }
     }
 
@@ -58,7 +60,7 @@ impl Vertex<'_> {
             Vertex::Camera(eye) => Some(eye.p),
             Vertex::Light(EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p)) => Some(*p),
             Vertex::Light(EmitterPoint::Distant) => None,
-            Vertex::Medium(none) => match *none {},
+            Vertex::Medium(point) => Some(point.p),
         }
     }
 
@@ -67,37 +69,69 @@ impl Vertex<'_> {
     pub fn surface(&self) -> Option<&SurfaceVertex<'_>> {
         match self {
             Vertex::Surface(vertex) => Some(vertex),
-            Vertex::Camera(_) | Vertex::Light(_) => None,
-            Vertex::Medium(none) => match *none {},
+            Vertex::Camera(_) | Vertex::Light(_) | Vertex::Medium(_) => None,
         }
     }
 
     /// Returns it as the receiver of light samples; `None` for an endpoint.
     #[inline]
     pub fn context(&self) -> Option<LightSampleContext> {
-        self.surface().map(|vertex| LightSampleContext::from(&vertex.point))
+        match self {
+            Vertex::Surface(vertex) => Some(LightSampleContext::from(&vertex.point)),
+            Vertex::Medium(point) => Some(LightSampleContext::from(point)),
+            Vertex::Camera(_) | Vertex::Light(_) => None,
+        }
     }
 
-    /// Returns the BSDF for the direction `known`; `None` if nothing scatters, as where `known` lies on different sides
-    /// of the shading and geometric normals.
+    /// Returns its scattering for the direction `known`; `None` if nothing scatters, as where `known` lies on different
+    /// sides of the shading and geometric normals of a surface.
     #[inline]
-    pub fn shading(&self, known: Vec3, mode: TransportMode) -> Option<Shading<'_>> {
-        let SurfaceVertex { point, surface, .. } = self.surface()?;
-        Shading::new(point, surface, known, mode)
+    pub fn scatterer(&self, known: Vec3, mode: TransportMode) -> Option<Scatterer<'_>> {
+        match self {
+            Vertex::Surface(SurfaceVertex { point, surface, .. }) => {
+                Shading::new(point, surface, known, mode).map(Scatterer::Surface)
+            }
+            Vertex::Medium(point) => Some(Scatterer::Medium(PhaseAt::new(point, known))),
+            Vertex::Camera(_) | Vertex::Light(_) => None,
+        }
     }
 
     /// Whether it scatters smoothly, so that connections can carry light.
     #[inline]
     pub fn is_connectible(&self) -> bool {
-        self.surface().is_some_and(|vertex| vertex.surface.lobes().intersects(Lobes::SMOOTH))
+        match self {
+            Vertex::Surface(vertex) => vertex.surface.lobes().intersects(Lobes::SMOOTH),
+            Vertex::Medium(_) => true,
+            Vertex::Camera(_) | Vertex::Light(_) => false,
+        }
+    }
+
+    /// Returns σt if it lies in a medium, else 1: see [`density`](crate::medium::density).
+    #[inline]
+    pub fn extinction(&self) -> Spectrum {
+        if let Vertex::Medium(point) = self { point.extinction } else { Spectrum::ONE }
     }
 
     /// Returns the edge in the unit direction `w` to `end`; `None` from an endpoint, since connections begin where
     /// light scatters.
     #[inline]
     pub fn edge_to(&self, scene: &Scene, w: Vec3, end: EdgeEnd) -> Option<Edge> {
-        let SurfaceVertex { point, state, .. } = self.surface()?;
-        Some(Edge::new(scene, point, *state, w, end))
+        match self {
+            Vertex::Surface(SurfaceVertex { point, state, .. }) => Some(Edge::new(scene, point, *state, w, end)),
+            Vertex::Medium(point) => Some(Edge::from_medium(point.p, point.state, w, end)),
+            Vertex::Camera(_) | Vertex::Light(_) => None,
+        }
+    }
+
+    /// Returns a ray that leaves it in the unit direction `w`; `None` from an endpoint.
+    pub fn spawn(&self, scene: &Scene, w: Vec3) -> Option<Ray> {
+        match self {
+            Vertex::Surface(SurfaceVertex { point, state, .. }) => {
+                Some(point.spawn(w).carrying(scene.state_toward(point, *state, w)))
+            }
+            Vertex::Medium(point) => Some(Ray::new(point.p, w).carrying(point.state)),
+            Vertex::Camera(_) | Vertex::Light(_) => None,
+        }
     }
 
     /// Returns it as the far end of an edge.
@@ -107,7 +141,7 @@ impl Vertex<'_> {
             Vertex::Camera(eye) => EdgeEnd::Camera(*eye),
             Vertex::Light(end) => EdgeEnd::Light(*end),
             Vertex::Surface(vertex) => EdgeEnd::Surface(&vertex.point),
-            Vertex::Medium(none) => match *none {},
+            Vertex::Medium(point) => EdgeEnd::Medium(point.p, point.extinction),
         }
     }
 
@@ -119,7 +153,7 @@ impl Vertex<'_> {
             | Vertex::Light(EmitterPoint::Surface { p, ng, .. }) => EdgeOrigin::Surface { p: *p, ng: *ng },
             Vertex::Light(EmitterPoint::Point(p)) => EdgeOrigin::Point(*p),
             Vertex::Camera(_) | Vertex::Light(EmitterPoint::Distant) => EdgeOrigin::Distant,
-            Vertex::Medium(none) => match *none {},
+            Vertex::Medium(MediumPoint { p, extinction, .. }) => EdgeOrigin::Medium { p: *p, extinction: *extinction },
         }
     }
 }

@@ -88,8 +88,8 @@ pub enum PreviousVertex {
     Camera,
     /// A light.
     Light,
-    /// A surface point, with the density of the sampled direction.
-    Surface(LightSampleContext, Density),
+    /// A point that scatters, with the density of the sampled direction.
+    Scattered(LightSampleContext, Density),
 }
 
 /// State of a random walk.
@@ -213,7 +213,7 @@ impl<'a> RandomWalk<'a> {
     pub(super) fn trace(&self, tally: &mut TraceStats) -> Option<SurfacePoint> {
         let class = match self.departure {
             PreviousVertex::Camera => RayClass::Camera,
-            PreviousVertex::Light | PreviousVertex::Surface(..) => RayClass::Bounce(self.depth),
+            PreviousVertex::Light | PreviousVertex::Scattered(..) => RayClass::Bounce(self.depth),
         };
         match class {
             RayClass::Camera => tally.cameras += 1,
@@ -306,7 +306,7 @@ impl<'a> RandomWalk<'a> {
         self.depth += 1;
         self.bounce += 1;
         let state = self.scene.state_toward(point, self.ray.state, scatter.direction);
-        self.departure = PreviousVertex::Surface(from, scatter.density);
+        self.departure = PreviousVertex::Scattered(from, scatter.density);
         self.ray = point.spawn(scatter.direction).carrying(state);
     }
 

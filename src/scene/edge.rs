@@ -6,6 +6,7 @@ use crate::accel::RayClass;
 use crate::camera::CameraPoint;
 use crate::geometry::{Bodies, Hit, Ray, RayState, SurfacePoint, spawn_segment};
 use crate::light::EmitterPoint;
+use crate::medium::Homogeneous;
 use crate::numeric::BELOW_ONE;
 use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
@@ -41,6 +42,8 @@ pub enum EdgeEnd<'e> {
     Light(EmitterPoint),
     /// A surface.
     Surface(&'e SurfacePoint),
+    /// A point in a medium, and σt there.
+    Medium(Vec3, Spectrum),
 }
 
 /// Throughput of an edge.
@@ -48,8 +51,28 @@ pub enum EdgeEnd<'e> {
 pub struct EdgeThroughput {
     /// Transmittance.
     pub through: Spectrum,
+    /// Transmittance of the media that scatter alone: what free flights along the edge depend on.
+    pub flight: Spectrum,
     /// Probability that a walk passes all surfaces on the edge.
     pub chance: f32,
+}
+
+impl EdgeThroughput {
+    /// A free edge through empty space.
+    const CLEAR: EdgeThroughput = EdgeThroughput { through: Spectrum::ONE, flight: Spectrum::ONE, chance: 1.0 };
+    /// An edge that no light passes.
+    const BLOCKED: EdgeThroughput = EdgeThroughput { through: Spectrum::ZERO, ..EdgeThroughput::CLEAR };
+
+    /// Adds `length` of `medium`.
+    #[inline]
+    fn cross(&mut self, medium: Option<&Homogeneous>, length: f32) {
+        let Some(medium) = medium else { return };
+        let through = medium.transmittance(length);
+        self.through *= through;
+        if medium.scatters() {
+            self.flight *= through;
+        }
+    }
 }
 
 impl Passage {
@@ -70,7 +93,7 @@ impl Edge {
         let state = scene.state_toward(point, state, w);
         let (p, error, ng, touched) = match end {
             EdgeEnd::Light(EmitterPoint::Surface { p, error, ng, touched }) => (p, error, ng, touched),
-            EdgeEnd::Camera(CameraPoint { p, .. }) | EdgeEnd::Light(EmitterPoint::Point(p)) => {
+            EdgeEnd::Camera(CameraPoint { p, .. }) | EdgeEnd::Light(EmitterPoint::Point(p)) | EdgeEnd::Medium(p, _) => {
                 (p, 0.0, point.ng, Hit::NONE)
             }
             EdgeEnd::Light(EmitterPoint::Distant) => {
@@ -82,19 +105,23 @@ impl Edge {
         Edge { ray, to_camera: matches!(end, EdgeEnd::Camera(_)) }
     }
 
-    /// Creates the edge from the point `p` in a medium, where rays have this `state`, in the unit direction `w` to a
-    /// light.
+    /// Creates the edge from the point `p` in a medium, where rays have this `state`, in the unit direction `w` to
+    /// `end`.
     #[inline]
-    pub fn from_medium(p: Vec3, state: RayState, w: Vec3, end: EmitterPoint) -> Self {
-        let ray = match end {
-            EmitterPoint::Surface { p: to, error, ng, touched: Hit::NONE } => spawn_segment(p, 0.0, w, to, error, ng),
-            EmitterPoint::Surface { p: to, touched, .. } => {
-                Ray { t_max: BELOW_ONE, end: touched, ..Ray::new(p, to - p) }
-            }
-            EmitterPoint::Point(to) => Ray { t_max: BELOW_ONE, ..Ray::new(p, to - p) },
-            EmitterPoint::Distant => Ray::new(p, w),
+    pub fn from_medium(p: Vec3, state: RayState, w: Vec3, end: EdgeEnd) -> Self {
+        let surface = |to, error, ng, touched| match touched {
+            Hit::NONE => spawn_segment(p, 0.0, w, to, error, ng),
+            end => Ray { t_max: BELOW_ONE, end, ..Ray::new(p, to - p) },
         };
-        Edge { ray: ray.carrying(state), to_camera: false }
+        let ray = match end {
+            EdgeEnd::Light(EmitterPoint::Surface { p, error, ng, touched }) => surface(p, error, ng, touched),
+            EdgeEnd::Surface(other) => surface(other.p, other.error, other.ng, other.touched()),
+            EdgeEnd::Light(EmitterPoint::Distant) => Ray::new(p, w),
+            EdgeEnd::Camera(CameraPoint { p: to, .. })
+            | EdgeEnd::Light(EmitterPoint::Point(to))
+            | EdgeEnd::Medium(to, _) => Ray { t_max: BELOW_ONE, ..Ray::new(p, to - p) },
+        };
+        Edge { ray: ray.carrying(state), to_camera: matches!(end, EdgeEnd::Camera(_)) }
     }
 
     /// Returns its ray: up to the parameter 1, or free to infinity.
@@ -140,40 +167,46 @@ impl Scene {
     }
 
     /// Returns the transmittance of `edge`, and adds the number of traced rays to `rays`. Media on the edge take their
-    /// random numbers from `_sampler` at the bounce `_bounce`; absorption needs none.
+    /// random numbers from `_sampler` at the bounce `_bounce`; homogeneous ones need none.
     #[inline]
     pub fn transmittance(&self, edge: &Edge, _sampler: &mut impl Sampler, _bounce: u32, rays: &mut u64) -> Spectrum {
-        self.clearance(edge, rays)
+        self.clear(edge, rays).through
+    }
+
+    /// Traces `edge` and returns its throughput, black if a surface blocks it: see [`Scene::transmittance`].
+    #[inline]
+    pub fn clearance(&self, edge: &Edge, _sampler: &mut impl Sampler, _bounce: u32, rays: &mut u64) -> EdgeThroughput {
+        self.clear(edge, rays)
     }
 
     /// Returns whether no light passes `edge`, and adds the number of traced rays to `rays`.
     #[inline]
     pub fn is_blocked(&self, edge: &Edge, rays: &mut u64) -> bool {
-        self.clearance(edge, rays).is_black()
+        self.clear(edge, rays).through.is_black()
     }
 
-    /// Returns the transmittance of all surfaces and absorbing media on `edge`.
+    /// Traces `edge` and returns its throughput; black if a surface blocks it.
     #[inline]
-    fn clearance(&self, edge: &Edge, rays: &mut u64) -> Spectrum {
+    fn clear(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
         let Edge { ray, to_camera } = edge;
         self.accel.announce(RayClass::Shadow);
         if self.features.content() || *to_camera && self.features.culled {
-            return self.content(edge, rays).through;
+            return self.content(edge, rays);
         }
-        if self.is_occluded(ray, rays) {
-            Spectrum::ZERO
-        } else {
-            self.extinction(ray.state.bodies, segment_length(ray))
-        }
+        if self.is_occluded(ray, rays) { EdgeThroughput::BLOCKED } else { self.media_of(ray) }
     }
 
     /// Returns the throughput of `edge`, on which nothing stops light, and the probability that walks pass it.
     pub fn throughput(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
-        if self.features.content() {
-            return self.content(edge, rays);
-        }
-        let through = self.extinction(edge.ray.state.bodies, segment_length(&edge.ray));
-        EdgeThroughput { through, chance: 1.0 }
+        if self.features.content() { self.content(edge, rays) } else { self.media_of(&edge.ray) }
+    }
+
+    /// Returns the throughput of the medium around `ray`, on which there is no surface.
+    #[inline]
+    fn media_of(&self, ray: &Ray) -> EdgeThroughput {
+        let mut found = EdgeThroughput::CLEAR;
+        found.cross(self.medium(ray.state.bodies), segment_length(ray));
+        found
     }
 
     /// Returns whether the end of `edge` does not see the surface at `point`.
@@ -186,14 +219,14 @@ impl Scene {
     fn content(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
         let mut ray = edge.ray;
         let (end, unit) = (ray.at(1.0), ray.direction.normalize());
-        let mut found = EdgeThroughput { through: Spectrum::ONE, chance: 1.0 };
+        let mut found = EdgeThroughput::CLEAR;
         while !found.through.is_black() {
             *rays += 1;
             let Some(point) = self.intersect(&ray) else {
-                found.through *= self.extinction(ray.state.bodies, segment_length(&ray));
+                found.cross(self.medium(ray.state.bodies), segment_length(&ray));
                 break;
             };
-            found.through *= self.extinction(ray.state.bodies, ray.direction.length() * point.t);
+            found.cross(self.medium(ray.state.bodies), ray.direction.length() * point.t);
             if !self.is_unseen(edge, &point) {
                 let passage = self.passage(&point, unit, ray.state.bodies);
                 found.through *= passage.through;

@@ -1,10 +1,11 @@
 //! Identities that hold on every path, whichever technique made it.
 
-use crate::made::{Made, Studio};
+use crate::made::{Made, Studio, evaluate};
 use etendue::bsdf::{Bsdf, Lobes};
 use etendue::camera::Camera;
-use etendue::path::{FullPath, MisStrategy, Technique, Techniques};
+use etendue::path::{FullPath, MisStrategy, PathVertex, Technique, Techniques};
 use etendue::sampling::Heuristic;
+use etendue::scene::Scene;
 use etendue_testing::deep;
 use etendue_testing::worlds::{World, all};
 use glam::DVec3;
@@ -24,18 +25,26 @@ fn product_error(made: &Made, world: &World) -> f64 {
     let epsilon = f64::from(f32::EPSILON);
     let cosines: f64 = cosines(made, made.path.directions()).map(f64::recip).sum();
     let nodes = made.nodes.windows(2);
-    let shortest = nodes.map(|pair| f64::from(pair[0].point.p.distance(pair[1].point.p))).fold(1.0, f64::min);
-    let refracting =
-        made.nodes.iter().filter(|n| n.surface.lobes().intersects(Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)));
+    let shortest = nodes.map(|pair| f64::from(pair[0].p().distance(pair[1].p()))).fold(1.0, f64::min);
+    let refracting = made.nodes.iter().filter(|n| has(n, Lobes::TRANSMIT.union(Lobes::DIRAC_TRANSMIT)));
     // What edges pass is met at points that are known within some sixteen roundings. What it lets through is a concave
     // function of the cosine that is not below 0 at 0, so that its relative change is at most that of the cosine. All
     // panes are level.
     let edges = (0..made.path.k()).map(|i| made.path.length(i)).fold(1.0, f64::min);
     let grazing = made.path.directions().iter().map(|w| w.y.abs()).fold(1.0, f64::min);
     let passed = if world.scene.features().content() { 16.0 * epsilon / edges / grazing } else { 0.0 };
+    // The exponent of a transmittance is off by that of the length of its edge: some sixteen roundings of a place at either
+    // end. A phase function changes by 3 / (1 − |g|) times the change of a direction at most.
+    let flown = 32.0 * epsilon * world.fog * (made.path.k() as f64 + 1.0 / edges);
     4.0 * epsilon * (made.nodes.len() as f64 * 4.0 / alpha + cosines + shortest.recip())
         + refracting.count() as f64 * epsilon.sqrt()
         + passed
+        + flown
+}
+
+/// Whether a vertex lies on a surface with any of `lobes`.
+fn has(node: &PathVertex, lobes: Lobes) -> bool {
+    node.vertex.surface().is_some_and(|at| at.surface.lobes().intersects(lobes))
 }
 
 fn weights(techniques: Techniques, heuristic: Heuristic) -> MisStrategy {
@@ -82,7 +91,7 @@ fn each_path(walks: u64, check: impl Fn(&World, &Camera, &MisStrategy, &Made)) {
 fn mis_weights_sum_to_one_and_recursion_matches_definition() {
     let (worst, count, beyond) = (Cell::new(0.0f64), Cell::new(0u64), Cell::new(0u64));
     each_path(200, |world, _, weights, made| {
-        let densities = made.path.evaluate(weights).densities;
+        let densities = evaluate(&world.scene, &made.path, weights).densities;
         let sum: f64 = (0..=made.path.k()).map(|s| densities.weight(weights, s)).sum();
         // a dozen terms in f64
         assert!((sum - 1.0).abs() < 1e-10, "{} ({}, {}): weights sum to {sum}", world.name, made.s, made.t);
@@ -117,8 +126,8 @@ fn mis_weights_sum_to_one_and_recursion_matches_definition() {
 fn technique_contribution_is_integrand_over_density() {
     let (worst, count, critical) = (Cell::new(0.0f64), Cell::new(0u64), Cell::new(0u64));
     each_path(200, |world, _, weights, made| {
-        let off = value_off(weights, made);
-        let is_rough_glass = made.nodes.iter().any(|n| n.surface.lobes().intersects(Lobes::TRANSMIT));
+        let off = value_off(&world.scene, weights, made);
+        let is_rough_glass = made.nodes.iter().any(|n| has(n, Lobes::TRANSMIT));
         count.set(count.get() + 1);
         if off < product_error(made, world) {
             worst.set(worst.get().max(off));
@@ -134,8 +143,8 @@ fn technique_contribution_is_integrand_over_density() {
 }
 
 /// The largest relative error over the lanes.
-fn value_off(weights: &MisStrategy, made: &Made) -> f64 {
-    let found = made.path.evaluate(weights);
+fn value_off(scene: &Scene, weights: &MisStrategy, made: &Made) -> f64 {
+    let found = evaluate(scene, &made.path, weights);
     let log = found.densities.log[made.s].unwrap_or_else(|| panic!("({}, {}) cannot be", made.s, made.t));
     // A splat is found per walk; the density counts all walks.
     let walks = if made.t == 1 { weights.light_walks } else { 1.0 };
@@ -162,8 +171,9 @@ fn mis_weights_recomputed_from_positions_match() {
         let turned = kept.iter().zip(&straight).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
         let grazing = cosines(made, &straight).fold(1.0, f64::min);
         let again = FullPath::new(&world.scene, camera, eye, made.emitter, made.nodes.clone(), straight);
-        let [a, b] = [&made.path, &again].map(|path| path.evaluate(weights).densities.weight(weights, made.s));
-        let bound = 1e-10 + 8.0 * made.path.k() as f64 * turned * (1.0 / world.alpha + 1.0 / grazing);
+        let [a, b] =
+            [&made.path, &again].map(|path| evaluate(&world.scene, path, weights).densities.weight(weights, made.s));
+        let bound = 1e-10 + 8.0 * made.path.k() as f64 * turned * (1.0 / world.alpha + 1.0 / grazing + world.fog);
         worst.set(worst.get().max((a - b).abs()));
         assert!((a - b).abs() < bound, "{} ({}, {}): {a} and {b}, bound {bound:e}", world.name, made.s, made.t);
     });
@@ -172,8 +182,9 @@ fn mis_weights_recomputed_from_positions_match() {
 
 /// Cosines of both directions at every vertex, to either normal.
 fn cosines<'a>(made: &'a Made, directions: &'a [DVec3]) -> impl Iterator<Item = f64> + 'a {
-    made.nodes.iter().enumerate().flat_map(move |(i, node)| {
-        let normals = [node.point.ng, node.point.frame.n];
+    let on_surfaces = made.nodes.iter().enumerate().filter_map(|(i, node)| Some((i, node.vertex.surface()?)));
+    on_surfaces.flat_map(move |(i, at)| {
+        let normals = [at.point.ng, at.point.frame.n];
         normals.into_iter().flat_map(move |n| [directions[i], directions[i + 1]].map(|w| w.dot(n.as_dvec3()).abs()))
     })
 }

@@ -4,8 +4,8 @@ use etendue::bsdf::Lobes;
 use etendue::camera::{Camera, LensPoint};
 use etendue::light::{ChosenLight, EmitterPoint, Light, LightSampleContext};
 use etendue::path::{
-    Arrival, Emitter, FullPath, MisStrategy, PartialMis, PathVertex, Subpath, SubpathVertex, SurfaceVertex, TraceStats,
-    Vertex, connect, next_event, splat,
+    Arrival, Connection, Content, Emitter, Evaluation, FullPath, MisStrategy, PartialMis, PathVertex, Subpath,
+    SubpathVertex, TraceStats, Vertex, connect, next_event, splat,
 };
 use etendue::sampling::{Address, IndependentSampler, Sampler, Slot};
 use etendue::scene::{EdgeEnd, Scene};
@@ -36,6 +36,15 @@ pub(crate) struct Made<'a> {
     pub(crate) nodes: Vec<PathVertex>,
 }
 
+/// Evaluates `path` with the densities of free flights.
+pub(crate) fn evaluate(scene: &Scene, path: &FullPath, weights: &MisStrategy) -> Evaluation {
+    let (f, mut steps) = path.steps();
+    if let Some(content) = Content::of(scene, path, &mut 0) {
+        content.fly(&mut steps);
+    }
+    Evaluation { f, densities: path.densities(weights, &steps) }
+}
+
 /// What both walks and their sampler have in common.
 pub(crate) struct Studio<'a> {
     pub(crate) scene: &'a Scene,
@@ -45,8 +54,19 @@ pub(crate) struct Studio<'a> {
 }
 
 impl<'a> Step<'a> {
-    fn at(&self) -> &SurfaceVertex<'_> {
-        self.vertex.vertex.surface().expect("on a surface")
+    /// Its place.
+    fn p(&self) -> Vec3 {
+        self.vertex.vertex.p().expect("a place")
+    }
+
+    /// It as a receiver of light.
+    fn receiver(&self) -> LightSampleContext {
+        self.vertex.vertex.context().expect("an interior vertex")
+    }
+
+    /// Where edges to it end.
+    fn end(&self) -> EdgeEnd<'_> {
+        self.vertex.vertex.as_end()
     }
 
     fn is_connectible(&self) -> bool {
@@ -70,7 +90,7 @@ struct Sky {
 }
 
 impl<'a> Studio<'a> {
-    fn walk(&self, mut path: Subpath<'a>, mut from: EmitterPoint, sampler: &mut IndependentSampler) -> SubpathEnd<'a> {
+    fn walk(&self, mut path: Subpath<'a>, from: EmitterPoint, sampler: &mut IndependentSampler) -> SubpathEnd<'a> {
         let (mut steps, mut tally) = (Vec::<Step>::new(), TraceStats::default());
         let mut through: Spectrum = Spectrum::ONE;
         loop {
@@ -78,17 +98,18 @@ impl<'a> Studio<'a> {
                 Arrival::Vertex(vertex) => vertex,
                 Arrival::Infinity(sums) => {
                     let w = path.walk.ray.direction;
-                    let last =
-                        steps.last().map(|step: &Step| self.carried(&step.vertex.vertex, EmitterPoint::Distant, w));
+                    let last = steps
+                        .last()
+                        .map(|step: &Step| self.carried(&step.vertex.vertex, EdgeEnd::Light(EmitterPoint::Distant), w));
                     let undo = (through * last.unwrap_or(Spectrum::ONE)).map(|x: f32| path.walk.survival / x);
                     let sky = Sky { sums, w: path.walk.ray.direction, beta: path.walk.beta, undo };
                     return SubpathEnd { steps, sky: Some(sky), lens: LensPoint::CENTRE };
                 }
             };
-            through *= self.carried(&vertex.vertex, from, vertex.known);
-            from = EmitterPoint::from(&vertex.vertex.surface().expect("on a surface").point);
+            let before = steps.last().map_or(EdgeEnd::Light(from), |step| step.end());
+            through *= self.carried(&vertex.vertex, before, vertex.known);
             let undo = through.map(|x: f32| path.walk.survival / x);
-            let left = vertex.shading().and_then(|shading| path.go_on(&vertex, &shading, sampler, &mut tally));
+            let left = vertex.scatterer().and_then(|scatterer| path.go_on(&vertex, &scatterer, sampler, &mut tally));
             steps.push(Step { vertex, lobe: left.unwrap_or(Lobes::SMOOTH), undo });
             if left.is_none() || steps.len() == LONGEST {
                 return SubpathEnd { steps, sky: None, lens: LensPoint::CENTRE };
@@ -97,8 +118,8 @@ impl<'a> Studio<'a> {
     }
 
     /// What the edge between a vertex and the `end` in direction `w` carries.
-    fn carried(&self, vertex: &Vertex, end: EmitterPoint, w: Vec3) -> Spectrum {
-        let edge = vertex.edge_to(self.scene, w, EdgeEnd::Light(end)).expect("from a surface");
+    fn carried(&self, vertex: &Vertex, end: EdgeEnd, w: Vec3) -> Spectrum {
+        let edge = vertex.edge_to(self.scene, w, end).expect("not from an endpoint");
         self.scene.throughput(&edge, &mut 0).through
     }
 
@@ -138,18 +159,18 @@ impl<'a> Studio<'a> {
         for (i, y) in light.iter().enumerate().filter(|(_, y)| y.is_connectible()) {
             let lens = self.camera.sample_lens(|| sampler.u2(i as u32 + 1, Slot::Lens));
             if let Some(found) = splat(self.scene, &self.weights, self.camera, lens, &y.vertex) {
-                let toward = self.camera.sample_wi(y.at().point.p, lens).expect("seen").wi;
+                let toward = self.camera.sample_wi(y.p(), lens).expect("seen").wi;
                 let value = found.connection.value * y.undo;
-                let weight = found.connection.weight;
+                let weight = self.weight(&found.connection);
                 made.extend(self.made(*emitter, &light[..=i], (&[], lens), toward, value, weight, 1));
             }
             for (j, z) in camera.steps.iter().enumerate().filter(|(_, z)| z.is_connectible()) {
-                let Some(shading) = z.vertex.shading() else { continue };
-                let Some(found) = connect(&self.weights, &y.vertex, &z.vertex, &shading) else { continue };
-                let across = (z.at().point.p - y.at().point.p).normalize();
+                let Some(scatterer) = z.vertex.scatterer() else { continue };
+                let Some(found) = connect(&self.weights, &y.vertex, &z.vertex, &scatterer) else { continue };
+                let across = (z.p() - y.p()).normalize();
                 let value = found.value * y.undo * z.undo;
-                let eye = (&camera.steps[..=j], camera.lens);
-                made.extend(self.made(*emitter, &light[..=i], eye, across, value, found.weight, j + 2));
+                let (eye, weight) = ((&camera.steps[..=j], camera.lens), self.weight(&found));
+                made.extend(self.made(*emitter, &light[..=i], eye, across, value, weight, j + 2));
             }
         }
     }
@@ -158,12 +179,12 @@ impl<'a> Studio<'a> {
     fn ended(&self, camera: &SubpathEnd<'a>, sampler: &mut IndependentSampler, made: &mut Vec<Made<'a>>) {
         for (j, z) in camera.steps.iter().enumerate() {
             let steps = &camera.steps[..=j];
-            let shading = z.vertex.shading().filter(|_| z.is_connectible());
-            if let Some(shading) = shading {
-                if let Some(found) = next_event(self.scene, &self.weights, &z.vertex, &shading, sampler) {
-                    let (emitter, wi) = self.sampled(z.at(), sampler, j as u32);
+            let scatterer = z.vertex.scatterer().filter(|_| z.is_connectible());
+            if let Some(scatterer) = scatterer {
+                if let Some(found) = next_event(self.scene, &self.weights, &z.vertex, &scatterer, sampler) {
+                    let (emitter, wi) = self.sampled(&z.receiver(), sampler, j as u32);
                     let (eye, value) = ((steps, camera.lens), found.value * z.undo);
-                    made.extend(self.made(emitter, &[], eye, -wi, value, found.weight, j + 2));
+                    made.extend(self.made(emitter, &[], eye, -wi, value, self.weight(&found), j + 2));
                 }
             }
             if j > 0 {
@@ -175,20 +196,28 @@ impl<'a> Studio<'a> {
         }
     }
 
-    /// The light that next-event estimation samples from `z` with the random numbers of `bounce`, and its direction.
-    fn sampled(&self, z: &SurfaceVertex, sampler: &mut IndependentSampler, bounce: u32) -> (Emitter, Vec3) {
-        let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(&z.point));
+    /// The weight of a connection, as if nothing stood in its way.
+    fn weight(&self, found: &Connection) -> f64 {
+        let edge = found.edge(self.scene).expect("not from an endpoint");
+        found.weight(&self.weights, self.scene.throughput(&edge, &mut 0).flight)
+    }
+
+    /// The light that next-event estimation samples from a receiver with the random numbers of `bounce`, and its
+    /// direction.
+    fn sampled(&self, receiver: &LightSampleContext, sampler: &mut IndependentSampler, bounce: u32) -> (Emitter, Vec3) {
+        let lights = self.scene.lights();
         let u = sampler.u2(bounce, Slot::LightPoint);
-        let chosen = lights.choose(&receiver, u, || sampler.u1(bounce, Slot::LightPick));
+        let chosen = lights.choose(receiver, u, || sampler.u1(bounce, Slot::LightPick));
         let ChosenLight { index, u, .. } = chosen.expect("a light");
-        let sample = lights.all()[index].sample_li(&receiver, u).expect("a sample");
-        let falloff = if let EmitterPoint::Point(p) = sample.end { p.distance_squared(z.point.p) } else { 1.0 };
+        let sample = lights.all()[index].sample_li(receiver, u).expect("a sample");
+        let falloff = if let EmitterPoint::Point(p) = sample.end { p.distance_squared(receiver.p) } else { 1.0 };
         (Emitter { index, end: sample.end, radiance: sample.radiance * falloff }, sample.wi)
     }
 
     /// The last vertex of a walk from the camera as a light.
     fn hit(&self, steps: &[Step<'a>], lens: LensPoint) -> Option<Made<'a>> {
-        let (z, point) = (&steps.last()?.vertex, steps.last()?.at().point);
+        let z = &steps.last()?.vertex;
+        let point = z.vertex.surface()?.point;
         let (index, light) = self.scene.light_at(&point)?;
         let Light::Area(area) = light else { return None };
         let radiance = area.radiance(point.barycentric, z.known);
@@ -197,8 +226,7 @@ impl<'a> Studio<'a> {
         }
         let lights = self.scene.lights();
         let density = light.pdf_le(self.scene.ball(), &EmitterPoint::from(&point), z.known);
-        let before = &steps[steps.len() - 2].at().point;
-        let (receiver, end) = (LightSampleContext::from(before), EmitterPoint::from(&point));
+        let (receiver, end) = (steps[steps.len() - 2].receiver(), EmitterPoint::from(&point));
         let direct = lights.end_pdf_li(&receiver, index, &end, -z.known, density.position);
         let ends = [direct, f64::from(lights.emitter_pmf(index).value()) * density.position];
         let weight = self.weights.hit(&z.sums, ends, density.direction);
@@ -214,8 +242,7 @@ impl<'a> Studio<'a> {
         let (radiance, pdf) = environment.along(sky.w);
         let lights = self.scene.lights();
         let density = lights.all()[index].pdf_le(self.scene.ball(), &EmitterPoint::Distant, -sky.w);
-        let z = &steps.last()?.at().point;
-        let pmfs = [lights.pmf(&LightSampleContext::from(z), index), lights.emitter_pmf(index)];
+        let pmfs = [lights.pmf(&steps.last()?.receiver(), index), lights.emitter_pmf(index)];
         let ends = pmfs.map(|pmf| f64::from(pmf.value() * pdf.value()));
         let weight = self.weights.hit(&sky.sums, ends, density.direction);
         let emitter = Emitter { index, end: EmitterPoint::Distant, radiance };
@@ -237,7 +264,8 @@ impl<'a> Studio<'a> {
     ) -> Option<Made<'a>> {
         let of = |steps: &[Step<'a>], i: usize, joins: bool| {
             let joined = joins && i + 1 == steps.len();
-            PathVertex::new(&steps[i].vertex, if joined { Lobes::SMOOTH } else { steps[i].lobe }).expect("on a surface")
+            PathVertex::new(&steps[i].vertex, if joined { Lobes::SMOOTH } else { steps[i].lobe })
+                .expect("an interior vertex")
         };
         let s = light.len() + camera.len() + 2 - t;
         let mut nodes: Vec<PathVertex> = (0..light.len()).map(|i| of(light, i, true)).collect();
@@ -246,7 +274,7 @@ impl<'a> Studio<'a> {
         let mut directions: Vec<DVec3> = light.iter().map(|step| -step.vertex.known.as_dvec3()).collect();
         directions.push(across.as_dvec3());
         directions.extend(camera.iter().rev().map(|step| step.vertex.known.as_dvec3()));
-        let eye = self.camera.sample_wi(nodes.last()?.point.p, lens)?;
+        let eye = self.camera.sample_wi(nodes.last()?.p(), lens)?;
         let path = FullPath::new(self.scene, self.camera, eye, emitter, nodes.clone(), directions);
         (!value.is_black()).then_some(Made { s, t, value, weight, path, emitter, nodes })
     }

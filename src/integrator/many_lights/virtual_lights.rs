@@ -194,7 +194,7 @@ impl<'a> VirtualLights<'a> {
                     let events = vertex.sums.index;
                     let goes_on = events < longest
                         && vertex
-                            .shading()
+                            .scatterer()
                             .is_some_and(|shading| path.go_on(&vertex, &shading, &mut sampler, &mut tally).is_some());
                     found.extend(VirtualLight::scattering(vertex, events, share));
                     if !goes_on {

@@ -8,6 +8,7 @@
 //! Caustics from small lights and light through ajar doors converge slowly in all three.
 
 mod batch;
+mod media;
 
 pub(super) use batch::{BatchedPath, knows};
 
@@ -16,8 +17,7 @@ use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
 use crate::camera::CameraSample;
 use crate::geometry::{Hit, Local, SurfacePoint};
 use crate::light::{ChosenLight, Light, LightSample, LightSampleContext};
-use crate::medium::PhaseSample;
-use crate::path::{FlightEnd, MediumPoint, PreviousVertex, RandomWalk, TraceStats};
+use crate::path::{PreviousVertex, RandomWalk, TraceStats};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
 use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
@@ -91,6 +91,9 @@ impl Strategy for Combined {
     }
 }
 
+/// Probability of getting through empty space.
+pub(super) const CERTAIN: f32 = 1.0;
+
 /// The radiance estimator of a path tracer.
 pub(super) struct PathTracer<'a, S: Strategy> {
     scene: &'a Scene,
@@ -107,29 +110,38 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     }
 
     /// Returns the MIS weight of emission hit by BSDF sampling. `pdf` is the light sampling density of the direction,
-    /// without the selection probability of the light.
+    /// without the selection probability of the light; `chance` is the probability of getting through media.
     #[inline]
     fn mis_weight_bsdf(
         &self,
         departure: &PreviousVertex,
         light: usize,
         pdf: impl FnOnce() -> f32,
+        chance: f32,
         tally: &mut TraceStats,
     ) -> f32 {
         match departure {
-            PreviousVertex::Surface(from, Density::Smooth(scattering)) => {
+            PreviousVertex::Scattered(from, Density::Smooth(scattering)) => {
                 let lights = self.scene.lights();
                 let pmf = tally.selection.time_of(lights, || lights.pmf(from, light)).value();
-                S::mis_weight_scattering(scattering.value(), pmf * pdf())
+                S::mis_weight_scattering(scattering.value() * chance, pmf * pdf())
             }
-            PreviousVertex::Surface(_, Density::Delta(_)) | PreviousVertex::Camera | PreviousVertex::Light => 1.0,
+            PreviousVertex::Scattered(_, Density::Delta(_)) | PreviousVertex::Camera | PreviousVertex::Light => 1.0,
         }
     }
 
     /// Returns the weighted emission toward the walk of the primitive `hit` at the point `p` with these barycentric
-    /// weights.
+    /// weights. `chance` is the probability of getting there through media.
     #[inline]
-    fn emitted(&self, walk: &RandomWalk, hit: Hit, p: Vec3, barycentric: [f32; 2], tally: &mut TraceStats) -> Spectrum {
+    fn emitted(
+        &self,
+        walk: &RandomWalk,
+        hit: Hit,
+        p: Vec3,
+        barycentric: [f32; 2],
+        chance: f32,
+        tally: &mut TraceStats,
+    ) -> Spectrum {
         let Some((index, Light::Area(light))) = self.scene.light_of(hit) else { return Spectrum::ZERO };
         let wi = walk.ray.direction;
         let radiance = light.radiance(barycentric, -wi);
@@ -138,21 +150,23 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         }
         let pdf = |from: &LightSampleContext| light.pdf_li(from.p, p, wi).value();
         let share = match &walk.departure {
-            PreviousVertex::Surface(from, _) => self.mis_weight_bsdf(&walk.departure, index, || pdf(from), tally),
+            PreviousVertex::Scattered(from, _) => {
+                self.mis_weight_bsdf(&walk.departure, index, || pdf(from), chance, tally)
+            }
             PreviousVertex::Camera | PreviousVertex::Light => 1.0,
         };
         walk.beta * radiance * share
     }
 
-    /// Returns the weighted radiance of the environment.
+    /// Returns the weighted radiance of the environment, reached with probability `chance` through media.
     #[inline]
-    fn background(&self, walk: &RandomWalk, tally: &mut TraceStats) -> Spectrum {
+    fn background(&self, walk: &RandomWalk, chance: f32, tally: &mut TraceStats) -> Spectrum {
         let Some((index, environment)) = self.scene.lights().environment() else { return Spectrum::ZERO };
         if self.transparent && matches!(walk.departure, PreviousVertex::Camera) {
             return Spectrum::ZERO;
         }
         let (radiance, pdf) = environment.along(walk.ray.direction);
-        walk.beta * radiance * self.mis_weight_bsdf(&walk.departure, index, || pdf.value(), tally)
+        walk.beta * radiance * self.mis_weight_bsdf(&walk.departure, index, || pdf.value(), chance, tally)
     }
 
     /// Returns the receiver for which lights are selected at `shading`.
@@ -182,47 +196,6 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let weight = light_weight::<S>(scattering, sample, pmf);
         let edge = Edge::new(self.scene, shading.point, walk.ray.state, sample.wi, EdgeEnd::Light(sample.end));
         Some((edge, walk.beta * scattering.f_cos * sample.radiance * weight))
-    }
-
-    /// Leaves a collision in a medium: samples a light, of which it returns the light, and then a direction.
-    fn collided(
-        &self,
-        walk: &mut RandomWalk,
-        point: &MediumPoint,
-        sampler: &mut impl Sampler,
-        tally: &mut TraceStats,
-    ) -> Spectrum {
-        let (wo, bounce) = (-walk.ray.direction, walk.bounce);
-        let mut light = Spectrum::ZERO;
-        if S::SAMPLES_LIGHTS {
-            if let Some((edge, contribution)) = self.light_on_medium(walk, point, wo, sampler, tally) {
-                light = contribution * self.scene.transmittance(&edge, sampler, bounce, &mut tally.shadows);
-            }
-        }
-        let PhaseSample { direction, pdf } = point.phase.sample(wo, sampler.u2(bounce, Slot::Direction));
-        walk.scatter_in_medium(point, direction, Density::Smooth(pdf));
-        light
-    }
-
-    /// Does [`PathTracer::light_sample`] for a collision in a medium.
-    fn light_on_medium(
-        &self,
-        walk: &RandomWalk,
-        point: &MediumPoint,
-        wo: Vec3,
-        sampler: &mut impl Sampler,
-        tally: &mut TraceStats,
-    ) -> Option<(Edge, Spectrum)> {
-        let (lights, receiver) = (self.scene.lights(), LightSampleContext::from(point));
-        let u = sampler.u2(walk.bounce, Slot::LightPoint);
-        let choose = || lights.choose(&receiver, u, || sampler.u1(walk.bounce, Slot::LightPick));
-        let ChosenLight { index, pmf, u } = tally.selection.time_of(lights, choose)?;
-        let sample = lights.all()[index].sample_li(&receiver, u)?;
-        let value = point.phase.eval(sample.wi, wo);
-        let scattering = Scattering { f_cos: Spectrum::splat(value), pdf: Pdf::new(value) };
-        let weight = light_weight::<S>(&scattering, &sample, pmf);
-        let edge = Edge::from_medium(point.p, point.state, sample.wi, sample.end);
-        Some((edge, walk.beta * sample.radiance * (value * weight)))
     }
 
     /// Leaves the vertex of `walk` at `point`: samples a light, of which `light` gets the edge and the contribution if
@@ -272,25 +245,16 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         _: &mut impl FnMut([f32; 2], Spectrum),
         tally: &mut TraceStats,
     ) -> Spectrum {
+        if self.scene.features().scattering {
+            return self.radiance_in_media(camera, sampler, tally);
+        }
         let mut walk = RandomWalk::from_camera(self.scene, camera);
         let mut total = Spectrum::ZERO;
-        let scatters = self.scene.features().scattering;
         loop {
-            let end =
-                if scatters { walk.fly(sampler, tally) } else { walk.arrive(sampler, tally).map(FlightEnd::Surface) };
-            let mut point = match end {
-                None => return total + self.background(&walk, tally),
-                Some(FlightEnd::Surface(point)) => point,
-                Some(FlightEnd::Medium(_)) if walk.depth >= self.max_depth => return total,
-                Some(FlightEnd::Medium(point)) => {
-                    total += self.collided(&mut walk, &point, sampler, tally);
-                    if walk.survives(sampler, tally) {
-                        continue;
-                    }
-                    return total;
-                }
+            let Some(mut point) = walk.arrive(sampler, tally) else {
+                return total + self.background(&walk, CERTAIN, tally);
             };
-            total += self.emitted(&walk, point.hit, point.p, point.barycentric, tally);
+            total += self.emitted(&walk, point.hit, point.p, point.barycentric, CERTAIN, tally);
             if walk.depth >= self.max_depth {
                 return total;
             }

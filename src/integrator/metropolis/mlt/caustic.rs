@@ -65,7 +65,7 @@ impl<'a> Caustic<'_, 'a> {
             walker.along(ray.carrying(ray.state.within(bodies)))?
         };
         for i in begin + 1..=seen {
-            let RayEnd::Surface(mut node) = met else { return None };
+            let RayEnd::Vertex(mut node) = met else { return None };
             part.directions.push(w.as_dvec3());
             if i == seen {
                 part.nodes.push(node);

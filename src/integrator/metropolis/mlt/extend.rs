@@ -7,12 +7,13 @@ use crate::camera::LensPoint;
 use crate::geometry::Ray;
 use crate::light::LeRandom;
 use crate::mcmc::Numbers;
-use crate::path::{Emitter, PathVertex, RandomWalk, TraceStats};
+use crate::path::{Emitter, FlightEnd, PathVertex, RandomWalk, Scatterer, SurfaceVertex, TraceStats, Vertex};
 use crate::sampling::{IndependentSampler, unit_f32};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
 use glam::{DVec3, Vec3};
+use std::borrow::Cow;
 
 /// Returns a random number in f32.
 pub(super) fn single(numbers: &mut Numbers) -> f32 {
@@ -44,7 +45,7 @@ pub(super) struct SubpathBuffer {
 /// End of a traced edge. Callers destructure it at once, so that its size does not matter.
 #[allow(clippy::large_enum_variant)]
 pub(super) enum RayEnd {
-    Surface(PathVertex),
+    Vertex(PathVertex),
     Outside,
 }
 
@@ -59,11 +60,24 @@ impl SubpathSampler<'_, '_> {
     /// Traces the current edge of `walk` to its end.
     fn follow(&mut self, mut walk: RandomWalk) -> Option<RayEnd> {
         let mut sampler = IndependentSampler::new(self.numbers.address());
-        let Some(mut point) = walk.arrive(&mut sampler, self.tally) else { return Some(RayEnd::Outside) };
-        let state = walk.ray.state;
-        let surface = self.common.scene.surface(&mut point, state.bodies).into_owned();
-        let node = PathVertex { point, state, surface, lobe: Lobes::SMOOTH };
-        node.point.consistent.then_some(RayEnd::Surface(node))
+        let end = if self.common.scene.features().scattering {
+            walk.fly(&mut sampler, self.tally).end
+        } else {
+            walk.arrive(&mut sampler, self.tally).map(FlightEnd::Surface)
+        };
+        let vertex = match end {
+            None => return Some(RayEnd::Outside),
+            Some(FlightEnd::Medium(point)) => Vertex::Medium(point),
+            Some(FlightEnd::Surface(mut point)) => {
+                let state = walk.ray.state;
+                let surface = Cow::Owned(self.common.scene.surface(&mut point, state.bodies).into_owned());
+                if !point.consistent {
+                    return None;
+                }
+                Vertex::Surface(SurfaceVertex { point, surface, state })
+            }
+        };
+        Some(RayEnd::Vertex(PathVertex { vertex, lobe: Lobes::SMOOTH }))
     }
 
     /// Traces a ray that does not start at the camera.
@@ -73,7 +87,7 @@ impl SubpathSampler<'_, '_> {
 
     /// Traces the edge from `node` in the direction `w`.
     pub(super) fn leave(&mut self, node: &PathVertex, w: Vec3) -> Option<RayEnd> {
-        self.along(node.spawn(self.common.scene, w))
+        self.along(node.vertex.spawn(self.common.scene, w)?)
     }
 
     /// Traces the camera ray from a point of the lens through a raster position.
@@ -94,18 +108,23 @@ impl SubpathSampler<'_, '_> {
         self.common.region.at(u)
     }
 
-    /// Samples the BSDF at `node` and stores the component in it; `known` points to the previous vertex.
+    /// Samples scattering at `node` and stores the component in it; `known` points to the previous vertex.
     pub(super) fn scatter(
         &mut self,
         node: &mut PathVertex,
         known: Vec3,
         mode: TransportMode,
     ) -> Option<(Vec3, RayEnd)> {
-        let shading = Shading::new(&node.point, &node.surface, known, mode)?;
         let [u, v] = pair(self.numbers);
-        let scatter = shading.sample([single(self.numbers), u, v])?;
-        node.lobe = if scatter.density.is_delta() { scatter.lobe } else { Lobes::SMOOTH };
-        Some((scatter.direction, self.leave(node, scatter.direction)?))
+        let (direction, lobe) = match node.vertex.scatterer(known, mode)? {
+            Scatterer::Surface(shading) => {
+                let scatter = shading.sample([single(self.numbers), u, v])?;
+                (scatter.direction, if scatter.density.is_delta() { scatter.lobe } else { Lobes::SMOOTH })
+            }
+            Scatterer::Medium(phase) => (phase.sample([u, v]).direction, Lobes::SMOOTH),
+        };
+        node.lobe = lobe;
+        Some((direction, self.leave(node, direction)?))
     }
 
     /// Leaves `node` toward the light through the Dirac component `lobe`; `None` if the surface lacks it.
@@ -121,7 +140,8 @@ impl SubpathSampler<'_, '_> {
         like: &PathVertex,
         wo: Vec3,
     ) -> Option<(Vec3, RayEnd)> {
-        let folds = folds(&like.point, &like.surface, wo, like.lobe)?;
+        let SurfaceVertex { point, surface, .. } = like.vertex.surface()?;
+        let folds = folds(point, surface, wo, like.lobe)?;
         self.through(node, known, TransportMode::Importance, like.lobe, folds)
     }
 
@@ -133,7 +153,8 @@ impl SubpathSampler<'_, '_> {
         lobe: Lobes,
         folds: Folds,
     ) -> Option<(Vec3, RayEnd)> {
-        let direction = Shading::new(&node.point, &node.surface, known, mode)?.dirac(lobe, folds)?;
+        let SurfaceVertex { point, surface, .. } = node.vertex.surface()?;
+        let direction = Shading::new(point, surface, known, mode)?.dirac(lobe, folds)?;
         node.lobe = lobe;
         Some((direction, self.leave(node, direction)?))
     }
@@ -178,7 +199,7 @@ impl SubpathSampler<'_, '_> {
 
     /// Samples a light from `node`, and returns the endpoint with its emission direction.
     pub(super) fn sample_light(&mut self, node: &PathVertex) -> Option<(Emitter, DVec3)> {
-        Emitter::chosen(self.common.scene, &node.point, pair(self.numbers), || single(self.numbers))
+        Emitter::chosen(self.common.scene, &node.vertex.context()?, pair(self.numbers), || single(self.numbers))
     }
 }
 
@@ -186,7 +207,7 @@ impl SubpathBuffer {
     /// Adds the end of an edge. Returns whether it is on a surface.
     pub(super) fn add(&mut self, met: RayEnd) -> bool {
         match met {
-            RayEnd::Surface(node) => {
+            RayEnd::Vertex(node) => {
                 self.nodes.push(node);
                 true
             }
@@ -199,7 +220,7 @@ impl SubpathBuffer {
     pub(super) fn found_light(&mut self, scene: &Scene, is_surface: bool) -> Option<(Emitter, DVec3)> {
         let w = self.directions.pop()?;
         let emitter = if is_surface {
-            Emitter::at(scene, &self.nodes.pop()?.point, w.as_vec3())
+            Emitter::at(scene, &self.nodes.pop()?.vertex.surface()?.point, w.as_vec3())
         } else {
             Emitter::outside(scene, -w.as_vec3())
         };

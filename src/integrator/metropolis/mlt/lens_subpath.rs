@@ -4,9 +4,9 @@
 use super::super::ChainContext;
 use super::extend::{SubpathBuffer, SubpathSampler};
 use super::state::{PathState, Proposal};
-use crate::bsdf::{Lobes, Shading};
+use crate::bsdf::Lobes;
 use crate::mcmc::{Kernel, Numbers};
-use crate::path::PathVertex;
+use crate::path::{PathVertex, Scatterer};
 use crate::transport::TransportMode;
 use glam::Vec3;
 
@@ -16,8 +16,10 @@ const PASSAGES: [Lobes; 2] = [Lobes::DIRAC_REFLECT, Lobes::DIRAC_TRANSMIT];
 /// Continuation probability of each component at `node` for the direction `known`. Otherwise the subpath ends and is
 /// connected.
 fn passages(node: &PathVertex, known: Vec3) -> [f64; 2] {
-    let shading = Shading::new(&node.point, &node.surface, known, TransportMode::Radiance);
-    PASSAGES.map(|lobe| shading.map_or(0.0, |shading| shading.probability(lobe)))
+    match node.vertex.scatterer(known, TransportMode::Radiance) {
+        Some(Scatterer::Surface(shading)) => PASSAGES.map(|lobe| shading.probability(lobe)),
+        Some(Scatterer::Medium(_)) | None => [0.0; 2],
+    }
 }
 
 /// The mutation.

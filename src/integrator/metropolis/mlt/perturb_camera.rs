@@ -74,7 +74,7 @@ fn perturb(x: &PathState, last: usize, walker: &mut SubpathSampler) -> Option<Pr
     let (w, mut met) = walker.through_film(film, part.lens)?;
     part.directions.push(w);
     for i in (last.max(1)..x.k()).rev() {
-        let RayEnd::Surface(mut node) = met else { return None };
+        let RayEnd::Vertex(mut node) = met else { return None };
         let known = part.directions.last()?.as_vec3();
         if i == last {
             part.nodes.push(node);

@@ -31,7 +31,7 @@ fn walk(
         let Arrival::Vertex(vertex) = path.arrive(&common.camera, sampler, tally) else {
             return (i == count).then_some(SubpathEnd { part, leaves: true });
         };
-        let lobe = if i == count { Lobes::SMOOTH } else { path.go_on(&vertex, &vertex.shading()?, sampler, tally)? };
+        let lobe = if i == count { Lobes::SMOOTH } else { path.go_on(&vertex, &vertex.scatterer()?, sampler, tally)? };
         part.nodes.push(PathVertex::new(&vertex, lobe)?);
     }
     Some(SubpathEnd { part, leaves: false })
@@ -61,17 +61,17 @@ pub(super) fn path(
             Proposal::join(common, emitter, SubpathBuffer::default(), w, from_camera)
         }
         1 if !leaves => {
-            let (z, bounce) = (&from_camera.nodes.last()?.point, t as u32 - 2);
+            let (z, bounce) = (from_camera.nodes.last()?.vertex.context()?, t as u32 - 2);
             let u = camera.u2(bounce, Slot::LightPoint);
-            let (emitter, w) = Emitter::chosen(common.scene, z, u, || camera.u1(bounce, Slot::LightPick))?;
+            let (emitter, w) = Emitter::chosen(common.scene, &z, u, || camera.u1(bounce, Slot::LightPick))?;
             Proposal::join(common, emitter, SubpathBuffer::default(), w, from_camera)
         }
         _ if !leaves => {
             let (path, emitter) = Subpath::from_light(common.scene, &weights, &mut light)?;
             let SubpathEnd { part: from_light, leaves } = walk(common, path, &mut light, s - 1, tally, false)?;
-            let y = from_light.nodes.last()?.point.p.as_dvec3();
+            let y = from_light.nodes.last()?.p().as_dvec3();
             let across = match from_camera.nodes.last() {
-                Some(z) => (z.point.p.as_dvec3() - y).try_normalize()?,
+                Some(z) => (z.p().as_dvec3() - y).try_normalize()?,
                 None => {
                     // The number of the vertex in its subpath is the bounce of its random numbers.
                     from_camera.lens = common.camera.sample_lens(|| light.u2(s as u32 - 1, Slot::Lens));

@@ -4,12 +4,12 @@ use super::super::contribution::Contribution;
 use super::super::limit::SampleThreshold;
 use super::super::{ChainContext, ImageState};
 use super::extend::SubpathBuffer;
-use crate::bsdf::{Bsdf, Lobes};
+use crate::bsdf::Lobes;
 use crate::camera::{LensPoint, WiSample};
 use crate::light::EmitterPoint;
 use crate::mcmc::State;
-use crate::path::{Emitter, FullPath, PathVertex, TraceStats, VertexPdfs};
-use crate::scene::{Edge, EdgeEnd};
+use crate::path::{Content, Emitter, FullPath, PathVertex, SurfaceVertex, TraceStats, VertexPdfs, edge};
+use crate::scene::Edge;
 use crate::spectrum::Spectrum;
 use glam::DVec3;
 
@@ -87,14 +87,17 @@ impl<'a> PathState<'a> {
         if !common.region.contains(film) {
             return None;
         }
-        let content = Content::of(common, &draft, &mut self.tally);
         let Proposal { emitter, nodes, directions, eye } = draft;
         let path = FullPath::new(common.scene, &common.camera, eye, emitter, nodes, directions);
+        let content = Content::of(common.scene, &path, &mut self.tally.shadows);
         let (f, mut steps) = path.steps();
         let f = content.as_ref().map_or(f, |content| f * content.through.cast::<f64>());
+        if let Some(content) = &content {
+            content.fly(&mut steps);
+        }
         let f = f * share_of_chains(common, film, &path, &steps, &f);
         if let Some(content) = &content {
-            content.weigh(&mut steps);
+            content.pass(&mut steps);
         }
         let most = f.max_lane();
         if !(most > 0.0 && most.is_finite()) {
@@ -131,53 +134,6 @@ fn share_of_chains(
     (0..=path.k()).filter_map(of).sum()
 }
 
-/// Transmittance and null events on the edges of an unoccluded path: see [`crate::scene::Passage`].
-struct Content {
-    /// Transmittance of all edges together.
-    through: Spectrum,
-    /// Probability of passing all null events, for each edge.
-    passed: Vec<f64>,
-    /// Probability of scattering rather than passing at each vertex, for light and camera subpaths.
-    met: [Vec<f64>; 2],
-}
-
-impl Content {
-    /// Evaluates the edges of `draft`; `None` if the scene has neither null events nor media.
-    fn of(common: &ChainContext, draft: &Proposal, tally: &mut TraceStats) -> Option<Self> {
-        let scene = common.scene;
-        if !(scene.features().content() || scene.features().media) {
-            return None;
-        }
-        let mut found = Content { through: Spectrum::ONE, passed: Vec::new(), met: [Vec::new(), Vec::new()] };
-        for i in 0..draft.directions.len() {
-            let edge = scene.throughput(&draft.edge(common, i), &mut tally.shadows);
-            found.through *= edge.through;
-            found.passed.push(f64::from(edge.chance));
-        }
-        for (i, node) in draft.nodes.iter().enumerate() {
-            let met = |w: DVec3| match scene.features().content() && scene.may_pass(&node.point, node.state.bodies) {
-                true => f64::from(scene.passage(&node.point, w.as_vec3(), node.state.bodies).met),
-                false => 1.0,
-            };
-            found.met[0].push(met(draft.directions[i]));
-            found.met[1].push(met(draft.directions[i + 1]));
-        }
-        Some(found)
-    }
-
-    /// Multiplies `steps` by the probabilities of null events.
-    fn weigh(&self, steps: &mut VertexPdfs) {
-        let [light, camera] = &self.met;
-        let (k, VertexPdfs { light: from_light, camera: from_camera, perturbation, .. }) = (self.passed.len(), steps);
-        for made in [from_light, &mut perturbation[0]] {
-            (1..k).for_each(|i| made[i] *= self.passed[i - 1] * light[i - 1]);
-        }
-        for made in [from_camera, &mut perturbation[1]] {
-            (0..k).for_each(|i| made[i] *= self.passed[i] * if i > 0 { camera[i - 1] } else { 1.0 });
-        }
-    }
-}
-
 impl SubpathBuffer {
     /// Copies x_k … x_b.
     pub(super) fn from_camera(x: &PathState, b: usize) -> Self {
@@ -209,7 +165,7 @@ impl Proposal {
         let to_camera = camera.nodes.is_empty();
         nodes.reserve_exact(camera.nodes.len());
         nodes.extend(camera.nodes.into_iter().rev());
-        let eye = common.camera.sample_wi(nodes.last()?.point.p, camera.lens)?;
+        let eye = common.camera.sample_wi(nodes.last()?.p(), camera.lens)?;
         directions.push(if to_camera { eye.wi.as_dvec3() } else { across });
         directions.extend(camera.directions.into_iter().rev());
         Some(Proposal { emitter, nodes, directions, eye })
@@ -219,19 +175,12 @@ impl Proposal {
     pub(super) fn smoothed(&mut self, i: usize) -> Option<()> {
         let node = &mut self.nodes[i - 1];
         node.lobe = Lobes::SMOOTH;
-        node.surface.lobes().intersects(Lobes::SMOOTH).then_some(())
+        node.vertex.is_connectible().then_some(())
     }
 
-    /// Returns edge `i`, starting at the end nearer to the camera except for the last edge.
+    /// Returns edge `i`: see [`edge`].
     fn edge(&self, common: &ChainContext, i: usize) -> Edge {
-        let (node, w, end) = if i + 1 == self.directions.len() {
-            (&self.nodes[i - 1], self.directions[i], EdgeEnd::Camera(self.eye.eye))
-        } else if i == 0 {
-            (&self.nodes[0], -self.directions[0], EdgeEnd::Light(self.emitter.end))
-        } else {
-            (&self.nodes[i], -self.directions[i], EdgeEnd::Surface(&self.nodes[i - 1].point))
-        };
-        node.edge_to(common.scene, w.as_vec3(), end)
+        edge(common.scene, &self.emitter, &self.nodes, &self.eye.eye, &self.directions, i)
     }
 
     /// Connects x_i and x_{i+1}, both smooth, by a straight edge; `None` if it is occluded.
@@ -239,37 +188,39 @@ impl Proposal {
         let (scene, k) = (common.scene, self.directions.len());
         let shadows = &mut tally.shadows;
         if i + 1 == k {
-            if scene.culled(&self.nodes[i - 1].point, -self.eye.wi) || !common.region.contains(self.eye.film) {
+            let is_culled = |at: &SurfaceVertex| scene.culled(&at.point, -self.eye.wi);
+            if self.nodes[i - 1].vertex.surface().is_some_and(is_culled) || !common.region.contains(self.eye.film) {
                 return None;
             }
             self.scatters(i)?;
             return (!scene.is_blocked(&self.edge(common, i), shadows)).then_some(());
         }
         if i == 0 {
-            let (z, before) = (&self.nodes[0].point, self.directions[0]);
+            let (z, before) = (self.nodes[0].p(), self.directions[0]);
             let w = match self.emitter.end {
                 EmitterPoint::Surface { p, .. } | EmitterPoint::Point(p) => {
-                    (z.p.as_dvec3() - p.as_dvec3()).try_normalize()?
+                    (z.as_dvec3() - p.as_dvec3()).try_normalize()?
                 }
                 EmitterPoint::Distant => before,
             };
-            self.emitter = self.emitter.turned(scene, before, w, z.p)?;
+            self.emitter = self.emitter.turned(scene, before, w, z)?;
             self.directions[0] = w;
             self.scatters(1)?;
         } else {
-            let [y, z] = [i, i + 1].map(|i| self.nodes[i - 1].point);
-            self.directions[i] = (z.p.as_dvec3() - y.p.as_dvec3()).try_normalize()?;
+            let [y, z] = [i, i + 1].map(|i| self.nodes[i - 1].p().as_dvec3());
+            self.directions[i] = (z - y).try_normalize()?;
             self.scatters(i)?;
             self.scatters(i + 1)?;
         }
         (!scene.is_blocked(&self.edge(common, i), shadows)).then_some(())
     }
 
-    /// Whether x_i can scatter incident light at all: its direction must lie on the same side of both normals. Tested
+    /// Whether x_i can scatter incident light at all: its direction must lie on the same side of both normals of a surface. Tested
     /// before rays are traced.
     fn scatters(&self, i: usize) -> Option<()> {
-        let (point, w) = (&self.nodes[i - 1].point, self.directions[i - 1]);
-        (point.ng.as_dvec3().dot(w) * point.frame.n.as_dvec3().dot(w) > 0.0).then_some(())
+        let w = self.directions[i - 1];
+        let agree = |at: &SurfaceVertex| at.point.ng.as_dvec3().dot(w) * at.point.frame.n.as_dvec3().dot(w) > 0.0;
+        self.nodes[i - 1].vertex.surface().is_none_or(agree).then_some(())
     }
 
     /// Applies [`Proposal::scatters`] to every vertex.

@@ -105,7 +105,7 @@ impl Paths {
         (0..LANES).for_each(|lane| self.beta[lane][at] = walk.beta[lane]);
         (self.keys[at], self.pixels[at]) = (key, pixel);
         let mut delta = false;
-        if let PreviousVertex::Surface(LightSampleContext { p, ng, scattering }, density) = walk.departure {
+        if let PreviousVertex::Scattered(LightSampleContext { p, ng, scattering }, density) = walk.departure {
             self.pdf[at] = density.value();
             delta = density.is_delta();
             for axis in 0..3 {
@@ -131,7 +131,7 @@ impl Paths {
             let from = self.outlines.get(at).map_or(from, |&outline| from.scattering(outline));
             let pdf = self.pdf[at];
             let density = if rare.delta { Density::Delta(pdf) } else { Density::Smooth(Pdf::new(pdf)) };
-            PreviousVertex::Surface(from, density)
+            PreviousVertex::Scattered(from, density)
         };
         let beta = Spectrum(std::array::from_fn(|lane| self.beta[lane][at]));
         let ray: Ray = self.rays.ray(at).carrying(rare.state);

@@ -13,6 +13,7 @@ use crate::bsdf::Shares;
 use crate::bsdf::lanes::{LaneConductor, LaneLambert, LaneMetalDielectric, LanePoint, LaneSample, LaneScatter};
 use crate::geometry::lanes::offset;
 use crate::geometry::{Hit, Hits, SurfacePoint};
+use crate::integrator::path::CERTAIN;
 use crate::integrator::samples::PassNumbers;
 use crate::light::Receivers;
 use crate::path::{LONGEST, ROULETTE_FROM, TraceStats, survival_probability};
@@ -374,15 +375,21 @@ impl<F: Float> Stage<'_, '_, F> {
     /// Adds the environment to the pixel of path number `at`, which leaves the scene.
     fn background(&mut self, at: usize) {
         let walk = self.paths.walk(self.all.tracer.scene, at, self.depth);
-        self.colors[self.paths.pixels[at] as usize] += self.all.tracer.background(&walk, self.tally);
+        self.colors[self.paths.pixels[at] as usize] += self.all.tracer.background(&walk, CERTAIN, self.tally);
     }
 
     /// Adds the emission of the triangle that path number `at` meets, in `lane` of `points`.
     fn emission(&mut self, at: usize, points: &Points<F>, lane: usize) {
         let walk = self.paths.walk(self.all.tracer.scene, at, self.depth);
         let barycentric = points.weights(lane);
-        let light =
-            self.all.tracer.emitted(&walk, self.hits.hit(at), points.p.lane(lane).into(), barycentric, self.tally);
+        let light = self.all.tracer.emitted(
+            &walk,
+            self.hits.hit(at),
+            points.p.lane(lane).into(),
+            barycentric,
+            CERTAIN,
+            self.tally,
+        );
         self.colors[self.paths.pixels[at] as usize] += light;
     }
 
@@ -405,8 +412,8 @@ impl<F: Float> Stage<'_, '_, F> {
         if !has_met {
             point = walk.arrived(point, sampler, self.tally);
             self.colors[pixel as usize] += match &point {
-                Some(point) => tracer.emitted(&walk, point.hit, point.p, point.barycentric, self.tally),
-                None => tracer.background(&walk, self.tally),
+                Some(point) => tracer.emitted(&walk, point.hit, point.p, point.barycentric, CERTAIN, self.tally),
+                None => tracer.background(&walk, CERTAIN, self.tally),
             };
         }
         let Some(point) = &mut point.filter(|_| walk.depth < tracer.max_depth) else { return };

@@ -2,6 +2,7 @@
 
 use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, metal, point_light, with_model};
 use etendue::accel::Backend;
+use etendue::medium::Phase;
 use etendue::scene::description::{
     CameraDescription, Description, EnvironmentDescription, Lens, Material, PunctualKind, PunctualLight, Volume,
 };
@@ -24,12 +25,14 @@ pub struct World {
     pub scene: Scene,
     /// The smallest roughness α of its smooth lobes; 1 if it has none.
     pub alpha: f64,
+    /// The greatest extinction of its media that scatter, per radius of the scene, over 1 − |g| of their phase functions.
+    pub fog: f64,
 }
 
 fn build(name: &'static str, alpha: f64, mut description: Description) -> World {
     description.cameras.push(camera(EYE, DVec3::new(-0.05, -0.2, -0.3)));
     let options = BuildOptions { backend: Backend::Obvhs, threads: 1, ..BuildOptions::default() };
-    World { name, scene: Scene::build(description, &options).expect("a valid scene"), alpha }
+    World { name, scene: Scene::build(description, &options).expect("a valid scene"), alpha, fog: 0.0 }
 }
 
 /// A lamp at the ceiling that shines down, or up as well.
@@ -211,7 +214,31 @@ fn lens() -> World {
     build("lens", 0.16, scene)
 }
 
+/// Fog around lamp and camera, with smoke, milky glass and a mirror in it, and a lamp of no size.
+fn foggy() -> World {
+    let mut scene = room();
+    let inside = |ior: f32, priority: i32, scattering: [f32; 3], phase: Phase| {
+        let color = Spectrum([0.8, 0.7, 0.5]);
+        let volume =
+            Volume { attenuation_distance: 2.0, attenuation_color: color, scattering: Spectrum(scattering), phase };
+        let model = with_model(glass(0.0), |m| {
+            m.ior = ior;
+            m.volume = Some(volume);
+        });
+        Material { priority, ..model }
+    };
+    let fog = inside(1.0, 0, [0.3, 0.5, 0.8], Phase::HenyeyGreenstein(0.6));
+    add_box(&mut scene, Vec3::ZERO, Vec3::splat(0.98), fog);
+    let smoke = inside(1.0, 1, [2.0, 1.0, 3.0], Phase::Mixture([0.7, -0.3], 0.6));
+    Ball::new(2, 0.3).add(&mut scene, DVec3::new(-0.4, -0.5, -0.2), smoke);
+    let milk = inside(1.5, 2, [4.0, 3.0, 2.0], Phase::Rayleigh);
+    Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.55, 0.1), milk);
+    Ball::new(2, 0.2).add(&mut scene, DVec3::new(0.1, 0.0, -0.5), metal(0.8, 0.0));
+    scene.lights.push(point_light(DVec3::new(-0.3, 0.4, 0.2), 0.5));
+    World { fog: 5.0 / 0.3, ..build("foggy", 1.0, scene) }
+}
+
 /// Every world.
-pub fn all() -> [World; 7] {
-    [rough(), dirac(), bent(), open(), tinted(), nested(), lens()]
+pub fn all() -> [World; 8] {
+    [rough(), dirac(), bent(), open(), tinted(), nested(), lens(), foggy()]
 }

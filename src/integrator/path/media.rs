@@ -1,0 +1,117 @@
+//! Paths through media that scatter, one after the other.
+
+use super::{PathTracer, Strategy, light_weight};
+use crate::bsdf::{Lobes, Shading};
+use crate::camera::CameraSample;
+use crate::geometry::SurfacePoint;
+use crate::light::{ChosenLight, EmitterPoint, LightSampleContext};
+use crate::medium::density;
+use crate::path::{FlightEnd, Flown, MediumPoint, PhaseAt, RandomWalk, Scatterer, TraceStats};
+use crate::sampling::{Density, Pdf, Sampler, Slot};
+use crate::scene::{Edge, EdgeEnd};
+use crate::spectrum::Spectrum;
+use crate::transport::TransportMode;
+use glam::Vec3;
+
+impl<S: Strategy> PathTracer<'_, S> {
+    /// Returns the radiance along the ray of `camera`.
+    pub(super) fn radiance_in_media(
+        &self,
+        camera: &CameraSample,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Spectrum {
+        let mut walk = RandomWalk::from_camera(self.scene, camera);
+        let mut total = Spectrum::ZERO;
+        loop {
+            let Flown { end, through } = walk.fly(sampler, tally);
+            let chance = density(through, Spectrum::ONE);
+            let Some(end) = end else { return total + self.background(&walk, chance, tally) };
+            if let FlightEnd::Surface(point) = &end {
+                total += self.emitted(&walk, point.hit, point.p, point.barycentric, chance, tally);
+            }
+            if walk.depth >= self.max_depth {
+                return total;
+            }
+            let left = match end {
+                FlightEnd::Surface(mut point) => self.leave_surface(&mut walk, &mut point, sampler, tally),
+                FlightEnd::Medium(point) => Some(self.leave_medium(&mut walk, &point, sampler, tally)),
+            };
+            let Some(light) = left else { return total };
+            total += light;
+            if !walk.survives(sampler, tally) {
+                return total;
+            }
+        }
+    }
+
+    /// Leaves the surface at `point`, at which `walk` has arrived. Returns the light sampled there; `None` if nothing
+    /// scatters.
+    fn leave_surface(
+        &self,
+        walk: &mut RandomWalk,
+        point: &mut SurfacePoint,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Option<Spectrum> {
+        let surface = self.scene.surface(point, walk.ray.state.bodies);
+        let shading = Shading::new(point, &surface, -walk.ray.direction, TransportMode::Radiance)?;
+        let (receiver, state) = (self.receiver(&shading), walk.ray.state);
+        let edge = |w: Vec3, end| Edge::new(self.scene, point, state, w, EdgeEnd::Light(end));
+        let mut light = Spectrum::ZERO;
+        if shading.lobes().intersects(Lobes::SMOOTH) {
+            light = self.direct(walk, &Scatterer::Surface(shading), &receiver, edge, sampler, tally);
+        }
+        // Light that was sampled counts, also where the walk ends.
+        match S::scatter(&shading, walk.scattering_numbers(&surface, sampler)) {
+            Some(scatter) => walk.depart(point, receiver, &scatter),
+            None => walk.beta = Spectrum::ZERO,
+        }
+        Some(light)
+    }
+
+    /// Leaves a collision in a medium. Returns the light sampled there.
+    fn leave_medium(
+        &self,
+        walk: &mut RandomWalk,
+        point: &MediumPoint,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Spectrum {
+        let phase = PhaseAt::new(point, -walk.ray.direction);
+        let edge = |w: Vec3, end| Edge::from_medium(point.p, point.state, w, EdgeEnd::Light(end));
+        let light =
+            self.direct(walk, &Scatterer::Medium(phase), &LightSampleContext::from(point), edge, sampler, tally);
+        let sample = phase.sample(sampler.u2(walk.bounce, Slot::Direction));
+        walk.scatter_in_medium(point, sample.direction, Density::Smooth(sample.pdf));
+        light
+    }
+
+    /// Next-event estimation at `receiver`. The probability that a walk in the direction of the light gets there is known
+    /// when the edge is traced.
+    fn direct(
+        &self,
+        walk: &RandomWalk,
+        scatterer: &Scatterer,
+        receiver: &LightSampleContext,
+        edge: impl FnOnce(Vec3, EmitterPoint) -> Edge,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Spectrum {
+        if !S::SAMPLES_LIGHTS {
+            return Spectrum::ZERO;
+        }
+        let (lights, bounce) = (self.scene.lights(), walk.bounce);
+        let u = sampler.u2(bounce, Slot::LightPoint);
+        let choose = || lights.choose(receiver, u, || sampler.u1(bounce, Slot::LightPick));
+        let Some(ChosenLight { index, pmf, u }) = tally.selection.time_of(lights, choose) else {
+            return Spectrum::ZERO;
+        };
+        let Some(sample) = lights.all()[index].sample_li(receiver, u) else { return Spectrum::ZERO };
+        let Some(mut scattering) = scatterer.scattering(sample.wi) else { return Spectrum::ZERO };
+        let clear = self.scene.clearance(&edge(sample.wi, sample.end), sampler, bounce, &mut tally.shadows);
+        scattering.pdf = scattering.pdf.choose(Pdf::new(density(clear.flight, Spectrum::ONE)));
+        let weight = light_weight::<S>(&scattering, &sample, pmf);
+        walk.beta * scattering.f_cos * sample.radiance * clear.through * weight
+    }
+}
