@@ -1,9 +1,14 @@
 //! Free flights: how far light goes along an edge until it collides with a medium and scatters.
 //!
 //! A flight crosses the media of an edge one after the other. Its length is exponential in the optical depth of one
-//! lane, which is selected with equal probability for the whole edge. The density of a collision, and the probability
-//! of reaching the end, are means over lanes, so that a factor is at most the number of lanes. They depend on the
-//! edge alone and not on what the walk carries: both directions of an edge have the same.
+//! lane. The density of a collision, and the probability of reaching the end, are means over lanes, so that every lane
+//! is estimated by every flight.
+//!
+//! **Spectral MIS** [Wilkie14]. A walk of many flights stands for all walks that follow one lane from vertex to vertex: its
+//! density is the mean over lanes of the products of their densities. Each flight selects a lane with the probability
+//! that the walk so far has followed it, the *prior*; so the throughput stays below the number of lanes however many
+//! vertices there are. With a prior of its own for each edge it would grow without bound, since a product of means is
+//! not the mean of products.
 //!
 //! In media that only absorb there are no collisions, and light is weighted by the transmittance.
 
@@ -13,6 +18,8 @@ use crate::spectrum::{LANES, Spectrum};
 /// A flight on its way along an edge.
 #[derive(Debug, Clone, Copy)]
 pub struct Flight {
+    /// Density of the walk so far by each lane over the mean.
+    prior: Spectrum,
     lane: usize,
     /// Optical depth in that lane until the collision.
     left: f32,
@@ -31,7 +38,7 @@ pub struct Collision {
     pub factor: Spectrum,
 }
 
-/// Returns the density per length with which flights along an edge collide where the medium has this `extinction`, or,
+/// Returns the density per length with which flights of the prior 1 along an edge collide where the medium has this `extinction`, or,
 /// for an extinction of 1, the probability with which they reach a surface there. `through` is the transmittance of the
 /// scattering media on the edge.
 #[inline]
@@ -40,11 +47,17 @@ pub fn density(through: Spectrum, extinction: Spectrum) -> f32 {
 }
 
 impl Flight {
-    /// Begins a flight by u in [0, 1)²: of the lane, and of the length.
+    /// Begins a flight by u in [0, 1)²: of the lane, and of the length. `prior` has the density of the walk so far by each
+    /// lane over the mean of all lanes.
     #[inline]
-    pub fn new([lane, u]: [f32; 2]) -> Self {
-        let lane = ((lane * LANES as f32) as usize).min(LANES - 1);
-        Flight { lane, left: -(-u).ln_1p(), through: Spectrum::ONE, absorbed: Spectrum::ONE }
+    pub fn new(prior: Spectrum, [lane, u]: [f32; 2]) -> Self {
+        let mut left = lane * LANES as f32;
+        let passed = prior.0[..LANES - 1].iter().take_while(|&&share| {
+            left -= share;
+            left >= 0.0
+        });
+        let lane = passed.count();
+        Flight { prior, lane, left: -(-u).ln_1p(), through: Spectrum::ONE, absorbed: Spectrum::ONE }
     }
 
     /// Crosses `length` of `medium`; returns the collision on the way, if there is one.
@@ -58,7 +71,7 @@ impl Flight {
         let distance = self.left / medium.extinction[self.lane];
         if distance < length {
             self.through *= medium.transmittance(distance);
-            let density = density(self.through, medium.extinction);
+            let density = density(self.prior * self.through, medium.extinction);
             return Some(Collision { distance, factor: self.absorbed * self.through * medium.scattering / density });
         }
         if medium.extinction[self.lane] > 0.0 {
@@ -77,6 +90,13 @@ impl Flight {
     /// Returns the transmittance over the probability of getting as far as it has.
     #[inline]
     pub fn factor(&self) -> Spectrum {
-        self.absorbed * self.through / density(self.through, Spectrum::ONE)
+        self.absorbed * self.through / density(self.prior * self.through, Spectrum::ONE)
+    }
+
+    /// Returns the prior of the next flight after one that ended at `extinction`, which is 1 on a surface.
+    #[inline]
+    pub fn posterior(&self, extinction: Spectrum) -> Spectrum {
+        let found = self.prior * self.through * extinction;
+        found / found.mean()
     }
 }

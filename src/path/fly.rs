@@ -50,13 +50,14 @@ impl From<&MediumPoint> for LightSampleContext {
 impl RandomWalk<'_> {
     /// Does [`RandomWalk::arrive`] in a scene with media that scatter.
     pub fn fly(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Flown {
-        let mut flight = Flight::new(sampler.u2(self.bounce, Slot::MediumDistance));
+        let mut flight = Flight::new(self.lanes, sampler.u2(self.bounce, Slot::MediumDistance));
         let mut u = None;
         for _ in 0..LONGEST {
             let point = self.trace(tally);
             tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
             let length = point.as_ref().map_or(f32::INFINITY, |point| point.t);
             if let Some(collided) = self.collide(&mut flight, length) {
+                self.lanes = flight.posterior(collided.extinction);
                 return Flown { end: Some(FlightEnd::Medium(collided)), through: flight.through() };
             }
             let met = point.filter(|point| {
@@ -67,6 +68,7 @@ impl RandomWalk<'_> {
             });
             if point.is_none() || met.is_some() {
                 self.beta *= flight.factor();
+                self.lanes = flight.posterior(Spectrum::ONE);
                 return Flown { end: met.map(FlightEnd::Surface), through: flight.through() };
             }
         }

@@ -110,6 +110,8 @@ pub struct RandomWalk<'a> {
     /// Probability of having survived roulette and all null-event decisions so far. The throughput is already divided
     /// by it.
     pub survival: f32,
+    /// Density of the walk so far by the free flights of each lane over the mean of all lanes.
+    pub lanes: Spectrum,
     /// Whether all vertices so far scattered by Dirac components.
     pub straight: bool,
     /// Factor that normalises the throughput for roulette. It removes the emitted power, or the squared ratio of
@@ -132,6 +134,7 @@ impl<'a> RandomWalk<'a> {
             depth: 0,
             bounce: 0,
             survival: 1.0,
+            lanes: Spectrum::ONE,
             straight: true,
             scale: 1.0,
         }
@@ -149,7 +152,8 @@ impl<'a> RandomWalk<'a> {
         (straight, scale): (bool, f32),
     ) -> Self {
         let mode = TransportMode::Radiance;
-        RandomWalk { scene, mode, ray, beta, departure, depth, bounce: depth, survival: 1.0, straight, scale }
+        let (survival, lanes) = (1.0, Spectrum::ONE);
+        RandomWalk { scene, mode, ray, beta, departure, depth, bounce: depth, survival, lanes, straight, scale }
     }
 
     /// Returns the factor that normalises the throughput for roulette.
@@ -170,6 +174,7 @@ impl<'a> RandomWalk<'a> {
             depth: 0,
             bounce: 1,
             survival: 1.0,
+            lanes: Spectrum::ONE,
             straight: true,
             scale,
         }

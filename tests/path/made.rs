@@ -3,12 +3,13 @@
 use etendue::bsdf::Lobes;
 use etendue::camera::{Camera, LensPoint};
 use etendue::light::{ChosenLight, EmitterPoint, Light, LightSampleContext};
+use etendue::medium::density;
 use etendue::path::{
     Arrival, Connection, Content, Emitter, Evaluation, FullPath, MisStrategy, PartialMis, PathVertex, Subpath,
     SubpathVertex, TraceStats, Vertex, connect, next_event, splat,
 };
 use etendue::sampling::{Address, IndependentSampler, Sampler, Slot};
-use etendue::scene::{EdgeEnd, Scene};
+use etendue::scene::{EdgeEnd, EdgeThroughput, Scene};
 use etendue::spectrum::Spectrum;
 use etendue_testing::worlds::LAMP;
 use glam::{DVec3, Vec3};
@@ -17,7 +18,8 @@ use glam::{DVec3, Vec3};
 const LONGEST: usize = 7;
 
 /// A vertex of a walk, the component that it left through, and factors that the evaluator leaves out: the probability
-/// of roulette and of passing surfaces straight, over the transmittance of the edges.
+/// of roulette and of passing surfaces straight, over the transmittance of the edges, and the density of flights that
+/// know the walk over that of flights that do not.
 struct Step<'a> {
     vertex: SubpathVertex<'a>,
     lobe: Lobes,
@@ -92,23 +94,23 @@ struct Sky {
 impl<'a> Studio<'a> {
     fn walk(&self, mut path: Subpath<'a>, from: EmitterPoint, sampler: &mut IndependentSampler) -> SubpathEnd<'a> {
         let (mut steps, mut tally) = (Vec::<Step>::new(), TraceStats::default());
-        let mut through: Spectrum = Spectrum::ONE;
+        let mut undone: Spectrum = Spectrum::ONE;
         loop {
+            let prior = path.walk.lanes;
             let vertex = match path.arrive(self.camera, sampler, &mut tally) {
                 Arrival::Vertex(vertex) => vertex,
                 Arrival::Infinity(sums) => {
                     let w = path.walk.ray.direction;
-                    let last = steps
-                        .last()
-                        .map(|step: &Step| self.carried(&step.vertex.vertex, EdgeEnd::Light(EmitterPoint::Distant), w));
-                    let undo = (through * last.unwrap_or(Spectrum::ONE)).map(|x: f32| path.walk.survival / x);
+                    let end = EdgeEnd::Light(EmitterPoint::Distant);
+                    let last = |step: &Step| self.carried(&step.vertex.vertex, end, w, prior, Spectrum::ONE);
+                    let undo = (undone * steps.last().map_or(Spectrum::ONE, last)).map(|x: f32| path.walk.survival / x);
                     let sky = Sky { sums, w: path.walk.ray.direction, beta: path.walk.beta, undo };
                     return SubpathEnd { steps, sky: Some(sky), lens: LensPoint::CENTRE };
                 }
             };
             let before = steps.last().map_or(EdgeEnd::Light(from), |step| step.end());
-            through *= self.carried(&vertex.vertex, before, vertex.known);
-            let undo = through.map(|x: f32| path.walk.survival / x);
+            undone *= self.carried(&vertex.vertex, before, vertex.known, prior, vertex.vertex.extinction());
+            let undo = undone.map(|x: f32| path.walk.survival / x);
             let left = vertex.scatterer().and_then(|scatterer| path.go_on(&vertex, &scatterer, sampler, &mut tally));
             steps.push(Step { vertex, lobe: left.unwrap_or(Lobes::SMOOTH), undo });
             if left.is_none() || steps.len() == LONGEST {
@@ -117,10 +119,12 @@ impl<'a> Studio<'a> {
         }
     }
 
-    /// What the edge between a vertex and the `end` in direction `w` carries.
-    fn carried(&self, vertex: &Vertex, end: EdgeEnd, w: Vec3) -> Spectrum {
+    /// What the edge between a vertex and the `end` in direction `w` carries, over the density of a flight of this prior to
+    /// where the extinction is `reached`, relative to a prior of 1.
+    fn carried(&self, vertex: &Vertex, end: EdgeEnd, w: Vec3, prior: Spectrum, reached: Spectrum) -> Spectrum {
         let edge = vertex.edge_to(self.scene, w, end).expect("not from an endpoint");
-        self.scene.throughput(&edge, &mut 0).through
+        let EdgeThroughput { through, flight, .. } = self.scene.throughput(&edge, &mut 0);
+        through * (density(flight, reached) / density(prior * flight, reached))
     }
 
     /// Every path that the two walks of sample `index` make.

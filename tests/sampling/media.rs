@@ -164,7 +164,7 @@ fn flights_estimate_collisions_and_transmittance() {
             let parts = [(MEDIA[first], 0.4f32), (MEDIA[second], length)];
             let mut sums = [[[0.0; 2]; 3]; 3];
             for _ in 0..count {
-                let mut flight = Flight::new(random.cube());
+                let mut flight = Flight::new(Spectrum::ONE, random.cube());
                 let collision = parts.iter().enumerate().find_map(|(number, &(of, length))| {
                     let Collision { distance, factor, .. } = flight.cross(&medium(of), length)?;
                     assert!((0.0..length).contains(&distance), "{distance} of {length}");
@@ -204,7 +204,7 @@ fn densities_of_collisions_are_those_of_the_flight() {
         let medium = medium(of);
         let mut random = Random::new(73);
         for _ in 0..samples(200) {
-            let mut flight = Flight::new(random.cube());
+            let mut flight = Flight::new(Spectrum::ONE, random.cube());
             let Some(Collision { distance, .. }) = flight.cross(&medium, f32::INFINITY) else { continue };
             let found = density(flight.through(), medium.extinction);
             let chance = |length: f64| {
