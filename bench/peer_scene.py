@@ -12,8 +12,7 @@ It needs numpy and writes one binary file. Conventions there and what becomes of
   solid.
 - The camera is a pinhole with a horizontal field of view.
 - glTF has no environment: the option of the command line that stands for it is printed.
-
-Fog has no counterpart and is an error.
+- Fog is a box of index 1, a boundary that nothing sees.
 """
 import json
 import math
@@ -75,6 +74,16 @@ def material(source):
     sys.exit(f"peer_scene.py: there is no glTF material for '{kind}'")
 
 
+def fog(source):
+    """A grey medium inside an index-matched boundary."""
+    volume = {"thicknessFactor": 1.0}
+    if source["sigma_a"] > 0.0:
+        volume |= {"attenuationDistance": 1.0 / source["sigma_a"], "attenuationColor": [math.exp(-1.0)] * 3}
+    clear = glass(1.0)
+    return {**clear, "extensions": {**clear["extensions"], "KHR_materials_volume": volume},
+            "extras": {"etendue": {"scattering": source["sigma_s"], "phase": source["g"]}}}
+
+
 def camera_node(camera):
     """Columns right, up, backward and position."""
     origin, target, up = (np.array(camera[key], dtype=float) for key in ("origin", "target", "up"))
@@ -116,10 +125,13 @@ def document(scene):
     """The glTF document as JSON data, and its binary chunk."""
     materials = {name: material(source) for name, source in scene["materials"].items()}
     materials |= {f"{o['name']} (emitter)": emitter(o["emit"]) for o in scene["objects"] if o["emit"]}
+    worn = [(o["name"], o["ply"], f"{o['name']} (emitter)" if o["emit"] else o["mat"]) for o in scene["objects"]]
+    if scene["medium"]:
+        materials["fog"] = fog(scene["medium"])
+        worn.append(("fog", scene["medium"]["ply"], "fog"))
     order, buffer = list(materials), Buffer()
-    worn = [order.index(f"{o['name']} (emitter)" if o["emit"] else o["mat"]) for o in scene["objects"]]
-    primitives = [buffer.primitive(o["ply"], index) for o, index in zip(scene["objects"], worn)]
-    meshes = [{"name": o["name"], "primitives": [p]} for o, p in zip(scene["objects"], primitives)]
+    primitives = [buffer.primitive(ply, order.index(name)) for _, ply, name in worn]
+    meshes = [{"name": name, "primitives": [p]} for (name, _, _), p in zip(worn, primitives)]
     nodes = [{"name": mesh["name"], "mesh": i} for i, mesh in enumerate(meshes)] + [camera_node(scene["camera"])]
     aspect = scene["width"] / scene["height"]
     yfov = 2 * math.atan(math.tan(math.radians(scene["camera"]["fov"]) / 2) / aspect)
@@ -146,8 +158,6 @@ def chunk(kind, data, fill):
 
 def main(folder, output):
     scene = json.loads((Path(folder).expanduser() / "scene.json").read_text())
-    if scene["medium"]:
-        sys.exit(f"peer_scene.py: {scene['name']} has fog, which étendue does not render")
     gltf, binary = document(scene)
     body = chunk(b"JSON", json.dumps(gltf).encode(), b" ") + chunk(b"BIN\0", binary, b"\0")
     Path(output).write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body)

@@ -5,8 +5,8 @@ each name given, all of them without a name. Needs Python 3.8 and its standard l
     scenes/make.py                # all of them, in half a minute
     scenes/make.py cornell-box
 
-But for the spheres, whose radiance is known in closed form, the textured box and the scenes for Metropolis light transport (door-2cm,
-caustic-pool, mirror-caustic), the numbers are those of shared/peers/scenes.py, which the reference images were rendered from. Its
+But for the spheres, whose radiance is known in closed form, the textured box, wax, the volumetric caustic and the scenes for
+Metropolis light transport (door-2cm, caustic-pool, mirror-caustic), the numbers are those of shared/peers/scenes.py, which the reference images were rendered from. Its
 conventions and what becomes of them here:
 
 - Z up, metres; glTF is Y up: (x, y, z) becomes (x, z, -y), a rotation, so windings stay.
@@ -189,6 +189,17 @@ def glass(ior, thickness):
                            "KHR_materials_volume": {"thicknessFactor": thickness}}}
 
 
+def medium(ior, absorption, scattering, phase="isotropic"):
+    """What fills a body, with coefficients per metre of red, green and blue; an index of 1 is a boundary that nothing sees."""
+    shortest = max(absorption)
+    volume = {"thicknessFactor": 1.0}
+    if shortest > 0.0:
+        volume |= {"attenuationDistance": 1.0 / shortest, "attenuationColor": [math.exp(-x / shortest) for x in absorption]}
+    clear = glass(ior, 1.0)
+    return {**clear, "extensions": {**clear["extensions"], "KHR_materials_volume": volume},
+            "extras": {"etendue": {"scattering": list(scattering), "phase": phase}}}
+
+
 def textured():
     """Half plastic, half metal: colour, roughness and metalness by texture."""
     texture = {"baseColorTexture": {"index": 0}, "metallicRoughnessTexture": {"index": 1}}
@@ -208,6 +219,7 @@ CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "mirror-caustic": ((0.0, -2.8, 1.15), math.radians(11.0), 32.0),
            "many-lights": ((0.0, -11.0, 6.0), math.atan2(-6.0, 10.0), 50.0),
            "street": ((0.6, -6.0, 1.7), math.radians(4.0), 62.0), "hall": ((0.8, 0.6, 1.7), math.radians(-6.0), 62.0),
+           "wax": ((0.0, -1.1, 0.4), math.radians(-15.0), 40.0),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
 CAMERAS["door-2cm"] = CAMERAS["ajar-door"]
 # Point lights: position and radiant intensity.
@@ -240,6 +252,39 @@ def modified_cornell():
     ball = icosphere(6, (0.4, -0.4, 0.37), 0.36)
     materials = {**COLOURS, "light": emitter(30, 25, 18), "mirror": mirror(0.95, 0.95, 0.95)}
     return ROOM + [TALL, ("light", light, "light"), ("ball", ball, "mirror")], materials
+
+
+def foggy_box():
+    """The Cornell box in fog, as the comparison's S8."""
+    objects, materials = cornell_box()
+    light = quad((-0.25, -0.25, 1.98), (-0.25, 0.25, 1.98), (0.25, 0.25, 1.98), (0.25, -0.25, 1.98))
+    fog = ("fog", box((-1.05, -1.05, -0.05), (1.05, 1.05, 2.05)), "fog")
+    materials = {**materials, "light": emitter(34, 24, 8), "fog": medium(1.0, (0.05,) * 3, (0.45,) * 3)}
+    return [o for o in objects if o[0] != "light"] + [("light", light, "light"), fog], materials
+
+
+def wax():
+    """A ball, a block and a leaf of wax, lit from behind."""
+    # Reduced scattering and absorption per metre of a paraffin of whiter red than blue; the mean free path is a millimetre.
+    body = medium(1.44, (2.0, 8.0, 40.0), (900.0, 1000.0, 1100.0), 0.0)
+    light = quad((-0.5, 0.6, 0.2), (0.5, 0.6, 0.2), (0.5, 0.6, 1.0), (-0.5, 0.6, 1.0))
+    floor = quad((-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0))
+    things = [("ball", icosphere(5, (-0.3, 0.0, 0.151), 0.15)), ("block", box((0.1, -0.1, 0.001), (0.3, 0.1, 0.25), 0.5)),
+              ("leaf", box((-0.05, -0.2, 0.001), (0.1, -0.19, 0.18), -0.3))]
+    objects = [("floor", floor, "floor"), ("light", light, "light")] + [(name, mesh, "wax") for name, mesh in things]
+    return objects, {"floor": diffuse(0.4, 0.4, 0.42), "light": emitter(12, 12, 12), "wax": body}
+
+
+def volumetric_caustic():
+    """A glass ball in thin fog under a small lamp: the cone of light that it gathers is seen in the air."""
+    light = quad((-0.05, -0.05, 1.95), (-0.05, 0.05, 1.95), (0.05, 0.05, 1.95), (0.05, -0.05, 1.95))
+    fog = ("fog", box((-0.99, -0.99, 0.01), (0.99, 0.99, 1.99)), "fog")
+    ball = ("ball", icosphere(6, (0.0, 0.0, 1.2), 0.3), "glass")
+    inner = glass(1.5, 0.6)
+    inner["extras"] = {"etendue": {"priority": 1}}
+    dark = {name: diffuse(*(0.2 * x for x in COLOURS[name]["pbrMetallicRoughness"]["baseColorFactor"][:3])) for name in COLOURS}
+    materials = {**dark, "light": emitter(900, 850, 700), "glass": inner, "fog": medium(1.0, (0.0,) * 3, (0.15,) * 3, 0.5)}
+    return ROOM + [ball, ("light", light, "light"), fog], materials
 
 
 def glass_caustic():
@@ -516,7 +561,7 @@ def facing(side, x, low, high):
 SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door,
           "door-2cm": door_2cm, "caustic-pool": caustic_pool, "mirror-caustic": mirror_caustic,
           "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "many-lights": many_lights, "street": street,
-          "hall": hall,
+          "hall": hall, "foggy-box": foggy_box, "wax": wax, "volumetric-caustic": volumetric_caustic,
           "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------

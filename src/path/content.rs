@@ -1,20 +1,20 @@
 //! What the edges of a path carry between its vertices: transmittance, null events, and free flights.
 
 use super::{FullPath, PathVertex, Vertex, VertexPdfs};
-use crate::medium::density;
 use crate::scene::{EdgeThroughput, Scene};
 use crate::spectrum::Spectrum;
 use glam::DVec3;
 
 /// Transmittance, null events and free flights on the edges of an unoccluded path: see [`crate::scene::Passage`] and
-/// [`density`].
+/// [`crate::medium::density`].
 pub struct Content {
     /// Transmittance of all edges together.
     pub through: Spectrum,
     /// Probability of passing all null events, for each edge.
     passed: Vec<f64>,
-    /// Density of free flights along each edge, of its end toward the camera and of its end toward the light.
-    flown: Vec<[f64; 2]>,
+    /// Densities of free flights by each lane along each edge, of its end toward the camera and of its end toward the
+    /// light.
+    flown: Vec<[Spectrum<f64>; 2]>,
     /// Probability of scattering rather than passing at each vertex, for light and camera subpaths.
     met: [Vec<f64>; 2],
 }
@@ -38,7 +38,7 @@ impl Content {
             let EdgeThroughput { through, flight, chance } = scene.throughput(&path.edge(i), rays);
             found.through *= through;
             found.passed.push(f64::from(chance));
-            found.flown.push([i + 1, i].map(|end| f64::from(density(flight, extinction(end)))));
+            found.flown.push([i + 1, i].map(|end| (flight * extinction(end)).cast()));
         }
         for (i, node) in nodes.iter().enumerate() {
             let directions = [path.directions()[i], path.directions()[i + 1]];
@@ -51,7 +51,14 @@ impl Content {
 
     /// Multiplies `steps` by the densities of free flights.
     pub fn fly(&self, steps: &mut VertexPdfs) {
-        self.weigh(steps, |edge, end| self.flown[edge][end], |_, _| 1.0);
+        self.weigh(steps, |edge, end| self.flown[edge][end].mean(), |_, _| 1.0);
+    }
+
+    /// Returns the logarithm of the density of the technique with `s` light vertices, whose flights know the lanes of their
+    /// walk so far, over the product of the densities of [`Content::fly`]: see [`crate::medium::Flight`].
+    pub fn log_of_lanes(&self, s: usize) -> f64 {
+        let light = log_of_lanes(self.flown[..s.saturating_sub(1)].iter().map(|ends| ends[0]));
+        light + log_of_lanes(self.flown[s..].iter().rev().map(|ends| ends[1]))
     }
 
     /// Multiplies `steps` by the probabilities of null events.
@@ -71,6 +78,15 @@ impl Content {
             (0..k).for_each(|i| made[i] *= edge(i, 1) * if i > 0 { at(i, 1) } else { 1.0 });
         }
     }
+}
+
+/// Returns the logarithm of the mean over lanes of the product of `flights` over the product of their means.
+fn log_of_lanes(flights: impl Iterator<Item = Spectrum<f64>>) -> f64 {
+    let step = |(prior, log): (Spectrum<f64>, f64), lanes: Spectrum<f64>| {
+        let joint = prior * lanes;
+        (joint / joint.mean(), log + (joint.mean() / lanes.mean()).ln())
+    };
+    flights.fold((Spectrum([1.0; LANES]), 0.0), step).1
 }
 
 /// Returns the probability with which a walk along `w` scatters at `node` rather than to pass it.

@@ -95,7 +95,7 @@ impl<'a> PathState<'a> {
         if let Some(content) = &content {
             content.fly(&mut steps);
         }
-        let f = f * share_of_chains(common, film, &path, &steps, &f);
+        let f = f * share_of_chains(common, film, &path, &steps, content.as_ref(), &f);
         if let Some(content) = &content {
             content.pass(&mut steps);
         }
@@ -117,6 +117,7 @@ fn share_of_chains(
     film: [f32; 2],
     path: &FullPath,
     steps: &VertexPdfs,
+    content: Option<&Content>,
     f: &Spectrum<f64>,
 ) -> f64 {
     if common.limit.is_none() {
@@ -128,7 +129,7 @@ fn share_of_chains(
     let of = |s: usize| {
         let weight = densities.weight(weights, s);
         // A sample of this technique contributes weight f / p.
-        let log = densities.log[s].filter(|_| weight > 0.0)?;
+        let log = densities.log[s].filter(|_| weight > 0.0)? + content.map_or(0.0, |content| content.log_of_lanes(s));
         Some(weight * SampleThreshold::above(limit, weight * (log_mean - log).exp()))
     };
     (0..=path.k()).filter_map(of).sum()

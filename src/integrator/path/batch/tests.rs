@@ -128,7 +128,7 @@ fn textured() -> Description {
 
 fn built(name: &'static str, description: Description) -> World {
     let options = BuildOptions { threads: 1, ..BuildOptions::default() };
-    World { name, scene: Scene::build(description, &options).expect("a valid scene"), alpha: 1.0 }
+    World { name, scene: Scene::build(description, &options).expect("a valid scene"), alpha: 1.0, fog: 0.0 }
 }
 
 #[test]
