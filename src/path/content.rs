@@ -2,7 +2,7 @@
 
 use super::{FullPath, PathVertex, Vertex, VertexPdfs};
 use crate::scene::{EdgeThroughput, Scene};
-use crate::spectrum::Spectrum;
+use crate::spectrum::{LANES, Spectrum};
 use glam::DVec3;
 
 /// Transmittance, null events and free flights on the edges of an unoccluded path: see [`crate::scene::Passage`] and
