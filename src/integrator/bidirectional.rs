@@ -196,7 +196,7 @@ impl<'a> Bidirectional<'a> {
     }
 
     /// Returns the contribution of the connection `found` as far as it is visible.
-    #[inline]
+    #[inline(always)]
     fn traced(
         &self,
         [s, t]: [usize; 2],
@@ -322,7 +322,7 @@ impl<'a> Bidirectional<'a> {
         t: usize,
     ) -> Option<Connection<'v>> {
         // As if the edge were clear.
-        let worth = found.value.max_lane() * found.weight(&self.weights, Spectrum::ONE) as f32;
+        let worth = found.value.max_lane() * found.clear_weight as f32;
         if worth >= self.worthwhile || worth.is_nan() {
             return Some(found);
         }

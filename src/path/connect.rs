@@ -19,6 +19,8 @@ pub struct Connection<'v> {
     /// Density ratios of the techniques that walk along the edge instead, to its end and to its start: see
     /// [`MisStrategy::connection`].
     others: [f64; 2],
+    /// MIS weight without media that scatter.
+    pub clear_weight: f64,
     /// Probability that both subpaths survived roulette. `value` is already divided by it.
     pub survival: f32,
     /// Vertex at which the edge begins.
@@ -38,6 +40,9 @@ impl Connection<'_> {
     /// Returns the MIS weight of the technique if the media on the edge that scatter have the transmittance `flight`.
     #[inline]
     pub fn weight(&self, weights: &MisStrategy, flight: Spectrum) -> f64 {
+        if flight == Spectrum::ONE {
+            return self.clear_weight;
+        }
         let end = if let EdgeEnd::Medium(_, extinction) = self.end { extinction } else { Spectrum::ONE };
         weights.connection(self.others, FlightPdfs::new(flight, self.from.extinction(), end))
     }
@@ -88,9 +93,11 @@ pub fn next_event<'v>(
         Density::Delta(_) => 0.0,
     };
     let reverse = f64::from(scatterer.reverse_pdf(sample.wi).value());
+    let others = [weights.instead_of_sample(hit), weights.earlier(&z.sums, made, reverse)];
     Some(Connection {
         value: z.beta * f_cos * sample.radiance / (pmf as f32 * sample.density.value()),
-        others: [weights.instead_of_sample(hit), weights.earlier(&z.sums, made, reverse)],
+        others,
+        clear_weight: weights.connection(others, FlightPdfs::CERTAIN),
         survival: z.survival,
         from: &z.vertex,
         wi: sample.wi,
@@ -111,18 +118,18 @@ pub fn connect<'v>(
     let wi = to / d2.sqrt();
     // Borrowed, not moved out of the options: a copy of what was just written stalls.
     let Some(at_z) = &z_scatterer.scattering(wi) else { return None };
-    let Some(y_scatterer) = &y.scatterer() else { return None };
-    let Some(at_y) = &y_scatterer.scattering(-wi) else { return None };
+    let Some((at_y, y_reverse)) = &y.scattering(-wi) else { return None };
     if d2 <= 0.0 {
         return None;
     }
     let per_area = |pdf: f32, at: &Vertex| f64::from(pdf) * f64::from(at.cos(wi)) / f64::from(d2);
-    let reverse = |scatterer: &Scatterer, w: Vec3| f64::from(scatterer.reverse_pdf(w).value());
-    let light = weights.earlier(&y.sums, per_area(at_z.pdf.value(), &y.vertex), reverse(y_scatterer, -wi));
-    let camera = weights.earlier(&z.sums, per_area(at_y.pdf.value(), &z.vertex), reverse(z_scatterer, wi));
+    let light = weights.earlier(&y.sums, per_area(at_z.pdf.value(), &y.vertex), *y_reverse);
+    let camera =
+        weights.earlier(&z.sums, per_area(at_y.pdf.value(), &z.vertex), f64::from(z_scatterer.reverse_pdf(wi).value()));
     let value = y.beta * at_y.f_cos * at_z.f_cos * z.beta / d2;
     let (others, survival) = ([light, camera], y.survival * z.survival);
-    Some(Connection { value, others, survival, from: &z.vertex, wi, end: y.vertex.as_end() })
+    let clear_weight = weights.connection(others, FlightPdfs::CERTAIN);
+    Some(Connection { value, others, clear_weight, survival, from: &z.vertex, wi, end: y.vertex.as_end() })
 }
 
 /// Connects the vertex `y` of a light subpath to the point `lens` of the camera's lens; `None` if `y` is outside the
@@ -138,14 +145,14 @@ pub fn splat<'v>(
     if y.vertex.surface().is_some_and(|at| scene.culled(&at.point, -seen.wi)) {
         return None;
     }
-    let Some(scatterer) = &y.scatterer() else { return None };
-    let Some(at_y) = &scatterer.scattering(seen.wi) else { return None };
+    let Some((at_y, reverse)) = &y.scattering(seen.wi) else { return None };
     // The density of the point of the lens is a factor of We and of every technique.
     let density = f64::from(seen.importance) * f64::from(y.vertex.cos(seen.wi));
-    let reverse = f64::from(scatterer.reverse_pdf(seen.wi).value());
     let value = y.beta * at_y.f_cos * seen.importance;
-    let others = [0.0, weights.instead_of_splat(&y.sums, density, reverse)];
+    let others = [0.0, weights.instead_of_splat(&y.sums, density, *reverse)];
     let end = EdgeEnd::Camera(seen.eye);
-    let connection = Connection { value, others, survival: y.survival, from: &y.vertex, wi: seen.wi, end };
+    let clear_weight = weights.connection(others, FlightPdfs::CERTAIN);
+    let connection =
+        Connection { value, others, clear_weight, survival: y.survival, from: &y.vertex, wi: seen.wi, end };
     Some(Splat { connection, film: seen.film })
 }

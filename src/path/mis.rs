@@ -293,7 +293,7 @@ impl MisStrategy {
 
     /// Returns the partial sums at a vertex at `p`, reached by `link` along the unit direction `w` in a flight with the
     /// densities `flight`; `cos` is its C(x).
-    #[inline]
+    #[inline(always)] // one call in a walk without media
     pub fn arrive(&self, link: &MisEdge, p: Vec3, cos: f32, w: Vec3, flight: FlightPdfs) -> PartialMis {
         let cos = f64::from(cos);
         let (made, back) = match link.start {

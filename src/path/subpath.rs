@@ -3,8 +3,10 @@
 //! Usage: `arrive`, connect the vertex, `depart`, repeat.
 
 use super::mis::{FlightPdfs, MisEdge, MisStrategy, PartialMis};
-use super::{Emitter, FlightEnd, Flown, PreviousVertex, RandomWalk, Scatterer, SurfaceVertex, TraceStats, Vertex};
-use crate::bsdf::Lobes;
+use super::{
+    Emitter, FlightEnd, Flown, PhaseAt, PreviousVertex, RandomWalk, Scatterer, SurfaceVertex, TraceStats, Vertex,
+};
+use crate::bsdf::{Lobes, Scattering, Shading, Surface};
 use crate::camera::{Camera, CameraSample, LensPoint};
 use crate::geometry::SurfacePoint;
 use crate::light::{EmitterPoint, LeRandom, LightSampleContext};
@@ -14,6 +16,7 @@ use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// Vertex of a subpath beyond its endpoint.
 pub struct SubpathVertex<'a> {
@@ -32,6 +35,24 @@ pub struct SubpathVertex<'a> {
 }
 
 impl SubpathVertex<'_> {
+    /// Returns scattering toward `w`, and the density with which a walk that arrives from there leaves along
+    /// [`SubpathVertex::known`].
+    #[inline]
+    pub(super) fn scattering(&self, w: Vec3) -> Option<(Scattering, f64)> {
+        match &self.vertex {
+            Vertex::Surface(SurfaceVertex { point, surface, .. }) => {
+                // Borrowed, not moved out of the options: a copy of what was just written stalls.
+                let Some(shading) = &Shading::new(point, surface, self.known, self.mode) else { return None };
+                Some((shading.scattering(w)?, f64::from(shading.reverse_pdf(w).value())))
+            }
+            Vertex::Medium(point) => {
+                let scattering = PhaseAt::new(point, self.known).scattering(w);
+                Some((scattering, f64::from(scattering.pdf.value())))
+            }
+            Vertex::Camera(_) | Vertex::Light(_) => None,
+        }
+    }
+
     /// See [`Vertex::scatterer`].
     #[inline]
     pub fn scatterer(&self) -> Option<Scatterer<'_>> {
@@ -115,44 +136,56 @@ impl<'a> Subpath<'a> {
         if self.scene.features().scattering {
             return self.fly(camera, sampler, tally);
         }
-        match self.walk.arrive(sampler, tally) {
-            Some(point) => Arrival::Vertex(self.on_surface(camera, point, FlightPdfs::CERTAIN)),
-            None => Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction, FlightPdfs::CERTAIN)),
-        }
+        let Some(mut point) = self.walk.arrive(sampler, tally) else {
+            return Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction, FlightPdfs::CERTAIN));
+        };
+        let (surface, sums) = self.on_surface(camera, &mut point, FlightPdfs::CERTAIN);
+        let RandomWalk { beta, survival, mode, ray, .. } = self.walk;
+        // The vertex is large. Made in the expression that returns it, it is not moved.
+        Arrival::Vertex(SubpathVertex {
+            vertex: Vertex::Surface(SurfaceVertex { point, surface, state: ray.state }),
+            known: -ray.direction,
+            beta,
+            survival,
+            sums,
+            mode,
+        })
     }
 
     /// Does [`Subpath::arrive`] in a scene with media that scatter.
     fn fly(&mut self, camera: &Camera, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Arrival<'a> {
         let Flown { end, through } = self.walk.fly(sampler, tally);
         let pdfs = |end| FlightPdfs::new(through, self.link.start.extinction(), end);
-        match end {
-            Some(FlightEnd::Surface(point)) => Arrival::Vertex(self.on_surface(camera, point, pdfs(Spectrum::ONE))),
+        let w = self.walk.ray.direction;
+        let (vertex, sums) = match end {
+            Some(FlightEnd::Surface(mut point)) => {
+                let (surface, sums) = self.on_surface(camera, &mut point, pdfs(Spectrum::ONE));
+                (Vertex::Surface(SurfaceVertex { point, surface, state: self.walk.ray.state }), sums)
+            }
             Some(FlightEnd::Medium(point)) => {
                 let flight = pdfs(point.extinction);
-                let w = self.walk.ray.direction;
                 self.complete(camera, &LightSampleContext::from(&point), w);
-                let sums = self.weights.arrive(&self.link, point.p, 1.0, w, flight);
-                Arrival::Vertex(self.vertex(Vertex::Medium(point), sums))
+                (Vertex::Medium(point), self.weights.arrive(&self.link, point.p, 1.0, w, flight))
             }
-            None => Arrival::Infinity(self.weights.escape(&self.link, self.walk.ray.direction, pdfs(Spectrum::ONE))),
-        }
-    }
-
-    /// Returns the vertex on the surface at `point`, reached in a flight with the densities `flight`.
-    #[inline(always)] // see RandomWalk::arrive
-    fn on_surface(&mut self, camera: &Camera, mut point: SurfacePoint, flight: FlightPdfs) -> SubpathVertex<'a> {
-        let (w, state) = (self.walk.ray.direction, self.walk.ray.state);
-        self.complete(camera, &LightSampleContext::from(&point), w);
-        let sums = self.weights.arrive(&self.link, point.p, point.cos(w), w, flight);
-        let surface = self.scene.surface(&mut point, state.bodies);
-        self.vertex(Vertex::Surface(SurfaceVertex { point, surface, state }), sums)
-    }
-
-    /// Returns the vertex at which the walk has arrived.
-    #[inline(always)]
-    fn vertex(&self, vertex: Vertex<'a>, sums: PartialMis) -> SubpathVertex<'a> {
+            None => return Arrival::Infinity(self.weights.escape(&self.link, w, pdfs(Spectrum::ONE))),
+        };
         let RandomWalk { beta, survival, mode, .. } = self.walk;
-        SubpathVertex { vertex, known: -self.walk.ray.direction, beta, survival, sums, mode }
+        Arrival::Vertex(SubpathVertex { vertex, known: -w, beta, survival, sums, mode })
+    }
+
+    /// Arrives on the surface at `point` in a flight with the densities `flight`; returns the scattering model and the
+    /// partial MIS sums.
+    #[inline(always)] // see RandomWalk::arrive
+    fn on_surface(
+        &mut self,
+        camera: &Camera,
+        point: &mut SurfacePoint,
+        flight: FlightPdfs,
+    ) -> (Cow<'a, Surface>, PartialMis) {
+        let (w, state) = (self.walk.ray.direction, self.walk.ray.state);
+        self.complete(camera, &LightSampleContext::from(&*point), w);
+        let sums = self.weights.arrive(&self.link, point.p, point.cos(w), w, flight);
+        (self.scene.surface(point, state.bodies), sums)
     }
 
     /// Computes what the first edge of the subpath could not know before its end: the density of a camera ray at
