@@ -10,3 +10,4 @@ pub mod png;
 pub mod primaries;
 mod reading;
 pub mod scene_file;
+pub mod volume;
