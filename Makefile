@@ -64,7 +64,7 @@ test-farm: ## farm/: shards killed and requeued under a real Slurm, and run by o
 kill-matrix: setup ## turn on every mutation of tests/kill_matrix and see a test fail for each
 	$(CARGO) test --locked --workspace --test kill_matrix -- --all
 
-kill-matrix-part: setup ## the twelfth of it whose turn it is today (ETENDUE_KILL_PART=0 to 11 chooses)
+kill-matrix-part: setup ## the 24th of it whose turn it is today (ETENDUE_KILL_PART=0 to 23 chooses)
 	$(CARGO) test --locked --workspace --test kill_matrix -- --today
 
 bench: build ## time to error against other renderers, ray rates, start-up time (see bench/versus.sh)

@@ -52,7 +52,8 @@ fn slabs_reflect_and_transmit_as_the_tables_say() {
         (0.9, g(-0.5), 2.0, 0.462772, 0.140736),
     ];
     let spp = if deep() { 1 << 15 } else { 1 << 10 };
-    for (albedo, phase, depth, reflected, transmitted) in cases {
+    // Every other one in CI.
+    for (albedo, phase, depth, reflected, transmitted) in cases.into_iter().step_by(if deep() { 1 } else { 2 }) {
         for method in METHODS {
             let open = slab(albedo, phase, depth);
             let mut closed = slab(albedo, phase, depth);

@@ -5,7 +5,7 @@
 //! copy of the repository with all mutations, target/kill-matrix/tree, in which `ETENDUE_MUTANT=name` turns one on.
 //! The following build its tests and run the killers:
 //!
-//! - `--today`: the twelfth of the mutations whose turn it is, or that of `ETENDUE_KILL_PART` (0 to 11), each until one
+//! - `--today`: the 24th of the mutations whose turn it is, or that of `ETENDUE_KILL_PART` (0 to 23), each until one
 //!   killer kills, the fastest first;
 //! - `--each`: all, each until one killer kills;
 //! - `--all`: all, against all killers;
@@ -32,7 +32,7 @@ use mutations::Mutation;
 use std::process::ExitCode;
 
 /// Number of parts of the mutations, one for each day.
-const PARTS: u64 = 12;
+const PARTS: u64 = 24;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
