@@ -267,12 +267,12 @@ def wax():
     """A ball, a block and a leaf of wax, lit from behind."""
     # Reduced scattering and absorption per metre of a paraffin of whiter red than blue; the mean free path is a millimetre.
     body = medium(1.44, (2.0, 8.0, 40.0), (900.0, 1000.0, 1100.0), 0.0)
-    light = quad((-0.5, 0.6, 0.2), (0.5, 0.6, 0.2), (0.5, 0.6, 1.0), (-0.5, 0.6, 1.0))
+    light = quad((-0.5, 0.6, 1.3), (-0.5, 1.0, 0.9), (0.5, 1.0, 0.9), (0.5, 0.6, 1.3))
     floor = quad((-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0))
     things = [("ball", icosphere(5, (-0.3, 0.0, 0.151), 0.15)), ("block", box((0.1, -0.1, 0.001), (0.3, 0.1, 0.25), 0.5)),
               ("leaf", box((-0.05, -0.2, 0.001), (0.1, -0.19, 0.18), -0.3))]
     objects = [("floor", floor, "floor"), ("light", light, "light")] + [(name, mesh, "wax") for name, mesh in things]
-    return objects, {"floor": diffuse(0.4, 0.4, 0.42), "light": emitter(12, 12, 12), "wax": body}
+    return objects, {"floor": diffuse(0.4, 0.4, 0.42), "light": emitter(40, 40, 40), "wax": body}
 
 
 def volumetric_caustic():
