@@ -191,8 +191,7 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
 
 /// Returns the reason why `method` cannot render `scene` at all, as a sentence.
 pub fn refusal(method: Method, scene: &Scene) -> Option<&'static str> {
-    let knows_media = !matches!(method, Method::Lightcuts | Method::Vpl | Method::DeterministicLightcuts);
-    if scene.features().scattering && !knows_media {
+    if scene.features().scattering && method.has_virtual_lights() {
         return Some("methods with virtual lights do not know media that scatter: bdpt, path and the chains do");
     }
     let blends = method == Method::Mlt && scene.features().blends;
