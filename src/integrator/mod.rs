@@ -191,10 +191,6 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
 
 /// Returns the reason why `method` cannot render `scene` at all, as a sentence.
 pub fn refusal(method: Method, scene: &Scene) -> Option<&'static str> {
-    let knows_media = !matches!(method, Method::Lightcuts | Method::Vpl | Method::DeterministicLightcuts);
-    if scene.features().scattering && !knows_media {
-        return Some("methods with virtual lights do not know media that scatter: bdpt, path and the chains do");
-    }
     let blends = method == Method::Mlt && scene.features().blends;
     blends.then_some("mlt does not know surfaces that blend by alpha: render the scene with mmlt, which does")
 }
