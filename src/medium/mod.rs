@@ -4,9 +4,11 @@
 //! both point away from the vertex. Coefficients are per unit of length, one a lane.
 
 mod flight;
+mod grid;
 mod homogeneous;
 mod phase;
 
 pub use flight::{Collision, Flight, density};
+pub use grid::{Grid, GridFlight};
 pub use homogeneous::Homogeneous;
 pub use phase::{Phase, PhaseSample};
