@@ -12,7 +12,8 @@
 //!
 //! In media that only absorb there are no collisions, and light is weighted by the transmittance.
 
-use super::Homogeneous;
+use super::Medium;
+use super::varying::Reach;
 use crate::spectrum::{LANES, Spectrum};
 
 /// A flight on its way along an edge.
@@ -34,6 +35,8 @@ pub struct Flight {
 pub struct Collision {
     /// Distance in the last medium.
     pub distance: f32,
+    /// Density of the medium there: a factor of its coefficients.
+    pub at: f32,
     /// σs times the transmittance over the density, see [`density`].
     pub factor: Spectrum,
 }
@@ -60,25 +63,33 @@ impl Flight {
         Flight { prior, lane, left: -(-u).ln_1p(), through: Spectrum::ONE, absorbed: Spectrum::ONE }
     }
 
-    /// Crosses `length` of `medium`; returns the collision on the way, if there is one.
+    /// Crosses the segment of `length` from `origin` along the unit vector `w` in `medium`; returns the collision on the way,
+    /// if there is one.
     #[inline]
-    pub fn cross(&mut self, medium: &Homogeneous, length: f32) -> Option<Collision> {
-        if !medium.scatters() {
-            self.absorbed *= medium.transmittance(length);
+    pub fn cross(&mut self, medium: &Medium, origin: Vec3, w: Vec3, length: f32) -> Option<Collision> {
+        let unit = &medium.unit;
+        if !unit.scatters() {
+            self.absorbed *= medium.transmittance(origin, w, length);
             return None;
         }
         // Infinite in a lane without extinction.
-        let distance = self.left / medium.extinction[self.lane];
-        if distance < length {
-            self.through *= medium.transmittance(distance);
-            let density = density(self.prior * self.through, medium.extinction);
-            return Some(Collision { distance, factor: self.absorbed * self.through * medium.scattering / density });
+        let depth = self.left / unit.extinction[self.lane];
+        match medium.reach(origin, w, length, depth) {
+            Reach::Ends(distance, at) => {
+                self.through *= unit.transmittance(depth);
+                // The density at the collision is a factor of σs and of the density of the flight.
+                let found = density(self.prior * self.through, unit.extinction);
+                let factor = self.absorbed * self.through * unit.scattering / found;
+                Some(Collision { distance, at, factor })
+            }
+            Reach::Passes(passed) => {
+                if unit.extinction[self.lane] > 0.0 {
+                    self.left -= unit.extinction[self.lane] * passed;
+                }
+                self.through *= unit.transmittance(passed);
+                None
+            }
         }
-        if medium.extinction[self.lane] > 0.0 {
-            self.left -= medium.extinction[self.lane] * length;
-        }
-        self.through *= medium.transmittance(length);
-        None
     }
 
     /// Returns the transmittance of the scattering media that it has crossed.

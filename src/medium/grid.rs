@@ -11,8 +11,10 @@
 #[path = "grid_tests.rs"]
 mod tests;
 
+use super::varying::Reach;
 use crate::huge_vec::HugeVec;
 use glam::{DAffine3, Vec3};
+use std::sync::Arc;
 
 /// Steps by which a flight finds its end in an interval; bisection halves what Newton's method does not.
 const STEPS: usize = 24;
@@ -24,7 +26,7 @@ const ACCURACY: f32 = 1e-6;
 #[derive(Debug)]
 pub struct Grid {
     size: [usize; 3],
-    values: HugeVec<f32>,
+    values: Arc<HugeVec<f32>>,
     /// From the scene to cells: the centre of cell (x, y, z) is at (x + ½, y + ½, z + ½).
     to_cells: DAffine3,
     /// The largest value.
@@ -38,26 +40,17 @@ struct Track {
     direction: Vec3,
 }
 
-/// How far a flight got.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum GridFlight {
-    /// It ends at this distance.
-    Ends(f32),
-    /// It passes, and this optical depth is behind it.
-    Passes(f32),
-}
-
 impl Grid {
     /// Creates the grid of `values`, finite and not negative, x first, then y, then z; `to_scene` maps the unit cube that
     /// its cells fill to the scene and has an inverse.
     ///
     /// # Panics
     /// If the number of values is not the number of cells, or there are none.
-    pub fn new(size: [usize; 3], values: Vec<f32>, to_scene: &DAffine3) -> Self {
+    pub fn new(size: [usize; 3], values: Arc<HugeVec<f32>>, to_scene: &DAffine3) -> Self {
         assert!(!values.is_empty() && values.len() == size.iter().product(), "{} values for {size:?}", values.len());
         let most = values.iter().copied().fold(0.0, f32::max);
         let to_cells = DAffine3::from_scale(glam::DVec3::from(size.map(|n| n as f64))) * to_scene.inverse();
-        Grid { size, values: values.into(), to_cells, most }
+        Grid { size, values, to_cells, most }
     }
 
     /// Returns the largest density.
@@ -65,7 +58,7 @@ impl Grid {
         self.most
     }
 
-    /// Returns the memory held, in bytes.
+    /// Returns the memory of the values, which copies share, in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&self.values[..])
     }
@@ -80,18 +73,18 @@ impl Grid {
     /// Returns the integral of the density over the segment of `length` from `origin` along the unit vector `w`.
     pub fn depth(&self, origin: Vec3, w: Vec3, length: f32) -> f32 {
         match self.fly(origin, w, length, f32::INFINITY) {
-            GridFlight::Passes(depth) => depth,
-            GridFlight::Ends(_) => f32::INFINITY,
+            Reach::Passes(depth) => depth,
+            Reach::Ends(..) => f32::INFINITY,
         }
     }
 
     /// Flies from `origin` along the unit vector `w` for at most `length`, until the integral of the density is `depth`.
-    pub fn fly(&self, origin: Vec3, w: Vec3, length: f32, depth: f32) -> GridFlight {
+    pub(super) fn fly(&self, origin: Vec3, w: Vec3, length: f32, depth: f32) -> Reach {
         let track = Track {
             origin: self.to_cells.transform_point3(origin.as_dvec3()).as_vec3(),
             direction: self.to_cells.transform_vector3(w.as_dvec3()).as_vec3(),
         };
-        let Some([mut from, end]) = self.clip(&track, length) else { return GridFlight::Passes(0.0) };
+        let Some([mut from, end]) = self.clip(&track, length) else { return Reach::Passes(0.0) };
         let (mut passed, mut before) = (0.0f32, self.lookup(track.at(from)));
         let mut planes = Planes::new(&track, from);
         while from < end {
@@ -99,11 +92,13 @@ impl Grid {
             let (middle, after) = (self.lookup(track.at(0.5 * (from + to))), self.lookup(track.at(to)));
             let part = simpson(to - from, [before, middle, after]);
             if passed + part > depth {
-                return GridFlight::Ends(self.end(&track, [from, to], before, depth - passed));
+                let t = self.end(&track, [from, to], before, depth - passed);
+                // Rounding may lead to where there is nothing.
+                return Reach::Ends(t, self.lookup(track.at(t)).max(f32::MIN_POSITIVE));
             }
             (passed, before, from) = (passed + part, after, to);
         }
-        GridFlight::Passes(passed)
+        Reach::Passes(passed)
     }
 
     /// Returns the part of `track` up to `length` in the box.

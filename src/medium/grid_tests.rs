@@ -2,11 +2,15 @@ use super::*;
 use etendue_testing::random::Random;
 use glam::{DMat3, DQuat, DVec3};
 
+fn grid(size: [usize; 3], values: Vec<f32>, to_scene: &DAffine3) -> Grid {
+    Grid::new(size, Arc::new(values.into()), to_scene)
+}
+
 /// A box of 5 × 4 × 6 cells with random values, a third of them 0.
 fn random_grid(random: &mut Random, to_scene: &DAffine3) -> Grid {
     let size = [5, 4, 6];
     let value = |random: &mut Random| (random.f32() - 0.3).max(0.0) * 4.0;
-    Grid::new(size, (0..120).map(|_| value(random)).collect(), to_scene)
+    grid(size, (0..120).map(|_| value(random)).collect(), to_scene)
 }
 
 /// Turned, stretched and moved.
@@ -51,12 +55,13 @@ fn flights_end_where_the_depth_is_theirs() {
     for _ in 0..200 {
         let depth = whole * 1.2 * random.f32();
         match grid.fly(origin, w, length, depth) {
-            GridFlight::Ends(t) => {
+            Reach::Ends(t, density) => {
                 let found = grid.depth(origin, w, t);
+                assert!((density - grid.density(origin + w * t)).abs() < 1e-4 * grid.most());
                 // What the accuracy of the end is worth, and roundings.
                 assert!((found - depth).abs() < 1e-5 * whole, "{found}, expected {depth}");
             }
-            GridFlight::Passes(found) => assert!(depth >= found && found == whole, "{depth} of {found}"),
+            Reach::Passes(found) => assert!(depth >= found && found == whole, "{depth} of {found}"),
         }
     }
 }
@@ -66,7 +71,7 @@ fn flights_end_where_the_depth_is_theirs() {
 fn a_linear_field_has_its_integral() {
     let size = [8, 8, 8];
     let value = |i: usize| 1.0 + (i % 8) as f32;
-    let grid = Grid::new(size, (0..512).map(value).collect(), &DAffine3::IDENTITY);
+    let grid = grid(size, (0..512).map(value).collect(), &DAffine3::IDENTITY);
     let w = Vec3::new(0.6, 0.0, 0.8);
     let found = grid.depth(Vec3::new(0.2, 0.4, 0.1), w, 1.0);
     // Density 8 x + ½ between the outer centres.
@@ -76,7 +81,7 @@ fn a_linear_field_has_its_integral() {
 
 #[test]
 fn rays_beside_the_box_and_along_its_axes() {
-    let grid = Grid::new([1, 1, 1], vec![2.0], &DAffine3::IDENTITY);
+    let grid = grid([1, 1, 1], vec![2.0], &DAffine3::IDENTITY);
     let centre = Vec3::splat(0.5);
     for w in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Z] {
         assert!((grid.depth(centre - w * 3.0, w, f32::INFINITY) - 2.0).abs() < 1e-6);

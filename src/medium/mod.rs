@@ -7,8 +7,10 @@ mod flight;
 mod grid;
 mod homogeneous;
 mod phase;
+mod varying;
 
 pub use flight::{Collision, Flight, density};
-pub use grid::{Grid, GridFlight};
+pub use grid::Grid;
 pub use homogeneous::Homogeneous;
 pub use phase::{Phase, PhaseSample};
+pub use varying::Medium;

@@ -57,7 +57,6 @@ impl RandomWalk<'_> {
             tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
             let length = point.as_ref().map_or(f32::INFINITY, |point| point.t);
             if let Some(collided) = self.collide(&mut flight, length) {
-                self.lanes = flight.posterior(collided.extinction);
                 return Flown { end: Some(FlightEnd::Medium(collided)), through: flight.through() };
             }
             let met = point.filter(|point| {
@@ -81,9 +80,11 @@ impl RandomWalk<'_> {
     fn collide(&mut self, flight: &mut Flight, length: f32) -> Option<MediumPoint> {
         let state = self.ray.state;
         let medium = self.scene.medium(state.bodies)?;
-        let Collision { distance, factor } = flight.cross(medium, length)?;
+        let Collision { distance, at, factor } = flight.cross(medium, self.ray.origin, self.ray.direction, length)?;
         self.beta *= factor;
-        let &Homogeneous { extinction, scattering, phase } = medium;
+        self.lanes = flight.posterior(medium.unit.extinction);
+        let &Homogeneous { extinction, scattering, phase } = &medium.unit;
+        let (extinction, scattering) = (extinction * at, scattering * at);
         Some(MediumPoint { p: self.ray.at(distance), phase, extinction, scattering, state })
     }
 

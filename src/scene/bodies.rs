@@ -19,7 +19,7 @@ use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, RayState, SurfacePoint, TriangleMesh};
 use crate::light::Light;
-use crate::medium::Homogeneous;
+use crate::medium::{Grid, Medium};
 use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -32,6 +32,8 @@ use std::ops::ControlFlow::{Break, Continue};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     pub(super) interior: Interior,
+    /// The instance that it belongs to, which its density moves with.
+    instance: u32,
     bounds: Bounds,
     is_open: bool,
 }
@@ -68,6 +70,8 @@ type Members = SmallVec<[u32; 8]>;
 #[derive(Debug, Default)]
 pub(super) struct AllBodies {
     list: Vec<Body>,
+    /// The media of the bodies.
+    media: Vec<Medium>,
     /// For each body, those of lower precedence that it may overlap, by rank; empty if no two may overlap.
     behind: Vec<Members>,
     places: BoxTree<Place>,
@@ -117,7 +121,7 @@ impl AllBodies {
             let bounds = geometry.bounds(index);
             let is_closed = parts[&part] == 0;
             let id = *known.entry((is_closed.then_some(part.0), part.1)).or_insert_with(|| {
-                found.push(Body { interior, bounds, is_open: !is_closed });
+                found.push(Body { interior, instance: object.instance, bounds, is_open: !is_closed });
                 found.len() - 1
             });
             found[id].bounds = found[id].bounds.union(bounds);
@@ -136,12 +140,25 @@ impl AllBodies {
     /// Returns the bodies in `list`, which is sorted by rank.
     fn ranked(list: Vec<Body>) -> Self {
         let places = list.iter().zip(0..).map(|(body, rank)| Place { rank, bounds: body.bounds }).collect();
-        let mut bodies = AllBodies { list, behind: Vec::new(), places: BoxTree::new(places) };
+        let media = list.iter().map(|body| body.interior.medium.into()).collect();
+        let mut bodies = AllBodies { list, media, behind: Vec::new(), places: BoxTree::new(places) };
         let behind = bodies.overlaps();
         if behind.iter().any(|list| !list.is_empty()) {
             bodies.behind = behind;
         }
         bodies
+    }
+
+    /// Gives the media that vary their densities: that of an index, in the place of an instance.
+    pub(super) fn place_densities(&mut self, placed: impl Fn(usize, u32) -> Grid) {
+        for (body, medium) in self.list.iter().zip(&mut self.media) {
+            medium.grid = body.interior.density.map(|density| placed(density, body.instance));
+        }
+    }
+
+    /// Returns the memory held by densities, in bytes.
+    pub(super) fn density_bytes(&self) -> usize {
+        self.media.iter().filter_map(|medium| medium.grid.as_ref()).map(Grid::bytes).sum()
     }
 
     /// Computes [`AllBodies::behind`].
@@ -360,14 +377,16 @@ impl Scene {
 
     /// Returns the medium in `bodies`; `None` in empty space.
     #[inline]
-    pub fn medium(&self, bodies: Bodies) -> Option<&Homogeneous> {
-        bodies.first().map(|body| &self.bodies.interior(body).medium)
+    pub fn medium(&self, bodies: Bodies) -> Option<&Medium> {
+        bodies.first().map(|body| &self.bodies.media[body as usize])
     }
 
-    /// Returns the transmittance of `length` scene units in `bodies`.
+    /// Returns the transmittance of `length` scene units along `ray`, whose direction is a unit vector, in the medium of
+    /// `bodies`.
     #[inline]
-    pub fn extinction(&self, bodies: Bodies, length: f32) -> Spectrum {
-        self.medium(bodies).map_or(Spectrum::ONE, |medium| medium.transmittance(length))
+    pub fn absorption(&self, bodies: Bodies, ray: &Ray, length: f32) -> Spectrum {
+        let through = |medium: &Medium| medium.transmittance(ray.origin, ray.direction, length);
+        self.medium(bodies).map_or(Spectrum::ONE, through)
     }
 
     /// Returns the refractive index outside the boundary of `object`, reached in `bodies`; 1 for objects that bound no

@@ -3,7 +3,7 @@
 use super::assemble::assemble;
 use super::bodies::AllBodies;
 use super::contact::Contacts;
-use super::description::{self, Description};
+use super::description::{self, DensityGrid, Description};
 use super::extent::Extent;
 use super::lights::{area_lights, check_emission, punctual_lights};
 use super::material::{Material, settle};
@@ -16,6 +16,7 @@ use crate::bsdf::Lobes;
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::light::{BoundingSphere, Environment, Light, LightChoice, Lights};
+use crate::medium::Grid;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -64,7 +65,12 @@ impl Scene {
         let usages = Usage::of_all(&description);
         let materials: Vec<Material> = description.materials.iter().zip(usages).map(compile).collect();
         let (mut geometry, mut objects) = assemble(&description, &rebase, &materials)?;
-        let bodies = AllBodies::find(&geometry, &mut objects, &materials);
+        let mut bodies = AllBodies::find(&geometry, &mut objects, &materials);
+        bodies.place_densities(|density, instance| {
+            let DensityGrid { size, values, transform } = &description.densities[density];
+            let to_scene = rebase.transform(&description.instances[instance as usize].transform) * *transform;
+            Grid::new(*size, values.clone(), &to_scene)
+        });
         let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
         let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());
         lights.extend(punctual_lights(&description.lights, &rebase)?);
@@ -101,6 +107,7 @@ impl Scene {
         let names = description.instances.into_iter().map(|instance| instance.name).collect();
         let lights = Lights::new(lights, ball.radius, options.light_choice);
         info.light_tree_bytes = lights.tree_bytes();
+        info.density_bytes = bodies.density_bytes();
         let mut scene = Scene {
             geometry,
             objects,

@@ -6,7 +6,7 @@ use crate::accel::RayClass;
 use crate::camera::CameraPoint;
 use crate::geometry::{Bodies, Hit, Ray, RayState, SurfacePoint, spawn_segment};
 use crate::light::EmitterPoint;
-use crate::medium::Homogeneous;
+use crate::medium::Medium;
 use crate::numeric::BELOW_ONE;
 use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
@@ -63,13 +63,14 @@ impl EdgeThroughput {
     /// An edge that no light passes.
     const BLOCKED: EdgeThroughput = EdgeThroughput { through: Spectrum::ZERO, ..EdgeThroughput::CLEAR };
 
-    /// Adds `length` of `medium`.
+    /// Adds the part of `ray` up to its parameter `t` in `medium`.
     #[inline]
-    fn cross(&mut self, medium: Option<&Homogeneous>, length: f32) {
+    fn cross(&mut self, medium: Option<&Medium>, ray: &Ray, t: f32) {
         let Some(medium) = medium else { return };
-        let through = medium.transmittance(length);
+        let length = ray.direction.length();
+        let through = medium.transmittance(ray.origin, ray.direction / length, length * t);
         self.through *= through;
-        if medium.scatters() {
+        if medium.unit.scatters() {
             self.flight *= through;
         }
     }
@@ -205,7 +206,7 @@ impl Scene {
     #[inline]
     fn media_of(&self, ray: &Ray) -> EdgeThroughput {
         let mut found = EdgeThroughput::CLEAR;
-        found.cross(self.medium(ray.state.bodies), segment_length(ray));
+        found.cross(self.medium(ray.state.bodies), ray, ray.t_max.max(0.0));
         found
     }
 
@@ -223,10 +224,10 @@ impl Scene {
         while !found.through.is_black() {
             *rays += 1;
             let Some(point) = self.intersect(&ray) else {
-                found.cross(self.medium(ray.state.bodies), segment_length(&ray));
+                found.cross(self.medium(ray.state.bodies), &ray, ray.t_max.max(0.0));
                 break;
             };
-            found.cross(self.medium(ray.state.bodies), ray.direction.length() * point.t);
+            found.cross(self.medium(ray.state.bodies), &ray, point.t);
             if !self.is_unseen(edge, &point) {
                 let passage = self.passage(&point, unit, ray.state.bodies);
                 found.through *= passage.through;
@@ -251,8 +252,4 @@ impl Scene {
         }
         found
     }
-}
-
-fn segment_length(ray: &Ray) -> f32 {
-    ray.direction.length() * ray.t_max.max(0.0)
 }

@@ -2,7 +2,8 @@
 //! `"priority"`, an integer (default 0). Where bodies overlap, the one of the highest priority takes the volume.
 //! `"scattering"` is a coefficient per metre of the medium inside, a number or one for each of red, green and blue;
 //! `"phase"` tells how it scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and
-//! Greenstein, or `[g, g, share of the first]`.
+//! Greenstein, or `[g, g, share of the first]`. `"density"` is the URI of a grid that multiplies the coefficients, in the
+//! coordinates of the mesh: see [`crate::io::volume`].
 
 use crate::error::{Error, Result};
 use crate::medium::Phase;
@@ -18,6 +19,8 @@ pub(super) struct Asked {
     pub(super) priority: i32,
     /// Coefficient per metre, and the phase function; `None` without scattering.
     pub(super) scattering: Option<(Spectrum, Phase)>,
+    /// URI of the density of the medium.
+    pub(super) density: Option<String>,
 }
 
 /// Greatest coefficient of scattering per metre: the mean free path is then above the rounding of a room.
@@ -34,7 +37,8 @@ pub(super) fn of_material(extras: &Extras) -> Result<Asked> {
     let parsed: Option<Value> = extras.as_ref().and_then(|raw| serde_json::from_str(raw.get()).ok());
     let Some(ours) = parsed.as_ref().and_then(|v| v.get("etendue")) else { return Ok(Asked::default()) };
     let keys = ours.as_object().ok_or_else(|| Error::scene("extras.etendue is not an object"))?;
-    if let Some(unknown) = keys.keys().find(|k| !["fresnel", "priority", "scattering", "phase"].contains(&k.as_str())) {
+    let known = ["fresnel", "priority", "scattering", "phase", "density"];
+    if let Some(unknown) = keys.keys().find(|k| !known.contains(&k.as_str())) {
         return Err(Error::scene(format!("extras.etendue has the unknown key '{unknown}'")));
     }
     let metal_fresnel = match keys.get("fresnel").map(Value::as_str) {
@@ -52,7 +56,11 @@ pub(super) fn of_material(extras: &Extras) -> Result<Asked> {
         return Err(Error::scene("extras.etendue has a phase, but no scattering"));
     }
     let scattering = scattering.map(|scattering| (scattering, phase.unwrap_or(Phase::Isotropic)));
-    Ok(Asked { metal_fresnel, priority: priority.transpose()?.unwrap_or(0), scattering })
+    let uri = |value: &Value| {
+        value.as_str().map(str::to_owned).ok_or_else(|| Error::scene("extras.etendue.density is not the URI of a file"))
+    };
+    let density = keys.get("density").map(uri).transpose()?;
+    Ok(Asked { metal_fresnel, priority: priority.transpose()?.unwrap_or(0), scattering, density })
 }
 
 /// Reads a coefficient: one number, or three.

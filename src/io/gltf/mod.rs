@@ -15,6 +15,7 @@ mod animation;
 mod budget;
 mod buffer;
 mod camera;
+mod densities;
 mod document;
 mod extensions;
 mod extras;
@@ -70,9 +71,10 @@ fn describe(document: &Document, options: &ReadOptions) -> Result<Description> {
     for placement in graph::placements(document, &pose)? {
         loader.place(&placement, &mut out)?;
     }
-    let (materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
+    let (mut materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
+    let densities = densities::load(document, &loader.materials.order, &mut materials)?;
     lamps::afford(&out, &materials, options.memory)?;
-    Ok(Description { materials, images, ignored: loader.notes.into_sentences(), ..out })
+    Ok(Description { materials, densities, images, ignored: loader.notes.into_sentences(), ..out })
 }
 
 /// Returns the animated node values at the given time; none without a time.

@@ -36,6 +36,7 @@ impl Content for Description {
             meshes,
             instances,
             materials,
+            densities,
             images: _,
             lights,
             cameras,
@@ -56,6 +57,19 @@ impl Content for Description {
         environment.feed(bytes);
         has_punctual_lights.feed(bytes);
         has_emission.feed(bytes);
+        // Files without grids keep their hashes.
+        if !densities.is_empty() {
+            densities.feed(bytes);
+        }
+    }
+}
+
+impl Content for DensityGrid {
+    fn feed(&self, bytes: &mut Bytes) {
+        let DensityGrid { size, values, transform } = self;
+        size.iter().for_each(|n| n.feed(bytes));
+        values.iter().for_each(|value| value.feed(bytes));
+        transform.feed(bytes);
     }
 }
 
@@ -214,13 +228,16 @@ impl Content for MetalFresnel {
 
 impl Content for Volume {
     fn feed(&self, bytes: &mut Bytes) {
-        let Volume { attenuation_distance, attenuation_color, scattering, phase } = self;
+        let Volume { attenuation_distance, attenuation_color, scattering, phase, density } = self;
         attenuation_distance.feed(bytes);
         attenuation_color.feed(bytes);
         // Files without scattering keep their hashes.
         if !scattering.is_black() {
             scattering.feed(bytes);
             phase.numbers().feed(bytes);
+        }
+        if let Some(density) = density {
+            density.feed(bytes);
         }
     }
 }

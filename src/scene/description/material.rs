@@ -29,7 +29,7 @@ pub enum MetalFresnel {
     Constant,
 }
 
-/// The homogeneous medium inside a solid.
+/// The medium inside a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Volume {
     /// Distance at which white light takes the attenuation colour by absorption, in file units; infinite without it.
@@ -40,6 +40,9 @@ pub struct Volume {
     pub scattering: Spectrum,
     /// How it scatters.
     pub phase: Phase,
+    /// Index into [`Description::densities`](super::Description::densities) of what multiplies its coefficients; `None` is
+    /// 1 everywhere.
+    pub density: Option<usize>,
 }
 
 impl Volume {
@@ -49,6 +52,7 @@ impl Volume {
         attenuation_color: Spectrum::ONE,
         scattering: Spectrum::ZERO,
         phase: Phase::Isotropic,
+        density: None,
     };
 }
 

@@ -1,8 +1,10 @@
 //! A scene as loaded: plain data in file units, before rebasing and construction.
 
+mod density;
 pub(in crate::scene) mod hash;
 mod material;
 
+pub use density::DensityGrid;
 pub use material::{
     AlphaMode, DiffuseMaterial, Material, MaterialModel, MetalFresnel, MetallicRoughnessMaterial, Volume,
 };
@@ -21,6 +23,8 @@ pub struct Description {
     pub instances: Vec<Instance>,
     /// Materials of the primitives.
     pub materials: Vec<Material>,
+    /// Densities of the media of materials.
+    pub densities: Vec<DensityGrid>,
     /// Decoded images of the textures; shared images are decoded once.
     pub images: Vec<Arc<Bitmap>>,
     /// Point, spot and directional lights.

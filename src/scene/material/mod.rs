@@ -209,5 +209,6 @@ fn interior(m: &description::Material, rebase: &Rebase) -> Option<Interior> {
         Spectrum::ZERO
     };
     let scattering = volume.scattering.map(|s: f32| (f64::from(s) / rebase.scale) as f32);
-    Some(Interior { medium: Homogeneous::new(absorption, scattering, volume.phase), ior, priority: m.priority })
+    let medium = Homogeneous::new(absorption, scattering, volume.phase);
+    Some(Interior { medium, density: volume.density, ior, priority: m.priority })
 }

@@ -4,7 +4,8 @@ use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, m
 use etendue::accel::Backend;
 use etendue::medium::Phase;
 use etendue::scene::description::{
-    CameraDescription, Description, EnvironmentDescription, Lens, Material, PunctualKind, PunctualLight, Volume,
+    CameraDescription, DensityGrid, Description, EnvironmentDescription, Lens, Material, MaterialModel, PunctualKind,
+    PunctualLight, Volume,
 };
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Spectrum;
@@ -229,13 +230,24 @@ fn foggy() -> World {
     };
     let fog = inside(1.0, 0, [0.3, 0.5, 0.8], Phase::HenyeyGreenstein(0.6));
     add_box(&mut scene, Vec3::ZERO, Vec3::splat(0.98), fog);
-    let smoke = inside(1.0, 1, [2.0, 1.0, 3.0], Phase::Mixture([0.7, -0.3], 0.6));
+    let mut smoke = inside(1.0, 1, [2.0, 1.0, 3.0], Phase::Mixture([0.7, -0.3], 0.6));
+    // Clouds of up to three times the density around the ball, with holes.
+    let densities = (0..60).map(|i: u16| f32::from(i * 7 % 11).max(2.0) * 0.3 - 0.6).collect();
+    let place = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(0.65),
+        glam::DQuat::from_rotation_y(0.5),
+        DVec3::new(-0.35, -0.3, -0.25),
+    );
+    scene.densities.push(DensityGrid::new([3, 4, 5], densities, place).expect("valid"));
+    if let MaterialModel::MetallicRoughness(model) = &mut smoke.model {
+        model.volume = model.volume.map(|volume| Volume { density: Some(0), ..volume });
+    }
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(-0.4, -0.5, -0.2), smoke);
     let milk = inside(1.5, 2, [4.0, 3.0, 2.0], Phase::Rayleigh);
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.55, 0.1), milk);
     Ball::new(2, 0.2).add(&mut scene, DVec3::new(0.1, 0.0, -0.5), metal(0.8, 0.0));
     scene.lights.push(point_light(DVec3::new(-0.3, 0.4, 0.2), 0.5));
-    World { fog: 5.0 / 0.3, ..build("foggy", 1.0, scene) }
+    World { fog: 15.0 / 0.3, ..build("foggy", 1.0, scene) }
 }
 
 /// Every world.
