@@ -15,6 +15,7 @@
 use super::Medium;
 use super::varying::Reach;
 use crate::spectrum::{LANES, Spectrum};
+use glam::Vec3;
 
 /// A flight on its way along an edge.
 #[derive(Debug, Clone, Copy)]

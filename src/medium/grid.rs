@@ -47,7 +47,11 @@ impl Grid {
     /// # Panics
     /// If the number of values is not the number of cells, or there are none.
     pub fn new(size: [usize; 3], values: Arc<HugeVec<f32>>, to_scene: &DAffine3) -> Self {
-        assert!(!values.is_empty() && values.len() == size.iter().product(), "{} values for {size:?}", values.len());
+        assert!(
+            !values.is_empty() && values.len() == size.iter().product::<usize>(),
+            "{} values for {size:?}",
+            values.len()
+        );
         let most = values.iter().copied().fold(0.0, f32::max);
         let to_cells = DAffine3::from_scale(glam::DVec3::from(size.map(|n| n as f64))) * to_scene.inverse();
         Grid { size, values, to_cells, most }

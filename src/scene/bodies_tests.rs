@@ -1,5 +1,5 @@
 use super::*;
-use crate::medium::Phase;
+use crate::medium::{Homogeneous, Phase};
 
 /// Boxes of that half-size around points of the x axis.
 fn boxes(places: &[(f32, f32)]) -> AllBodies {

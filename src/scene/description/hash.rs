@@ -5,9 +5,9 @@
 //! `field.feed(bytes)`, or `field: _` if no image depends on it, such as names that nothing is selected by.
 
 use super::{
-    AlphaMode, CameraDescription, Description, DiffuseMaterial, EnvironmentDescription, Instance, Lens, Material,
-    MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial, Primitive, Projection, PunctualKind, PunctualLight,
-    Volume,
+    AlphaMode, CameraDescription, DensityGrid, Description, DiffuseMaterial, EnvironmentDescription, Instance, Lens,
+    Material, MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial, Primitive, Projection, PunctualKind,
+    PunctualLight, Volume,
 };
 use crate::spectrum::Spectrum;
 use crate::texture::{Bitmap, Encoding, RadianceMap, Texture, TextureFilter, Wrap};

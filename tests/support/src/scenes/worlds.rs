@@ -219,9 +219,8 @@ fn lens() -> World {
 fn foggy() -> World {
     let mut scene = room();
     let inside = |ior: f32, priority: i32, scattering: [f32; 3], phase: Phase| {
-        let color = Spectrum([0.8, 0.7, 0.5]);
-        let volume =
-            Volume { attenuation_distance: 2.0, attenuation_color: color, scattering: Spectrum(scattering), phase };
+        let (color, scattering) = (Spectrum([0.8, 0.7, 0.5]), Spectrum(scattering));
+        let volume = Volume { attenuation_distance: 2.0, attenuation_color: color, scattering, phase, density: None };
         let model = with_model(glass(0.0), |m| {
             m.ior = ior;
             m.volume = Some(volume);
