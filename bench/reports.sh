@@ -17,15 +17,17 @@ page() {
   shift
   while [ $# -gt 0 ] && [ "$1" != -- ]; do scenes+=("scenes/$1/scene.gltf"); shift; done
   [ $# = 0 ] || shift
-  "$etendue" bench methods "${scenes[@]}" --budget "${BUDGET:-20s}" --reference-budget "${REFERENCE_BUDGET:-300s}" "$@" -o "bench/out/reports/$name"
+  local reference=(--reference-budget "${REFERENCE_BUDGET:-300s}")
+  case " $* " in *" --reference "*) reference=() ;; esac
+  "$etendue" bench methods "${scenes[@]}" --budget "${BUDGET:-20s}" "${reference[@]}" "$@" -o "bench/out/reports/$name"
   cp "bench/out/reports/$name/index.html" "docs/reports/$name.html"
 }
-# with_reference SCENE SPP: the same with a long render of another seed for a reference: where small lamps have edges, a noisy one
-# divides by almost nothing.
+# with_reference SCENE SPP [OPTION…]: the same with a long render of another seed for a reference: where small lamps have edges, a noisy
+# one divides by almost nothing.
 with_reference() {
   local image=bench/out/reports/$1-80.exr
   "$etendue" render "scenes/$1/scene.gltf" --size 80x80 --filter box --depth 64 --spp "$2" --seed 77 --quiet -o "$image"
-  page "$1" "$1" -- --size 80x80 --reference "$image"
+  page "$1" "$1" -- --size 80x80 --filter box --depth 64 --reference "$image" "${@:3}"
 }
 with_reference cornell-box 8192
 with_reference veach-mis 4096
@@ -39,7 +41,9 @@ with_chains() {
 }
 BUDGET=${BUDGET:-25s} with_chains door-2cm
 BUDGET=${BUDGET:-25s} with_chains caustic-pool
-BUDGET=${BUDGET:-15s} page many-lights many-lights street hall -- --size 96x96 --methods path,bdpt,vpl,lightcuts --backends embree
+for scene in many-lights street hall; do
+  BUDGET=${BUDGET:-12s} with_reference "$scene" 8192 --methods path,bdpt,vpl,lightcuts --backends embree
+done
 BUDGET=${BUDGET:-7s} page spheres sphere-lamp sphere-cap -- --size 48x48
 
 "$etendue" bench rays scenes/{cornell-box,modified-cornell,landscape}/scene.gltf --size 256x256 --filter box --depth 64 \

@@ -68,8 +68,12 @@ impl Method {
     /// Returns the methods that are compared unless others are named: all without virtual lights.
     pub fn compared() -> Vec<Method> {
         use strum::VariantArray;
-        let virtual_lights = [Method::Vpl, Method::Lightcuts, Method::DeterministicLightcuts];
-        Method::VARIANTS.iter().copied().filter(|method| !virtual_lights.contains(method)).collect()
+        Method::VARIANTS.iter().copied().filter(|method| !method.has_virtual_lights()).collect()
+    }
+
+    /// Whether all pixels of a pass are lit by the same virtual lights.
+    pub fn has_virtual_lights(self) -> bool {
+        matches!(self, Method::Vpl | Method::Lightcuts | Method::DeterministicLightcuts)
     }
 
     /// Whether passes are groups of Markov chains.

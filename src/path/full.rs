@@ -4,7 +4,7 @@
 //!
 //! Visibility and transmittance of edges are left out; [`super::Content`] adds them. The path names its Dirac components. Their
 //! directions are taken from the path, and values and probabilities are those of the component (see
-//! [`FullPath::evaluate`]).
+//! [`FullPath::steps`]).
 
 use super::mis::MisStrategy;
 use super::{Emitter, MediumPoint, SubpathVertex, SurfaceVertex, Vertex};
@@ -43,15 +43,6 @@ pub struct FullPath<'a> {
     directions: Vec<DVec3>,
     /// Squared lengths of the edges; 1 for an edge from infinity.
     lengths2: Vec<f64>,
-}
-
-/// Integrand and densities of a path.
-#[derive(Debug, Clone)]
-pub struct Evaluation {
-    /// f(x̄): see notation.md. Per pixel of film area.
-    pub f: Spectrum<f64>,
-    /// Densities of all techniques.
-    pub densities: Densities,
 }
 
 /// Densities of the techniques that can sample a path.
@@ -273,18 +264,12 @@ impl<'a> FullPath<'a> {
         self.directions.len()
     }
 
-    /// Returns f(x̄) and the density of every technique.
+    /// Returns f(x̄) and the conditional densities of the vertices; [`super::Content`] adds what lies on the edges.
     ///
     /// Dirac vertices are measured in projected solid angle. Their factor of f is the value for radiance transport
     /// times |wi·ns| / |wi·ng|. The density of a direction is the probability of the component times |w·ns|, and times
     /// η² toward the camera. Chains of Dirac vertices change the measure by the same factor in f and in all densities;
     /// this factor is left out.
-    pub fn evaluate(&self, weights: &MisStrategy) -> Evaluation {
-        let (f, steps) = self.steps();
-        Evaluation { f, densities: self.densities(weights, &steps) }
-    }
-
-    /// Returns f(x̄) and the conditional densities of the vertices.
     pub fn steps(&self) -> (Spectrum<f64>, VertexPdfs) {
         let k = self.k();
         let factors: Vec<Factors> = (1..k).map(|i| self.factors(i)).collect();

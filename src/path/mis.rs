@@ -14,10 +14,11 @@
 //! rᵢ (a + q b), with a in [`PartialMis::vc`] and b in [`PartialMis::vc_prev`]. Every ratio is raised to the power of
 //! the heuristic first.
 //!
-//! Densities include neither roulette nor surfaces that a walk passes, so that weights are functions of the path. In media
-//! that scatter, a walk reaches the end of an edge by a free flight, with the density [`crate::medium::density`] of the
-//! end; where lanes differ, that of the walk's own prior would be a function of its technique. It is a factor of pᵢ and, with the other end, of rᵢ₋₁; a connection of both ends has no such factor. So it
-//! includes the transmittance of these media.
+//! Densities include neither roulette nor surfaces that a walk passes, so that weights are functions of the path. In
+//! media that scatter, a walk reaches the end of an edge by a free flight, with the density [`crate::medium::density`]
+//! of the end; where lanes differ, that of the walk's own prior would be a function of its technique. It is a factor of
+//! pᵢ and, with the other end, of rᵢ₋₁; a connection of both ends has no such factor. So it includes the transmittance
+//! of these media.
 //!
 //! Reference: [Veach97 §10.2].
 

@@ -17,7 +17,7 @@ pub use connect::{Connection, Splat, connect, next_event, splat};
 pub use content::Content;
 pub use emitter::Emitter;
 pub use fly::{FlightEnd, Flown, MediumPoint};
-pub use full::{Densities, Evaluation, FullPath, PathVertex, VertexPdfs, edge};
+pub use full::{Densities, FullPath, PathVertex, VertexPdfs, edge};
 pub use mis::{FlightPdfs, MisStrategy, PartialMis, Technique, Techniques};
 pub use scatterer::{PhaseAt, Scatterer};
 pub use selection_stats::SelectionStats;

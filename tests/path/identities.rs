@@ -91,7 +91,7 @@ fn each_path(walks: u64, check: impl Fn(&World, &Camera, &MisStrategy, &Made)) {
 fn mis_weights_sum_to_one_and_recursion_matches_definition() {
     let (worst, count, beyond) = (Cell::new(0.0f64), Cell::new(0u64), Cell::new(0u64));
     each_path(200, |world, _, weights, made| {
-        let densities = evaluate(&world.scene, &made.path, weights).densities;
+        let (_, densities) = evaluate(&world.scene, &made.path, weights);
         let sum: f64 = (0..=made.path.k()).map(|s| densities.weight(weights, s)).sum();
         // a dozen terms in f64
         assert!((sum - 1.0).abs() < 1e-10, "{} ({}, {}): weights sum to {sum}", world.name, made.s, made.t);
@@ -144,12 +144,12 @@ fn technique_contribution_is_integrand_over_density() {
 
 /// The largest relative error over the lanes.
 fn value_off(scene: &Scene, weights: &MisStrategy, made: &Made) -> f64 {
-    let found = evaluate(scene, &made.path, weights);
-    let log = found.densities.log[made.s].unwrap_or_else(|| panic!("({}, {}) cannot be", made.s, made.t));
+    let (f, densities) = evaluate(scene, &made.path, weights);
+    let log = densities.log[made.s].unwrap_or_else(|| panic!("({}, {}) cannot be", made.s, made.t));
     // A splat is found per walk; the density counts all walks.
     let walks = if made.t == 1 { weights.light_walks } else { 1.0 };
     let lane_off = |lane: usize| {
-        let (found, want) = (f64::from(made.value.0[lane]), found.f.0[lane] * walks * (-log).exp());
+        let (found, want) = (f64::from(made.value.0[lane]), f.0[lane] * walks * (-log).exp());
         if want.abs() < f64::from(f32::MIN_POSITIVE) { 0.0 } else { (found - want).abs() / want.abs() }
     };
     (0..3).map(lane_off).fold(0.0, f64::max)
@@ -171,8 +171,7 @@ fn mis_weights_recomputed_from_positions_match() {
         let turned = kept.iter().zip(&straight).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
         let grazing = cosines(made, &straight).fold(1.0, f64::min);
         let again = FullPath::new(&world.scene, camera, eye, made.emitter, made.nodes.clone(), straight);
-        let [a, b] =
-            [&made.path, &again].map(|path| evaluate(&world.scene, path, weights).densities.weight(weights, made.s));
+        let [a, b] = [&made.path, &again].map(|path| evaluate(&world.scene, path, weights).1.weight(weights, made.s));
         let bound = 1e-10 + 8.0 * made.path.k() as f64 * turned * (1.0 / world.alpha + 1.0 / grazing + world.fog);
         worst.set(worst.get().max((a - b).abs()));
         assert!((a - b).abs() < bound, "{} ({}, {}): {a} and {b}, bound {bound:e}", world.name, made.s, made.t);

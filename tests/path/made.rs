@@ -5,7 +5,7 @@ use etendue::camera::{Camera, LensPoint};
 use etendue::light::{ChosenLight, EmitterPoint, Light, LightSampleContext};
 use etendue::medium::density;
 use etendue::path::{
-    Arrival, Connection, Content, Emitter, Evaluation, FullPath, MisStrategy, PartialMis, PathVertex, Subpath,
+    Arrival, Connection, Content, Densities, Emitter, FullPath, MisStrategy, PartialMis, PathVertex, Subpath,
     SubpathVertex, TraceStats, Vertex, connect, next_event, splat,
 };
 use etendue::sampling::{Address, IndependentSampler, Sampler, Slot};
@@ -38,13 +38,13 @@ pub(crate) struct Made<'a> {
     pub(crate) nodes: Vec<PathVertex>,
 }
 
-/// Evaluates `path` with the densities of free flights.
-pub(crate) fn evaluate(scene: &Scene, path: &FullPath, weights: &MisStrategy) -> Evaluation {
+/// f(x̄) of `path` and the density of every technique, with free flights.
+pub(crate) fn evaluate(scene: &Scene, path: &FullPath, weights: &MisStrategy) -> (Spectrum<f64>, Densities) {
     let (f, mut steps) = path.steps();
     if let Some(content) = Content::of(scene, path, &mut 0) {
         content.fly(&mut steps);
     }
-    Evaluation { f, densities: path.densities(weights, &steps) }
+    (f, path.densities(weights, &steps))
 }
 
 /// What both walks and their sampler have in common.
