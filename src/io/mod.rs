@@ -6,6 +6,7 @@ pub mod exr;
 pub mod gltf;
 pub(crate) mod hashed;
 pub mod hdr;
+pub(crate) mod medium;
 pub mod png;
 pub mod primaries;
 mod reading;

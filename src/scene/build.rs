@@ -10,7 +10,7 @@ use super::material::{Material, settle};
 use super::rebase::Rebase;
 use super::usage::Usage;
 use super::view::Views;
-use super::{Features, ObjectInfo, Scene, SceneInfo, coincident, surroundings};
+use super::{Features, ObjectInfo, Scene, SceneInfo, coincident, enclosure, surroundings};
 use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::Lobes;
 use crate::error::Result;
@@ -43,6 +43,7 @@ impl Scene {
         let start = Instant::now();
         let hash = description::hash::of(&description);
         check_emission(&description.materials)?;
+        let within = enclosure::enclose(&mut description)?;
         let extent = Extent::of(&description)?;
         extent.check()?;
         let rebase = Rebase::new(extent.detail, extent.radius());
@@ -103,7 +104,8 @@ impl Scene {
         info.prepare_seconds = prepare_seconds;
         info.accel_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
         info.accel_bytes = accel.bytes();
-        let views = Views::new(description.cameras, extent.min, extent.max);
+        let [min, max] = within.unwrap_or([extent.min, extent.max]);
+        let views = Views::new(description.cameras, min, max);
         let names = description.instances.into_iter().map(|instance| instance.name).collect();
         let lights = Lights::new(lights, ball.radius, options.light_choice);
         info.light_tree_bytes = lights.tree_bytes();

@@ -8,6 +8,7 @@ mod coincident;
 mod contact;
 pub mod description;
 mod edge;
+mod enclosure;
 mod extent;
 mod focus;
 mod info;

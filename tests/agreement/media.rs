@@ -14,13 +14,10 @@ const METHODS: [Method; 4] = [Method::PathNaive, Method::Path, Method::PathNee, 
 
 /// The boundary of a medium of index `ior` with extinction 1 per metre.
 fn filled(ior: f32, albedo: f32, phase: Phase) -> Material {
-    let attenuation_distance = if albedo < 1.0 { 1.0 / (1.0 - f64::from(albedo)) } else { f64::INFINITY };
-    let attenuation_color = Spectrum::splat((-1.0f32).exp());
     with_model(glass(0.0), |m| {
         m.ior = ior;
         m.volume = Some(Volume {
-            attenuation_distance,
-            attenuation_color,
+            absorption: Spectrum::splat(1.0 - albedo),
             scattering: Spectrum::splat(albedo),
             phase,
             density: None,
@@ -92,7 +89,7 @@ fn a_grid_of_one_density_is_a_homogeneous_medium() {
     description.densities.push(DensityGrid::new([3, 4, 2], vec![0.5; 24], place).expect("valid"));
     let MaterialModel::MetallicRoughness(model) = &mut description.materials[0].model else { panic!("not glass") };
     model.volume = model.volume.map(|volume| Volume {
-        attenuation_distance: 0.5 * volume.attenuation_distance,
+        absorption: volume.absorption * 2.0,
         scattering: volume.scattering * 2.0,
         density: Some(0),
         ..volume

@@ -71,7 +71,7 @@ fn factors_and_extensions_are_read() {
     assert_eq!((m.base_color.to_rgb(), m.metallic, m.roughness, m.ior), ([0.125, 0.25, 0.5], 0.5, 0.375, 1.25));
     assert_eq!((m.specular, m.specular_color.to_rgb(), m.transmission), (0.5, [2.0, 1.0, 0.0], 0.625));
     let volume = m.volume.expect("a volume");
-    assert_eq!((volume.attenuation_distance, volume.attenuation_color.to_rgb()), (2.0, [0.5, 1.0, 1.0]));
+    assert_eq!(volume.absorption.to_rgb(), [0.5 * std::f32::consts::LN_2, 0.0, 0.0]);
     assert_eq!(m.metal_fresnel, MetalFresnel::Schlick);
 }
 

@@ -4,6 +4,7 @@ use super::document::{Document, name_or};
 use super::extras;
 use super::resource::read_uri;
 use crate::error::{Error, Result};
+use crate::io::medium;
 use crate::io::volume::{self, VolumeOptions};
 use crate::scene::description::{DensityGrid, Material, MaterialModel, Volume};
 use std::collections::HashMap;
@@ -25,7 +26,7 @@ pub(super) fn load(
         let named = |error: Error| {
             error.context(format!("material '{}'", name_or(&json.name, "material", index.unwrap_or_default())))
         };
-        let Some(uri) = extras::of_material(&json.extras).map_err(named)?.density else { continue };
+        let Some(uri) = extras::of_material(&json.extras).map_err(named)?.medium.density else { continue };
         let place = match known.get(&uri) {
             Some(&place) => place,
             None => {
@@ -35,8 +36,7 @@ pub(super) fn load(
             }
         };
         let MaterialModel::MetallicRoughness(model) = &mut material.model else { continue };
-        let without = || named(Error::scene("extras.etendue.density has no volume with a thickness to fill"));
-        model.volume = Some(Volume { density: Some(place), ..model.volume.ok_or_else(without)? });
+        model.volume = model.volume.map(|volume| Volume { density: Some(place), ..volume });
     }
     Ok(grids)
 }
@@ -45,9 +45,5 @@ pub(super) fn load(
 fn read(document: &Document, uri: &str) -> Result<DensityGrid> {
     let options = VolumeOptions { memory: document.memory, ..VolumeOptions::default() };
     let bytes = read_uri(&document.base, uri, document.memory)?;
-    let grid = volume::decode(&bytes, &options).map_err(|error| error.context(format!("density '{uri}'")))?;
-    if grid.channels != 1 {
-        return Err(Error::scene(format!("density '{uri}' has {} channels and not one", grid.channels)));
-    }
-    DensityGrid::new(grid.size, grid.values, grid.transform)
+    volume::decode(&bytes, &options).and_then(medium::density).map_err(|e| e.context(format!("density '{uri}'")))
 }

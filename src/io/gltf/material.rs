@@ -94,10 +94,10 @@ impl Source<'_> {
             return Ok(unlit(material, base));
         }
         let mut model = self.extended(base, notes)?;
-        if let Some((scattering, phase)) = asked.scattering {
+        if !asked.medium.is_empty() {
             let without =
-                || self.named(Error::scene("extras.etendue.scattering has no volume with a thickness to fill"));
-            model.volume = Some(Volume { scattering, phase, ..model.volume.ok_or_else(without)? });
+                || self.named(Error::scene("the medium in extras.etendue has no volume with a thickness to fill"));
+            model.volume = Some(asked.medium.fill(model.volume.ok_or_else(without)?));
         }
         Ok(Material { model: MaterialModel::MetallicRoughness(model), ..material })
     }
@@ -165,7 +165,7 @@ impl Source<'_> {
         }
         let attenuation_color = self.unit_color(volume.attenuation_color.0, "attenuation colour", notes);
         let solid = volume.thickness_factor.0 > 0.0;
-        Ok(solid.then_some(Volume { attenuation_distance: distance, attenuation_color, ..Volume::CLEAR }))
+        Ok(solid.then_some(Volume::absorbing(distance, attenuation_color)))
     }
 
     /// Files often exceed the range by a rounding error, which must not cause an energy gain.

@@ -2,7 +2,7 @@
 
 use super::contestant::{self, BenchCase, label};
 use super::reference::{Record, Reference, noise};
-use super::{BenchScene, MethodsRequest};
+use super::{BenchScene, MethodsRequest, defect};
 use crate::error::{Error, Result};
 use crate::film::{Film, Independent, Plane};
 use crate::integrator::{self, Method};

@@ -37,6 +37,7 @@ impl Content for Description {
             instances,
             materials,
             densities,
+            media,
             images: _,
             lights,
             cameras,
@@ -57,9 +58,12 @@ impl Content for Description {
         environment.feed(bytes);
         has_punctual_lights.feed(bytes);
         has_emission.feed(bytes);
-        // Files without grids keep their hashes.
+        // Files without grids, and without media around them, keep their hashes.
         if !densities.is_empty() {
             densities.feed(bytes);
+        }
+        if !media.is_empty() {
+            media.feed(bytes);
         }
     }
 }
@@ -228,17 +232,11 @@ impl Content for MetalFresnel {
 
 impl Content for Volume {
     fn feed(&self, bytes: &mut Bytes) {
-        let Volume { attenuation_distance, attenuation_color, scattering, phase, density } = self;
-        attenuation_distance.feed(bytes);
-        attenuation_color.feed(bytes);
-        // Files without scattering keep their hashes.
-        if !scattering.is_black() {
-            scattering.feed(bytes);
-            phase.numbers().feed(bytes);
-        }
-        if let Some(density) = density {
-            density.feed(bytes);
-        }
+        let Volume { absorption, scattering, phase, density } = self;
+        absorption.feed(bytes);
+        scattering.feed(bytes);
+        phase.numbers().feed(bytes);
+        density.feed(bytes);
     }
 }
 

@@ -23,8 +23,10 @@ pub struct Description {
     pub instances: Vec<Instance>,
     /// Materials of the primitives.
     pub materials: Vec<Material>,
-    /// Densities of the media of materials.
+    /// Densities of media.
     pub densities: Vec<DensityGrid>,
+    /// Media in the space around everything, cameras and lamps included. One with a density fills the density's box.
+    pub media: Vec<Volume>,
     /// Decoded images of the textures; shared images are decoded once.
     pub images: Vec<Arc<Bitmap>>,
     /// Point, spot and directional lights.

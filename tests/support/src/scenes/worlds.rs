@@ -154,8 +154,7 @@ fn open() -> World {
 /// Coloured glass, rough and clear, and the same far away and large, as instances.
 fn tinted() -> World {
     let mut scene = room();
-    let volume =
-        Some(Volume { attenuation_distance: 0.3, attenuation_color: Spectrum([0.9, 0.4, 0.6]), ..Volume::CLEAR });
+    let volume = Some(Volume::absorbing(0.3, Spectrum([0.9, 0.4, 0.6])));
     Ball::new(3, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), with_model(glass(0.0), |m| m.volume = volume));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), with_model(glass(0.6), |m| m.volume = volume));
     Ball::new(2, 0.2).add(
@@ -183,8 +182,7 @@ fn nested() -> World {
     let inside = |ior, distance, color| {
         with_model(glass(0.0), |m| {
             m.ior = ior;
-            m.volume =
-                Some(Volume { attenuation_distance: distance, attenuation_color: Spectrum(color), ..Volume::CLEAR });
+            m.volume = Some(Volume::absorbing(distance, Spectrum(color)));
         })
     };
     add_box(&mut scene, Vec3::new(0.0, -0.3, 0.0), Vec3::new(0.9, 0.6, 0.9), inside(1.33, 2.0, [0.5, 0.8, 0.9]));
@@ -220,7 +218,7 @@ fn foggy() -> World {
     let mut scene = room();
     let inside = |ior: f32, priority: i32, scattering: [f32; 3], phase: Phase| {
         let (color, scattering) = (Spectrum([0.8, 0.7, 0.5]), Spectrum(scattering));
-        let volume = Volume { attenuation_distance: 2.0, attenuation_color: color, scattering, phase, density: None };
+        let volume = Volume { scattering, phase, ..Volume::absorbing(2.0, color) };
         let model = with_model(glass(0.0), |m| {
             m.ior = ior;
             m.volume = Some(volume);

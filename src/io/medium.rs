@@ -1,0 +1,114 @@
+//! Media as tables of options, in materials of glTF files (`extras.etendue`) and in `render.toml` (`[media.NAME]`).
+//!
+//! `scattering` and `absorption` are coefficients per unit of length, a number or one for each of red, green and blue.
+//! `phase` tells how the medium scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and
+//! Greenstein, or `[g, g, share of the first]`. `density` names a grid that multiplies the coefficients: see
+//! [`super::volume`].
+
+use super::volume::VolumeGrid;
+use crate::error::{Error, Result};
+use crate::medium::Phase;
+use crate::scene::description::{DensityGrid, Volume};
+use crate::spectrum::Spectrum;
+use serde_json::{Map, Value};
+
+/// Greatest coefficient per unit of length: the mean free path is then above the rounding of a room.
+const MOST_COEFFICIENT: f64 = 1e6;
+
+/// Greatest magnitude of a mean cosine: at 1 light goes straight on.
+const MOST_G: f64 = 0.999;
+
+/// A medium as a table tells it.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct MediumOptions {
+    scattering: Option<Spectrum>,
+    absorption: Option<Spectrum>,
+    phase: Option<Phase>,
+    /// URI or path of its density.
+    pub(crate) density: Option<String>,
+}
+
+impl MediumOptions {
+    /// Keys of the options; a table may have others, which are not read.
+    pub(crate) const KEYS: [&str; 4] = ["scattering", "absorption", "phase", "density"];
+
+    /// Reads the options in `table`, which errors call `place`.
+    ///
+    /// # Errors
+    /// A scene error for the first value that is out of range or contradicts another.
+    pub(crate) fn read(table: &Map<String, Value>, place: &str) -> Result<MediumOptions> {
+        let read = |key: &str| table.get(key);
+        let coefficient = |key: &str| read(key).map(|value| coefficient(value, place, key)).transpose();
+        let text = |value: &Value| {
+            let wrong = || Error::scene(format!("{place}.density is not the name of a file"));
+            value.as_str().map(str::to_owned).ok_or_else(wrong)
+        };
+        let options = MediumOptions {
+            scattering: coefficient("scattering")?,
+            absorption: coefficient("absorption")?,
+            phase: read("phase").map(|value| phase(value, place)).transpose()?,
+            density: read("density").map(text).transpose()?,
+        };
+        if options.phase.is_some() && options.scattering.is_none() {
+            return Err(Error::scene(format!("{place} has a phase, but no scattering")));
+        }
+        Ok(options)
+    }
+
+    /// Whether it says anything of a medium.
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == MediumOptions::default()
+    }
+
+    /// Returns `volume` with the coefficients and the phase function that are given.
+    pub(crate) fn fill(&self, volume: Volume) -> Volume {
+        Volume {
+            scattering: self.scattering.unwrap_or(volume.scattering),
+            absorption: self.absorption.unwrap_or(volume.absorption),
+            phase: self.phase.unwrap_or(volume.phase),
+            density: volume.density,
+        }
+    }
+}
+
+/// Returns the cells of a file as a density.
+///
+/// # Errors
+/// A scene error if it has several channels, or values out of range.
+pub(crate) fn density(grid: VolumeGrid) -> Result<DensityGrid> {
+    if grid.channels != 1 {
+        return Err(Error::scene(format!("a density has {} channels and not one", grid.channels)));
+    }
+    DensityGrid::new(grid.size, grid.values, grid.transform)
+}
+
+/// Reads a coefficient: one number, or three.
+fn coefficient(value: &Value, place: &str, key: &str) -> Result<Spectrum> {
+    let numbers =
+        value.as_array().map_or_else(|| vec![value.as_f64(); 3], |list| list.iter().map(Value::as_f64).collect());
+    let numbers: Option<Vec<f64>> = numbers.into_iter().collect();
+    let valid = |numbers: &Vec<f64>| numbers.len() == 3 && numbers.iter().all(|x| (0.0..=MOST_COEFFICIENT).contains(x));
+    let Some(numbers) = numbers.filter(valid) else {
+        let what = format!("{place}.{key} is neither a number nor three of them, from 0 to");
+        return Err(Error::scene(format!("{what} {MOST_COEFFICIENT:e}")));
+    };
+    Ok(Spectrum([0, 1, 2].map(|lane| numbers[lane] as f32)))
+}
+
+/// Reads a phase function.
+fn phase(value: &Value, place: &str) -> Result<Phase> {
+    let g = |value: &Value| value.as_f64().filter(|g| g.abs() <= MOST_G).map(|g| g as f32);
+    let found = match value {
+        Value::String(name) if name == "isotropic" => Some(Phase::Isotropic),
+        Value::String(name) if name == "rayleigh" => Some(Phase::Rayleigh),
+        Value::Array(list) => match list.as_slice() {
+            [a, b, share] => g(a).zip(g(b)).zip(share.as_f64().filter(|share| (0.0..=1.0).contains(share))),
+            _ => None,
+        }
+        .map(|((a, b), share)| Phase::Mixture([a, b], share as f32)),
+        _ => g(value).map(Phase::HenyeyGreenstein),
+    };
+    let what =
+        format!("{place}.phase is neither \"isotropic\", \"rayleigh\", a mean cosine, nor two of them and a share");
+    found.ok_or_else(|| Error::scene(format!("{what} (mean cosines are from -{MOST_G} to {MOST_G})")))
+}
