@@ -149,8 +149,14 @@ impl<'a> Bidirectional<'a> {
         }
         let path = Subpath::from_camera(self.scene, &self.weights, sample);
         match self.subpath_end(path, t - 1, camera, tally) {
-            Some((path, Arrival::Infinity(sums))) if s == 0 => self.background(&path, &sums, sink),
-            Some((path, Arrival::Vertex(z))) if s == 0 => self.emitted(&path, &z, sink),
+            Some((path, Arrival::Infinity(sums))) if s == 0 => {
+                self.emitted_in_media(&path, &sums, sink);
+                self.background(&path, &sums, sink);
+            }
+            Some((path, Arrival::Vertex(z))) if s == 0 => {
+                self.emitted_in_media(&path, &z.sums, sink);
+                self.emitted(&path, &z, sink);
+            }
             Some((_, Arrival::Vertex(z))) if z.vertex.is_connectible() => {
                 let Some(scatterer) = z.scatterer() else { return };
                 let found = match &y {
@@ -271,8 +277,12 @@ impl<'a> Bidirectional<'a> {
             let arrival = path.arrive(&self.camera, sampler, tally);
             let z = match &arrival {
                 Arrival::Vertex(vertex) => vertex,
-                Arrival::Infinity(sums) => return self.background(&path, sums, sink),
+                Arrival::Infinity(sums) => {
+                    self.emitted_in_media(&path, sums, sink);
+                    return self.background(&path, sums, sink);
+                }
             };
+            self.emitted_in_media(&path, &z.sums, sink);
             self.emitted(&path, z, sink);
             if !(hit || next_event || connect) || z.sums.index as usize > *self.events.end() {
                 return;
@@ -346,6 +356,14 @@ impl<'a> Bidirectional<'a> {
         let ends = self.end_pdfs(&path.walk, index, &end, density.position);
         let weight = self.weights.hit(&z.sums, ends, density.direction);
         sink.add(TechniqueSample { s: 0, t, value: z.beta * radiance, weight, survival: z.survival });
+    }
+
+    /// Adds what media emit on the last edge of `path`, which no other technique samples.
+    fn emitted_in_media(&self, path: &Subpath, sums: &PartialMis, sink: &mut impl Sink) {
+        let t = sums.index as usize + 1;
+        if !path.emitted.is_black() && self.is_enabled(0, t) {
+            sink.add(TechniqueSample { s: 0, t, value: path.emitted, weight: 1.0, survival: path.walk.survival });
+        }
     }
 
     /// Adds the radiance of the environment.

@@ -1,10 +1,13 @@
 //! Media as tables of options, in materials of glTF files (`extras.etendue`) and in `render.toml` (`[media.NAME]`).
 //!
 //! `scattering` and `absorption` are coefficients per unit of length, a number or one for each of red, green and blue.
+//! `emission` is the emitted radiance per unit of length; with a `temperature` in kelvins it is the luminance, and the
+//! colour is that of a black body.
 //! `phase` tells how the medium scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and
 //! Greenstein, or `[g, g, share of the first]`. `density` names a grid that multiplies the coefficients: see
 //! [`super::volume`].
 
+use super::blackbody;
 use super::volume::VolumeGrid;
 use crate::error::{Error, Result};
 use crate::medium::Phase;
@@ -23,6 +26,7 @@ const MOST_G: f64 = 0.999;
 pub(crate) struct MediumOptions {
     scattering: Option<Spectrum>,
     absorption: Option<Spectrum>,
+    emission: Option<Spectrum>,
     phase: Option<Phase>,
     /// URI or path of its density.
     pub(crate) density: Option<String>,
@@ -30,7 +34,7 @@ pub(crate) struct MediumOptions {
 
 impl MediumOptions {
     /// Keys of the options; a table may have others, which are not read.
-    pub(crate) const KEYS: [&str; 4] = ["scattering", "absorption", "phase", "density"];
+    pub(crate) const KEYS: [&str; 6] = ["scattering", "absorption", "emission", "temperature", "phase", "density"];
 
     /// Reads the options in `table`, which errors call `place`.
     ///
@@ -43,12 +47,17 @@ impl MediumOptions {
             let wrong = || Error::scene(format!("{place}.density is not the name of a file"));
             value.as_str().map(str::to_owned).ok_or_else(wrong)
         };
+        let color = read("temperature").map_or(Ok(Spectrum::ONE), |value| temperature(value, place))?;
         let options = MediumOptions {
             scattering: coefficient("scattering")?,
             absorption: coefficient("absorption")?,
+            emission: coefficient("emission")?.map(|emission| emission * color),
             phase: read("phase").map(|value| phase(value, place)).transpose()?,
             density: read("density").map(text).transpose()?,
         };
+        if read("temperature").is_some() && options.emission.is_none() {
+            return Err(Error::scene(format!("{place} has a temperature, but no emission")));
+        }
         if options.phase.is_some() && options.scattering.is_none() {
             return Err(Error::scene(format!("{place} has a phase, but no scattering")));
         }
@@ -65,6 +74,7 @@ impl MediumOptions {
         Volume {
             scattering: self.scattering.unwrap_or(volume.scattering),
             absorption: self.absorption.unwrap_or(volume.absorption),
+            emission: self.emission.unwrap_or(volume.emission),
             phase: self.phase.unwrap_or(volume.phase),
             density: volume.density,
         }
@@ -93,6 +103,14 @@ fn coefficient(value: &Value, place: &str, key: &str) -> Result<Spectrum> {
         return Err(Error::scene(format!("{what} {MOST_COEFFICIENT:e}")));
     };
     Ok(Spectrum([0, 1, 2].map(|lane| numbers[lane] as f32)))
+}
+
+/// Reads a temperature and returns its colour of luminance 1.
+fn temperature(value: &Value, place: &str) -> Result<Spectrum> {
+    let kelvin = value.as_f64().filter(|kelvin| blackbody::TEMPERATURES.contains(kelvin));
+    let (least, most) = (blackbody::TEMPERATURES.start(), blackbody::TEMPERATURES.end());
+    let wrong = || Error::scene(format!("{place}.temperature is no number of kelvins from {least} to {most}"));
+    Ok(blackbody::color(kelvin.ok_or_else(wrong)?))
 }
 
 /// Reads a phase function.

@@ -1,6 +1,7 @@
 //! File formats that étendue reads and writes.
 
 pub mod atomic;
+pub(crate) mod blackbody;
 pub mod environment;
 pub mod exr;
 pub mod gltf;

@@ -35,6 +35,13 @@ impl Medium {
         self.unit.transmittance(self.depth(origin, w, length))
     }
 
+    /// Returns the radiance that the segment emits toward `origin`. All coefficients have the same density, so that it is
+    /// that of a homogeneous medium as long as the integral of the density.
+    #[inline]
+    pub fn emitted(&self, origin: Vec3, w: Vec3, length: f32) -> Spectrum {
+        self.unit.emitted(self.depth(origin, w, length))
+    }
+
     /// Returns the integral of the density over the segment.
     #[inline]
     fn depth(&self, origin: Vec3, w: Vec3, length: f32) -> f32 {

@@ -209,6 +209,11 @@ impl AllBodies {
         self.list.iter().any(|b| b.interior.medium.scatters())
     }
 
+    /// Returns whether the medium of any body emits light.
+    pub(super) fn emit(&self) -> bool {
+        self.list.iter().any(|b| b.interior.medium.emits())
+    }
+
     /// Returns whether any two bodies may overlap.
     pub(super) fn overlap(&self) -> bool {
         !self.behind.is_empty()

@@ -76,8 +76,10 @@ impl Scene {
         let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());
         lights.extend(punctual_lights(&description.lights, &rebase)?);
         warnings.extend(coincident::emitters(&description, &objects, &geometry, &lights));
-        let environment =
-            description.environment.take().or_else(|| surroundings::by_default(&description, &lights, &mut warnings));
+        let environment = description
+            .environment
+            .take()
+            .or_else(|| surroundings::by_default(&description, &lights, bodies.emit(), &mut warnings));
         let environment = environment.and_then(surroundings::light);
         let environment_bytes = environment.as_ref().map_or(0, Environment::bytes);
         lights.extend(environment.map(Light::Environment));
@@ -173,6 +175,7 @@ fn features(
         culled: used(&Material::is_culled),
         media: bodies.attenuate(),
         scattering: bodies.scatter(),
+        emission: bodies.emit(),
         panes: used(&|m| m.may_pass(1.0)),
         nested: bodies.overlap(),
         textures: used(&Material::has_surface_textures),

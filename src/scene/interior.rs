@@ -17,8 +17,8 @@ pub(super) struct Interior {
 
 impl Interior {
     /// Returns a key that is equal for equal interiors.
-    pub(super) fn key(&self) -> ([u32; 11], Option<usize>, i32) {
-        let mut bits = [0; 11];
+    pub(super) fn key(&self) -> ([u32; 14], Option<usize>, i32) {
+        let mut bits = [0; 14];
         let numbers = self.medium.numbers().into_iter().chain([self.ior]);
         bits.iter_mut().zip(numbers).for_each(|(bits, number)| *bits = number.to_bits());
         (bits, self.density, self.priority)

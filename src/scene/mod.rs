@@ -69,6 +69,8 @@ pub struct Features {
     pub media: bool,
     /// Some object has an interior that scatters.
     pub scattering: bool,
+    /// Some object has an interior that emits.
+    pub emission: bool,
     /// Some surface transmits light straight through.
     pub panes: bool,
     /// Some bodies may contain others.
@@ -98,6 +100,12 @@ impl Features {
         self.blends || self.panes || self.nested
     }
 
+    /// Returns whether walks fly through media, and do not merely cross them.
+    #[inline]
+    pub fn flights(&self) -> bool {
+        self.scattering || self.emission
+    }
+
     /// Returns the names of the features that are present.
     pub fn names(&self) -> Vec<&'static str> {
         [
@@ -106,6 +114,7 @@ impl Features {
             ("single-sided", self.culled),
             ("media", self.media),
             ("scattering-media", self.scattering),
+            ("emitting-media", self.emission),
             ("panes", self.panes),
             ("nested-bodies", self.nested),
             ("textures", self.textures),

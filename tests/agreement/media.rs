@@ -3,7 +3,9 @@
 use crate::picture::{Shot, render, scene};
 use etendue::integrator::Method;
 use etendue::medium::Phase;
-use etendue::scene::description::{DensityGrid, Description, EnvironmentDescription, Material, MaterialModel, Volume};
+use etendue::scene::description::{
+    DensityGrid, Description, EnvironmentDescription, Material, MaterialModel, Projection, Volume,
+};
 use etendue::spectrum::Spectrum;
 use etendue_testing::deep;
 use etendue_testing::studio::{Ball, add_box, add_square, camera, glass, matte, narrow, point_light, with_model};
@@ -145,6 +147,117 @@ fn media_without_absorption_are_invisible_in_a_white_sky() {
             let error = found.variance.sqrt();
             println!("{ior} {phase:?} {method:?}: {:.6} ± {error:.6}", found.mean);
             assert!((found.mean - 1.0).abs() < 6.0 * error + 1e-5, "{ior} {phase:?} {method:?}: {found:?}");
+        }
+    }
+}
+
+/// Deep slabs are half-spaces: H functions of Chandrasekhar.
+#[test]
+fn deep_slabs_reflect_as_half_spaces() {
+    for (albedo, depth, reflected) in [(0.7, 40.0, 0.208680), (0.95, 60.0, 0.535541)] {
+        for method in METHODS {
+            let found = render(
+                &scene(slab(albedo, Phase::Isotropic, depth)),
+                Shot::new(method, 8, if deep() { 1 << 15 } else { 1 << 10 }),
+            )
+            .overall();
+            let error = found.variance.sqrt();
+            println!("{albedo} {method:?}: {:.6} ± {error:.6}, {reflected}", found.mean);
+            // Six standard errors and the rounding of the table.
+            assert!((found.mean - reflected).abs() < 6.0 * error + 2e-6, "{albedo} {method:?}: {found:?}");
+        }
+    }
+}
+
+/// `volume` of the first material.
+fn change(scene: &mut Description, to: impl Fn(Volume) -> Volume) {
+    let MaterialModel::MetallicRoughness(model) = &mut scene.materials[0].model else { panic!("not glass") };
+    model.volume = model.volume.map(to);
+}
+
+/// Light of a medium that also absorbs, along a way of depth 1: ε/σ (1 − 1/e), homogeneous and as a grid.
+#[test]
+fn media_that_emit_and_absorb_glow_by_their_depth() {
+    for grid in [false, true] {
+        let mut description = Description::default();
+        add_box(&mut description, Vec3::ZERO, Vec3::splat(0.5), filled(1.0, 0.0, Phase::Isotropic));
+        description.cameras.push(narrow(camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO), 0.01));
+        let density = grid.then_some(0);
+        let place = DAffine3::from_translation(DVec3::splat(-0.5));
+        if grid {
+            description.densities.push(DensityGrid::new([1, 1, 3], vec![0.0, 2.0, 1.0], place).expect("valid"));
+        }
+        change(&mut description, |volume| Volume { emission: Spectrum::splat(2.0), density, ..volume });
+        let scene = scene(description);
+        for method in METHODS.into_iter().chain([Method::Pssmlt]) {
+            let found = render(&scene, Shot::new(method, 8, 16)).overall();
+            let expected = 2.0 * (1.0 - (-1.0f64).exp());
+            assert!((found.mean - expected).abs() < 1e-5, "{grid} {method:?}: {found:?}, {expected}");
+        }
+    }
+}
+
+/// Path lengths do not depend on what scatters: what a medium without absorption emits into parallel rays is η² ε V
+/// [Blanco03], in a body that fills a part of the view.
+#[test]
+fn the_mean_path_length_in_a_body_is_invariant() {
+    let cases = [
+        (1.0, 0.0, Phase::Isotropic, &METHODS[..]),
+        (1.0, 4.0, Phase::Isotropic, &METHODS),
+        (1.0, 9.0, Phase::HenyeyGreenstein(0.8), &METHODS),
+        (1.5, 3.0, Phase::Isotropic, &METHODS[1..]),
+    ];
+    for (index, scattering, phase, methods) in cases {
+        let ball = Ball::new(5, 0.9);
+        let corner = |i: u32| ball.positions[i as usize].as_dvec3();
+        let cone = |t: &[u32; 3]| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))) / 6.0;
+        let volume: f64 = ball.triangles.iter().map(cone).sum();
+        let mut description = Description::default();
+        ball.add(&mut description, DVec3::ZERO, filled(index, 1.0, phase));
+        let (emission, scattering) = (Spectrum([1.0, 0.5, 2.0]), Spectrum::splat(scattering));
+        change(&mut description, |volume| Volume { emission, scattering, ..volume });
+        let projection = Projection::Orthographic { xmag: 1.0, ymag: 1.0 };
+        description.cameras.push(etendue::scene::description::CameraDescription {
+            projection,
+            ..camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO)
+        });
+        let scene = scene(description);
+        // A view of four square metres; the mean of the lanes of ε is 7/6.
+        let expected = f64::from(index).powi(2) * volume / 4.0 * 7.0 / 6.0;
+        for &method in methods {
+            let found = render(&scene, Shot::new(method, 16, if deep() { 1 << 14 } else { 1 << 9 })).overall();
+            let error = found.variance.sqrt();
+            println!("{index} {scattering:?} {method:?}: {:.6} ± {error:.6}, {expected:.6}", found.mean);
+            // Facets of the ball are two degrees wide, so that not all directions are alike: their squares.
+            assert!(
+                (found.mean / expected - 1.0).abs() < 6.0 * error / expected + 1e-3,
+                "{index} {method:?}: {found:?}"
+            );
+        }
+    }
+}
+
+/// A medium around everything includes cameras and lamps: the way from a bright wall to a camera in front of it.
+#[test]
+fn a_medium_around_the_scene_is_around_the_camera() {
+    let mut description = Description::default();
+    add_square(&mut description, Vec3::NEG_Z * 2.0, Vec3::X, Vec3::Y, matte(0.0, 1.0));
+    description.cameras.push(narrow(camera(DVec3::new(0.0, 0.0, 1.0), DVec3::ZERO), 0.01));
+    description.media.push(Volume { absorption: Spectrum([0.2, 0.5, 1.0]), ..Volume::CLEAR });
+    // A second one, within the box of its density, takes precedence where it is.
+    let place = DAffine3::from_scale_rotation_translation(
+        DVec3::new(-0.5, 1.0, 1.0),
+        DQuat::IDENTITY,
+        DVec3::new(0.25, -0.5, -1.0),
+    );
+    description.densities.push(DensityGrid::new([1, 1, 1], vec![0.25], place).expect("valid"));
+    description.media.push(Volume { absorption: Spectrum::splat(4.0), density: Some(0), ..Volume::CLEAR });
+    let scene = scene(description);
+    for method in METHODS {
+        let found = render(&scene, Shot::new(method, 8, 16));
+        for (lane, sigma) in [0.2f64, 0.5, 1.0].into_iter().enumerate() {
+            let (mean, expected) = (found.blocks(1)[lane].mean, (-2.0 * sigma - 1.0).exp());
+            assert!((mean - expected).abs() < 1e-5, "{method:?}: {mean}, {expected}");
         }
     }
 }

@@ -221,8 +221,8 @@ impl Radiance for GatherWalk<'_, '_> {
         let mut departure: Option<Departure> = None;
         loop {
             let lanes = walk.lanes;
-            let (end, through) = if scene.features().scattering {
-                let Flown { end, through } = walk.fly(sampler, tally);
+            let (end, through) = if scene.features().flights() {
+                let Flown { end, through, .. } = walk.fly(sampler, tally);
                 (end, through)
             } else {
                 (walk.arrive(sampler, tally).map(FlightEnd::Surface), Spectrum::ONE)

@@ -25,7 +25,8 @@ impl<S: Strategy> PathTracer<'_, S> {
         let mut total = Spectrum::ZERO;
         loop {
             let lanes = walk.lanes;
-            let Flown { end, through } = walk.fly(sampler, tally);
+            let Flown { end, through, emitted } = walk.fly(sampler, tally);
+            total += emitted;
             let chance = density(lanes * through, Spectrum::ONE);
             let Some(end) = end else { return total + self.background(&walk, chance, tally) };
             if let FlightEnd::Surface(point) = &end {

@@ -245,7 +245,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         _: &mut impl FnMut([f32; 2], Spectrum),
         tally: &mut TraceStats,
     ) -> Spectrum {
-        if self.scene.features().scattering {
+        if self.scene.features().flights() {
             return self.radiance_in_media(camera, sampler, tally);
         }
         let mut walk = RandomWalk::from_camera(self.scene, camera);

@@ -232,9 +232,10 @@ impl Content for MetalFresnel {
 
 impl Content for Volume {
     fn feed(&self, bytes: &mut Bytes) {
-        let Volume { absorption, scattering, phase, density } = self;
+        let Volume { absorption, scattering, emission, phase, density } = self;
         absorption.feed(bytes);
         scattering.feed(bytes);
+        emission.feed(bytes);
         phase.numbers().feed(bytes);
         density.feed(bytes);
     }

@@ -36,6 +36,8 @@ pub struct Volume {
     pub absorption: Spectrum,
     /// Scattering coefficient per file unit of length.
     pub scattering: Spectrum,
+    /// Emitted radiance per file unit of length.
+    pub emission: Spectrum,
     /// How it scatters.
     pub phase: Phase,
     /// Index into [`Description::densities`](super::Description::densities) of what multiplies its coefficients; `None` is
@@ -45,8 +47,13 @@ pub struct Volume {
 
 impl Volume {
     /// A medium that light passes unchanged.
-    pub const CLEAR: Volume =
-        Volume { absorption: Spectrum::ZERO, scattering: Spectrum::ZERO, phase: Phase::Isotropic, density: None };
+    pub const CLEAR: Volume = Volume {
+        absorption: Spectrum::ZERO,
+        scattering: Spectrum::ZERO,
+        emission: Spectrum::ZERO,
+        phase: Phase::Isotropic,
+        density: None,
+    };
 
     /// Returns the medium in which white light takes `color` (0 to 1) by absorption after `distance` in file units.
     pub fn absorbing(distance: f64, color: Spectrum) -> Volume {

@@ -202,6 +202,7 @@ impl Material {
 fn interior(m: &description::Material, rebase: &Rebase) -> Option<Interior> {
     let (ior, volume) = m.model.inside()?;
     let rebased = |coefficient: Spectrum| coefficient.map(|s: f32| (f64::from(s) / rebase.scale) as f32);
-    let medium = Homogeneous::new(rebased(volume.absorption), rebased(volume.scattering), volume.phase);
+    let medium = Homogeneous::new(rebased(volume.absorption), rebased(volume.scattering), volume.phase)
+        .emitting(rebased(volume.emission));
     Some(Interior { medium, density: volume.density, ior, priority: m.priority })
 }
