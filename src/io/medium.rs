@@ -1,7 +1,8 @@
 //! Media as tables of options, in materials of glTF files (`extras.etendue`) and in `render.toml` (`[media.NAME]`).
 //!
 //! `scattering` and `absorption` are coefficients per unit of length, a number or one for each of red, green and blue.
-//! `emission` is the emitted radiance per unit of length; with a `temperature` in kelvins it is the luminance, and the
+//! In their place `albedo`, a colour, and `mean_free_path`, a length or three, tell what a deep body of the medium looks like
+//! under diffuse light: see [`crate::medium::inversion`]. `emission` is the emitted radiance per unit of length; with a `temperature` in kelvins it is the luminance, and the
 //! colour is that of a black body.
 //! `phase` tells how the medium scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and
 //! Greenstein, or `[g, g, share of the first]`. `density` names a grid that multiplies the coefficients: see
@@ -11,15 +12,17 @@ use super::blackbody;
 use super::volume::VolumeGrid;
 use crate::error::{Error, Result};
 use crate::medium::Phase;
+use crate::medium::inversion::invert;
 use crate::scene::description::{DensityGrid, Volume};
 use crate::spectrum::Spectrum;
 use serde_json::{Map, Value};
+use std::ops::RangeInclusive;
 
 /// Greatest coefficient per unit of length: the mean free path is then above the rounding of a room.
 const MOST_COEFFICIENT: f64 = 1e6;
 
 /// Greatest magnitude of a mean cosine: at 1 light goes straight on.
-const MOST_G: f64 = 0.999;
+pub(crate) const MOST_G: f64 = 0.999;
 
 /// A medium as a table tells it.
 #[derive(Debug, Default, PartialEq)]
@@ -34,7 +37,8 @@ pub(crate) struct MediumOptions {
 
 impl MediumOptions {
     /// Keys of the options; a table may have others, which are not read.
-    pub(crate) const KEYS: [&str; 6] = ["scattering", "absorption", "emission", "temperature", "phase", "density"];
+    pub(crate) const KEYS: [&str; 8] =
+        ["scattering", "absorption", "albedo", "mean_free_path", "emission", "temperature", "phase", "density"];
 
     /// Reads the options in `table`, which errors call `place`.
     ///
@@ -42,17 +46,38 @@ impl MediumOptions {
     /// A scene error for the first value that is out of range or contradicts another.
     pub(crate) fn read(table: &Map<String, Value>, place: &str) -> Result<MediumOptions> {
         let read = |key: &str| table.get(key);
-        let coefficient = |key: &str| read(key).map(|value| coefficient(value, place, key)).transpose();
+        let numbers = |key: &str, range: RangeInclusive<f64>| {
+            read(key).map(|value| numbers(value, range).map_err(|what| Error::scene(format!("{place}.{key} {what}"))))
+        };
+        let coefficient = |key: &str| numbers(key, 0.0..=MOST_COEFFICIENT).transpose();
         let text = |value: &Value| {
             let wrong = || Error::scene(format!("{place}.density is not the name of a file"));
             value.as_str().map(str::to_owned).ok_or_else(wrong)
         };
         let color = read("temperature").map_or(Ok(Spectrum::ONE), |value| temperature(value, place))?;
+        let phase = read("phase").map(|value| phase(value, place)).transpose()?;
+        let surface = (
+            numbers("albedo", 0.0..=1.0).transpose()?,
+            numbers("mean_free_path", MOST_COEFFICIENT.recip()..=f64::from(f32::MAX)).transpose()?,
+        );
+        let [mut scattering, mut absorption] = [coefficient("scattering")?, coefficient("absorption")?];
+        match surface {
+            (None, None) => {}
+            (Some(albedo), Some(mean_free_path)) if scattering.is_none() && absorption.is_none() => {
+                let g = phase.as_ref().map_or(0.0, Phase::mean_cosine);
+                let found = invert(albedo, mean_free_path, g);
+                (scattering, absorption) = (Some(found.scattering), Some(found.absorption));
+            }
+            _ => {
+                let what = "tells albedo and mean_free_path, or scattering and absorption, but not parts of both";
+                return Err(Error::scene(format!("{place} {what}")));
+            }
+        }
         let options = MediumOptions {
-            scattering: coefficient("scattering")?,
-            absorption: coefficient("absorption")?,
+            scattering,
+            absorption,
             emission: coefficient("emission")?.map(|emission| emission * color),
-            phase: read("phase").map(|value| phase(value, place)).transpose()?,
+            phase,
             density: read("density").map(text).transpose()?,
         };
         if read("temperature").is_some() && options.emission.is_none() {
@@ -92,17 +117,15 @@ pub(crate) fn density(grid: VolumeGrid) -> Result<DensityGrid> {
     DensityGrid::new(grid.size, grid.values, grid.transform)
 }
 
-/// Reads a coefficient: one number, or three.
-fn coefficient(value: &Value, place: &str, key: &str) -> Result<Spectrum> {
+/// Reads one number for all lanes, or three; or says what they should be.
+fn numbers(value: &Value, range: RangeInclusive<f64>) -> std::result::Result<Spectrum, String> {
     let numbers =
         value.as_array().map_or_else(|| vec![value.as_f64(); 3], |list| list.iter().map(Value::as_f64).collect());
     let numbers: Option<Vec<f64>> = numbers.into_iter().collect();
-    let valid = |numbers: &Vec<f64>| numbers.len() == 3 && numbers.iter().all(|x| (0.0..=MOST_COEFFICIENT).contains(x));
-    let Some(numbers) = numbers.filter(valid) else {
-        let what = format!("{place}.{key} is neither a number nor three of them, from 0 to");
-        return Err(Error::scene(format!("{what} {MOST_COEFFICIENT:e}")));
-    };
-    Ok(Spectrum([0, 1, 2].map(|lane| numbers[lane] as f32)))
+    let valid = |numbers: &Vec<f64>| numbers.len() == 3 && numbers.iter().all(|x| range.contains(x));
+    let numbers = numbers.filter(valid);
+    let wrong = || format!("is neither a number nor three of them, from {} to {:e}", range.start(), range.end());
+    numbers.map(|numbers| Spectrum([0, 1, 2].map(|lane| numbers[lane] as f32))).ok_or_else(wrong)
 }
 
 /// Reads a temperature and returns its colour of luminance 1.

@@ -6,6 +6,7 @@
 mod flight;
 mod grid;
 mod homogeneous;
+pub mod inversion;
 mod phase;
 mod varying;
 
