@@ -387,14 +387,14 @@ fn the_draft_of_scattering_shares_attenuation() {
     assert!((f64::from(scattering) - albedo).abs() < 1e-6, "{scattering} {albedo}");
     assert!((scattering + absorption - 1.0).abs() < 1e-6);
     assert_eq!((volume.phase, volume.scattering.0[1]), (Phase::HenyeyGreenstein(0.3), 0.0));
-    let wrong = extension("KHR_materials_volume", json!({ "thicknessFactor": 1 }));
+    let volume = json!({ "KHR_materials_volume": { "thicknessFactor": 1 } });
     for draft in [
         json!({ "multiscatterColor": [2, 0, 0] }),
         json!({ "scatterAnisotropy": 1 }),
         json!({ "multiscatterColor": 1 }),
     ] {
-        let mut material = wrong.clone();
+        let mut material = json!({ "name": "a", "extensions": volume });
         material["extensions"]["KHR_materials_volume_scatter"] = draft;
-        assert_eq!(error(material), "material 'a': the colour or anisotropy of scattering is out of range");
+        assert_eq!(file(material).error(), "material 'a': the colour or anisotropy of scattering is out of range");
     }
 }
