@@ -92,6 +92,8 @@ fn place(name: &str) -> String {
 /// Reads the table of the medium `name`.
 fn read(name: &str, table: &Map<String, Value>) -> Result<(MediumOptions, Fills)> {
     let place = place(name);
+    // As other keys of the file, they may have hyphens.
+    let table: Map<String, Value> = table.iter().map(|(key, value)| (key.replace('-', "_"), value.clone())).collect();
     let is_known = |key: &str| key == "fills" || MediumOptions::KEYS.contains(&key);
     if let Some(unknown) = table.keys().find(|key| !is_known(key)) {
         return Err(Error::usage(format!("{place} has the unknown key '{unknown}'")));
@@ -105,7 +107,7 @@ fn read(name: &str, table: &Map<String, Value>) -> Result<(MediumOptions, Fills)
     };
     let fills =
         fills.ok_or_else(|| Error::usage(format!("{place}.fills is neither \"scene\" nor a list of materials")))?;
-    let options = MediumOptions::read(table, &place).map_err(|error| Error::usage(error.to_string()))?;
+    let options = MediumOptions::read(&table, &place).map_err(|error| Error::usage(error.to_string()))?;
     Ok((options, fills))
 }
 
