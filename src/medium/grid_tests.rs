@@ -3,7 +3,7 @@ use etendue_testing::random::Random;
 use glam::{DMat3, DQuat, DVec3};
 
 fn grid(size: [usize; 3], values: Vec<f32>, to_scene: &DAffine3) -> Grid {
-    Grid::new(size, Arc::new(values.into()), to_scene)
+    Grid::new(Arc::new(Blocks::new(size, &values)), to_scene)
 }
 
 /// A box of 5 × 4 × 6 cells with random values, a third of them 0.
@@ -40,6 +40,24 @@ fn depths_are_integrals_of_the_density() {
         let (found, expected) = (f64::from(grid.depth(origin, w, length)), by_steps(&grid, origin, w, length));
         // The box has an edge: a step at either end. Roundings of some twenty intervals in f32.
         let error = 8.0 * f64::from(grid.most()) * f64::from(length) / 40_000.0 + 1e-5 * expected;
+        assert!((found - expected).abs() < error, "{found}, expected {expected}");
+    }
+}
+
+/// The same through several blocks, some of them empty.
+#[test]
+fn depths_are_integrals_through_blocks() {
+    let mut random = Random::new(13);
+    let (to_scene, size) = (placement(), [30, 21, 18]);
+    let value = |i: usize, random: &mut Random| if i % 30 > 18 { 0.0 } else { random.f32() };
+    let grid = grid(size, (0..30 * 21 * 18).map(|i| value(i, &mut random)).collect(), &to_scene);
+    let mut inner = || to_scene.transform_point3(DVec3::from([(); 3].map(|()| random.f64() * 1.4 - 0.2)));
+    for _ in 0..40 {
+        let [a, b] = [inner(), inner()];
+        let (origin, w, length) = (a.as_vec3(), (b - a).normalize().as_vec3(), (b - a).length() as f32);
+        let (found, expected) = (f64::from(grid.depth(origin, w, length)), by_steps(&grid, origin, w, length));
+        // As above, with some seventy intervals at most.
+        let error = 8.0 * f64::from(grid.most()) * f64::from(length) / 40_000.0 + 2e-5 * expected;
         assert!((found - expected).abs() < error, "{found}, expected {expected}");
     }
 }

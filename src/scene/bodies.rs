@@ -27,6 +27,7 @@ use smallvec::SmallVec;
 use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::ops::ControlFlow::{Break, Continue};
+use std::sync::Arc;
 
 /// A solid that transmits light.
 #[derive(Debug, Clone, Copy)]
@@ -158,7 +159,10 @@ impl AllBodies {
 
     /// Returns the memory held by densities, in bytes.
     pub(super) fn density_bytes(&self) -> usize {
-        self.media.iter().filter_map(|medium| medium.grid.as_ref()).map(Grid::bytes).sum()
+        let mut blocks: Vec<_> = self.media.iter().filter_map(|medium| Some(medium.grid.as_ref()?.blocks())).collect();
+        blocks.sort_by_key(|blocks| Arc::as_ptr(blocks));
+        blocks.dedup_by_key(|blocks| Arc::as_ptr(blocks));
+        blocks.into_iter().map(|blocks| blocks.bytes()).sum()
     }
 
     /// Computes [`AllBodies::behind`].

@@ -68,9 +68,9 @@ impl Scene {
         let (mut geometry, mut objects) = assemble(&description, &rebase, &materials)?;
         let mut bodies = AllBodies::find(&geometry, &mut objects, &materials);
         bodies.place_densities(|density, instance| {
-            let DensityGrid { size, values, transform } = &description.densities[density];
+            let DensityGrid { blocks, transform } = &description.densities[density];
             let to_scene = rebase.transform(&description.instances[instance as usize].transform) * *transform;
-            Grid::new(*size, values.clone(), &to_scene)
+            Grid::new(Arc::clone(blocks), &to_scene)
         });
         let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
         let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());

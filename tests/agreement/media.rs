@@ -20,6 +20,7 @@ fn filled(ior: f32, albedo: f32, phase: Phase) -> Material {
         m.ior = ior;
         m.volume = Some(Volume {
             absorption: Spectrum::splat(1.0 - albedo),
+            emission: Spectrum::ZERO,
             scattering: Spectrum::splat(albedo),
             phase,
             density: None,

@@ -1,7 +1,7 @@
 //! Densities on grids as loaded.
 
 use crate::error::{Error, Result};
-use crate::huge_vec::HugeVec;
+use crate::medium::Blocks;
 use glam::DAffine3;
 use std::sync::Arc;
 
@@ -11,8 +11,7 @@ const MOST: f32 = 1e12;
 /// Densities of a medium in cells that fill a box. They multiply all its coefficients; outside of the box they are 0.
 #[derive(Debug, Clone)]
 pub struct DensityGrid {
-    pub(in crate::scene) size: [usize; 3],
-    pub(in crate::scene) values: Arc<HugeVec<f32>>,
+    pub(in crate::scene) blocks: Arc<Blocks>,
     /// From the unit cube that the cells fill to the space of the meshes that the medium fills.
     pub(in crate::scene) transform: DAffine3,
 }
@@ -36,6 +35,6 @@ impl DensityGrid {
         if !(transform.is_finite() && inverse.is_finite()) {
             return Err(Error::scene("the transform of a density grid has no inverse"));
         }
-        Ok(DensityGrid { size, values: Arc::new(values.into()), transform })
+        Ok(DensityGrid { blocks: Arc::new(Blocks::new(size, &values)), transform })
     }
 }

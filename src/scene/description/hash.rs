@@ -70,9 +70,12 @@ impl Content for Description {
 
 impl Content for DensityGrid {
     fn feed(&self, bytes: &mut Bytes) {
-        let DensityGrid { size, values, transform } = self;
-        size.iter().for_each(|n| n.feed(bytes));
-        values.iter().for_each(|value| value.feed(bytes));
+        let DensityGrid { blocks, transform } = self;
+        blocks.cells().iter().for_each(|n| n.feed(bytes));
+        for part in blocks.content_bytes() {
+            part.len().feed(bytes);
+            bytes.update(part);
+        }
         transform.feed(bytes);
     }
 }
