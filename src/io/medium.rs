@@ -6,14 +6,15 @@
 //! colour is that of a black body.
 //! `phase` tells how the medium scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and
 //! Greenstein, or `[g, g, share of the first]`. `density` names a grid that multiplies the coefficients: see
-//! [`super::volume`].
+//! [`super::volume`]. `albedo_grid` names one of one or three channels, which multiplies scattering; what it takes away is
+//! absorbed.
 
 use super::blackbody;
 use super::volume::VolumeGrid;
 use crate::error::{Error, Result};
 use crate::medium::Phase;
 use crate::medium::inversion::invert;
-use crate::scene::description::{DensityGrid, Volume};
+use crate::scene::description::{AlbedoGrid, DensityGrid, Volume};
 use crate::spectrum::Spectrum;
 use serde_json::{Map, Value};
 use std::ops::RangeInclusive;
@@ -33,12 +34,23 @@ pub(crate) struct MediumOptions {
     phase: Option<Phase>,
     /// URI or path of its density.
     pub(crate) density: Option<String>,
+    /// The same of its albedo.
+    pub(crate) albedo_grid: Option<String>,
 }
 
 impl MediumOptions {
     /// Keys of the options; a table may have others, which are not read.
-    pub(crate) const KEYS: [&str; 8] =
-        ["scattering", "absorption", "albedo", "mean_free_path", "emission", "temperature", "phase", "density"];
+    pub(crate) const KEYS: [&str; 9] = [
+        "albedo_grid",
+        "scattering",
+        "absorption",
+        "albedo",
+        "mean_free_path",
+        "emission",
+        "temperature",
+        "phase",
+        "density",
+    ];
 
     /// Reads the options in `table`, which errors call `place`.
     ///
@@ -50,9 +62,9 @@ impl MediumOptions {
             read(key).map(|value| numbers(value, range).map_err(|what| Error::scene(format!("{place}.{key} {what}"))))
         };
         let coefficient = |key: &str| numbers(key, 0.0..=MOST_COEFFICIENT).transpose();
-        let text = |value: &Value| {
-            let wrong = || Error::scene(format!("{place}.density is not the name of a file"));
-            value.as_str().map(str::to_owned).ok_or_else(wrong)
+        let text = |key: &str| {
+            let wrong = || Error::scene(format!("{place}.{key} is not the name of a file"));
+            read(key).map(|value| value.as_str().map(str::to_owned).ok_or_else(wrong)).transpose()
         };
         let color = read("temperature").map_or(Ok(Spectrum::ONE), |value| temperature(value, place))?;
         let phase = read("phase").map(|value| phase(value, place)).transpose()?;
@@ -78,7 +90,8 @@ impl MediumOptions {
             absorption,
             emission: coefficient("emission")?.map(|emission| emission * color),
             phase,
-            density: read("density").map(text).transpose()?,
+            density: text("density")?,
+            albedo_grid: text("albedo_grid")?,
         };
         if read("temperature").is_some() && options.emission.is_none() {
             return Err(Error::scene(format!("{place} has a temperature, but no emission")));
@@ -102,6 +115,7 @@ impl MediumOptions {
             emission: self.emission.unwrap_or(volume.emission),
             phase: self.phase.unwrap_or(volume.phase),
             density: volume.density,
+            albedo: volume.albedo,
         }
     }
 }
@@ -115,6 +129,16 @@ pub(crate) fn density(grid: VolumeGrid) -> Result<DensityGrid> {
         return Err(Error::scene(format!("a density has {} channels and not one", grid.channels)));
     }
     DensityGrid::new(grid.size, grid.values, grid.transform)
+}
+
+/// Returns the cells of a file as albedos.
+///
+/// # Errors
+/// A scene error if a value is above 1.
+pub(crate) fn albedo(grid: VolumeGrid) -> Result<AlbedoGrid> {
+    let color = |cell: &[f32]| [cell[0], cell[cell.len() / 2], cell[cell.len() - 1]];
+    let values = grid.values.chunks_exact(grid.channels).map(color).collect();
+    AlbedoGrid::new(grid.size, values, grid.transform)
 }
 
 /// Reads one number for all lanes, or three; or says what they should be.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::medium::Grid;
-use crate::medium::varying::Reach;
+use crate::medium::reach::Reach;
 use etendue_testing::random::Random;
 use glam::{DAffine3, DVec3, Vec3};
 use std::sync::Arc;

@@ -13,7 +13,7 @@
 //! In media that only absorb there are no collisions, and light is weighted by the transmittance.
 
 use super::Medium;
-use super::varying::Reach;
+use super::reach::Reach;
 use crate::spectrum::{LANES, Spectrum};
 use glam::Vec3;
 

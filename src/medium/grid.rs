@@ -13,8 +13,8 @@
 mod tests;
 
 use super::blocks::{Blocks, Content, Corners, EDGE, LAYER, ROW, address};
+use super::reach::Reach;
 use super::track::{Track, Walk};
-use super::varying::Reach;
 use glam::{DAffine3, DVec3, Vec3, Vec3A};
 use std::sync::Arc;
 

@@ -3,17 +3,20 @@
 //! Phase functions follow the conventions of scattering functions: light arrives along `wi` and leaves along `wo`, and
 //! both point away from the vertex. Coefficients are per unit of length, one a lane.
 
+mod albedo_grid;
 mod blocks;
 mod flight;
 mod grid;
 mod homogeneous;
 pub mod inversion;
 mod phase;
+mod reach;
 mod track;
 #[cfg(test)]
 mod tracking;
 mod varying;
 
+pub use albedo_grid::{AlbedoGrid, Colors};
 pub use blocks::Blocks;
 pub use flight::{Collision, Flight, density};
 pub use grid::Grid;

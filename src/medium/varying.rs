@@ -1,6 +1,7 @@
 //! Media whose density may vary from place to place.
 
-use super::{Grid, Homogeneous};
+use super::reach::Reach;
+use super::{AlbedoGrid, Grid, Homogeneous};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
@@ -11,20 +12,13 @@ pub struct Medium {
     pub unit: Homogeneous,
     /// The density; empty outside of its box.
     pub grid: Option<Grid>,
-}
-
-/// How far a flight got.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Reach {
-    /// It ends at this distance, where the density is the second number.
-    Ends(f32, f32),
-    /// It passes the whole length, and the integral of the density over it is this.
-    Passes(f32),
+    /// The albedo, which multiplies scattering.
+    pub albedo: Option<AlbedoGrid>,
 }
 
 impl From<Homogeneous> for Medium {
     fn from(unit: Homogeneous) -> Self {
-        Medium { unit, grid: None }
+        Medium { unit, grid: None, albedo: None }
     }
 }
 
@@ -33,6 +27,12 @@ impl Medium {
     #[inline]
     pub fn transmittance(&self, origin: Vec3, w: Vec3, length: f32) -> Spectrum {
         self.unit.transmittance(self.depth(origin, w, length))
+    }
+
+    /// Returns the factor of scattering at the point `p`.
+    #[inline]
+    pub fn albedo(&self, p: Vec3) -> Spectrum {
+        self.albedo.as_ref().map_or(Spectrum::ONE, |grid| grid.at(p))
     }
 
     /// Returns the radiance that the segment emits toward `origin`. All coefficients have the same density, so that it is

@@ -97,11 +97,13 @@ impl RandomWalk<'_> {
         let state = self.ray.state;
         let medium = self.scene.medium(state.bodies)?;
         let Collision { distance, at, factor } = flight.cross(medium, self.ray.origin, self.ray.direction, length)?;
-        self.beta *= factor;
+        let p = self.ray.at(distance);
+        let albedo = medium.albedo(p);
+        self.beta *= factor * albedo;
         self.lanes = flight.posterior(medium.unit.extinction);
         let &Homogeneous { extinction, scattering, phase, .. } = &medium.unit;
-        let (extinction, scattering) = (extinction * at, scattering * at);
-        Some(MediumPoint { p: self.ray.at(distance), phase, extinction, scattering, state })
+        let (extinction, scattering) = (extinction * at, scattering * at * albedo);
+        Some(MediumPoint { p, phase, extinction, scattering, state })
     }
 
     /// Leaves a collision along the unit vector `w`, sampled by its value, which is `density`.

@@ -16,7 +16,8 @@ use crate::bsdf::Lobes;
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::light::{BoundingSphere, Environment, Light, LightChoice, Lights};
-use crate::medium::Grid;
+use crate::medium::{AlbedoGrid, Grid};
+use glam::DAffine3;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -67,11 +68,19 @@ impl Scene {
         let materials: Vec<Material> = description.materials.iter().zip(usages).map(compile).collect();
         let (mut geometry, mut objects) = assemble(&description, &rebase, &materials)?;
         let mut bodies = AllBodies::find(&geometry, &mut objects, &materials);
-        bodies.place_densities(|density, instance| {
-            let DensityGrid { blocks, transform } = &description.densities[density];
-            let to_scene = rebase.transform(&description.instances[instance as usize].transform) * *transform;
-            Grid::new(Arc::clone(blocks), &to_scene)
-        });
+        let placed = |instance: u32, transform: &DAffine3| {
+            rebase.transform(&description.instances[instance as usize].transform) * *transform
+        };
+        bodies.place_grids(
+            |index, instance| {
+                let DensityGrid { blocks, transform } = &description.densities[index];
+                Grid::new(Arc::clone(blocks), &placed(instance, transform))
+            },
+            |index, instance| {
+                let description::AlbedoGrid { colors, transform } = &description.albedos[index];
+                AlbedoGrid::new(Arc::clone(colors), &placed(instance, transform))
+            },
+        );
         let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
         let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());
         lights.extend(punctual_lights(&description.lights, &rebase)?);

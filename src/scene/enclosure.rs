@@ -4,7 +4,8 @@
 //! it. One with a density fills the density's box.
 
 use super::description::{
-    DensityGrid, Description, Instance, Material, Mesh, MetallicRoughnessMaterial, Primitive, PunctualKind, Volume,
+    AlbedoGrid, DensityGrid, Description, Instance, Material, Mesh, MetallicRoughnessMaterial, Primitive, PunctualKind,
+    Volume,
 };
 use super::extent::world_box;
 use super::view::framing;
@@ -63,6 +64,13 @@ fn around(description: &Description, [mut min, mut max]: [DVec3; 2]) -> Result<D
 /// Adds the image of the unit cube under `transform`, filled with `medium`.
 fn add_box(description: &mut Description, medium: Volume, transform: DAffine3) {
     let name = format!("medium {}", description.materials.len());
+    // The box takes the albedo along.
+    let albedo = medium.albedo.map(|index| {
+        let grid = description.albedos[index].clone();
+        description.albedos.push(AlbedoGrid { transform: transform.inverse() * grid.transform, ..grid });
+        description.albedos.len() - 1
+    });
+    let medium = Volume { albedo, ..medium };
     let model = MetallicRoughnessMaterial {
         metallic: 0.0,
         roughness: 0.0,

@@ -1,7 +1,7 @@
 //! Media that a `render.toml` adds to a scene: `[media.NAME]`.
 //!
 //! A table has the keys of [`crate::io::medium`] and `fills`: `"scene"` (the default), the space around everything or the
-//! box of the density, or a list of materials, whose solids it fills. A path in `density` is relative to the file's folder.
+//! box of the density, or a list of materials, whose solids it fills. Paths in `density` and `albedo_grid` are relative to the file's folder.
 
 use crate::error::{Error, Result};
 use crate::io::medium::{self, MediumOptions};
@@ -28,7 +28,7 @@ impl Media {
         self.0.is_empty()
     }
 
-    /// Returns the media with paths of densities relative to `folder`.
+    /// Returns the media with paths of grids relative to `folder`.
     pub(super) fn seen_from(&self, folder: &Path) -> Media {
         self.with_paths(|path| folder.join(path).to_string_lossy().into_owned())
     }
@@ -41,8 +41,10 @@ impl Media {
     fn with_paths(&self, moved: impl Fn(&str) -> String) -> Media {
         let mut media = self.clone();
         for table in media.0.values_mut() {
-            if let Some(Value::String(path)) = table.get_mut("density") {
-                *path = moved(path);
+            for key in ["density", "albedo_grid", "albedo-grid"] {
+                if let Some(Value::String(path)) = table.get_mut(key) {
+                    *path = moved(path);
+                }
             }
         }
         media
@@ -63,20 +65,27 @@ impl Media {
     pub(super) fn fill(&self, description: &mut Description, memory: u64) -> Result<()> {
         for (name, table) in &self.0 {
             let (options, fills) = read(name, table)?;
-            let density = options.density.as_ref().map(|path| {
+            let read = |path: &String| {
                 let options = VolumeOptions { memory, ..VolumeOptions::default() };
-                let grid = volume::read(Path::new(path), &options).and_then(medium::density);
-                description.densities.push(grid.map_err(|error| error.context(place(name)))?);
-                Ok(description.densities.len() - 1)
-            });
-            let density = density.transpose()?;
+                volume::read(Path::new(path), &options)
+            };
+            let named = |error: Error| error.context(place(name));
+            if let Some(path) = &options.density {
+                description.densities.push(read(path).and_then(medium::density).map_err(named)?);
+            }
+            if let Some(path) = &options.albedo_grid {
+                description.albedos.push(read(path).and_then(medium::albedo).map_err(named)?);
+            }
+            let density = options.density.as_ref().map(|_| description.densities.len() - 1);
+            let albedo = options.albedo_grid.as_ref().map(|_| description.albedos.len() - 1);
             match fills {
-                Fills::Scene => description.media.push(Volume { density, ..options.fill(Volume::CLEAR) }),
+                Fills::Scene => description.media.push(Volume { density, albedo, ..options.fill(Volume::CLEAR) }),
                 Fills::Materials(materials) => {
                     for wanted in materials {
                         let volume = volume_of(&mut description.materials, &wanted)
                             .map_err(|error| error.context(place(name)))?;
-                        *volume = Volume { density: density.or(volume.density), ..options.fill(*volume) };
+                        let (density, albedo) = (density.or(volume.density), albedo.or(volume.albedo));
+                        *volume = Volume { density, albedo, ..options.fill(*volume) };
                     }
                 }
             }

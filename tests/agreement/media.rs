@@ -4,7 +4,7 @@ use crate::picture::{Shot, render, scene};
 use etendue::integrator::Method;
 use etendue::medium::Phase;
 use etendue::scene::description::{
-    DensityGrid, Description, EnvironmentDescription, Material, MaterialModel, Projection, Volume,
+    AlbedoGrid, DensityGrid, Description, EnvironmentDescription, Material, MaterialModel, Projection, Volume,
 };
 use etendue::spectrum::Spectrum;
 use etendue_testing::deep;
@@ -24,6 +24,7 @@ fn filled(ior: f32, albedo: f32, phase: Phase) -> Material {
             scattering: Spectrum::splat(albedo),
             phase,
             density: None,
+            albedo: None,
         });
     })
 }
@@ -105,6 +106,25 @@ fn a_grid_of_one_density_is_a_homogeneous_medium() {
         println!("{method:?}: {:.6} ± {error:.6}, {expected}", found.mean);
         // As for slabs; the depth of a ray has roundings of places in thousands of metres.
         assert!((found.mean - expected).abs() < 6.0 * error + 1e-4, "{method:?}: {found:?}, {expected}");
+    }
+}
+
+/// The same slab without absorption of its own under a grid of albedos, which is smaller than the slab: beyond it are the
+/// albedos of its border.
+#[test]
+fn a_grid_of_one_albedo_is_absorption() {
+    let (albedo, depth, reflected, transmitted) = (0.9f32, 1.0f32, 0.267410, 0.223746);
+    let mut description = slab(1.0, Phase::Isotropic, depth);
+    description.albedos.push(AlbedoGrid::new([2, 1, 3], vec![[albedo; 3]; 6], DAffine3::IDENTITY).expect("valid"));
+    change(&mut description, |volume| Volume { albedo: Some(0), ..volume });
+    let scene = scene(description);
+    let expected = reflected + transmitted + f64::from((-depth).exp());
+    for method in METHODS {
+        let found = render(&scene, Shot::new(method, 8, if deep() { 1 << 15 } else { 1 << 10 })).overall();
+        let error = found.variance.sqrt();
+        println!("{method:?}: {:.6} ± {error:.6}, {expected}", found.mean);
+        // As for slabs.
+        assert!((found.mean - expected).abs() < 6.0 * error + 2e-6, "{method:?}: {found:?}, {expected}");
     }
 }
 

@@ -6,11 +6,12 @@ use etendue::io::exr;
 const LINE: &str = "render s/scene.gltf --size 8x8 --spp 8 --filter box --depth 4";
 
 /// A triangle of clear glass before a white environment.
-const SCENE: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0},{"camera":0,"translation":[0.3,0.3,1]}],
+const SCENE: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0},{"mesh":1,"translation":[3,0,0]},{"camera":0,"translation":[0.3,0.3,1]}],
 "extensionsUsed":["KHR_materials_transmission"],
-"materials":[{"name":"pane","extensions":{"KHR_materials_transmission":{"transmissionFactor":1}}},{"name":"wall"}],
+"materials":[{"name":"pane","pbrMetallicRoughness":{"metallicFactor":0},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1}}},{"name":"wall"}],
 "cameras":[{"type":"orthographic","orthographic":{"xmag":0.6,"ymag":0.6,"zfar":9,"znear":0.1}}],
-"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],"buffers":[{"byteLength":36,
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]},
+{"primitives":[{"attributes":{"POSITION":0},"material":1}]}],"buffers":[{"byteLength":36,
 "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
 "bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
 "min":[0,0,0],"max":[1,1,0]}]}"#;
@@ -74,6 +75,7 @@ fn media_that_make_no_sense_are_refused() {
         ("absorption = 1\nfills = [\"wall\"]", 2, "no light enters the material 'wall'"),
         ("absorption = 1\ndensity = \"none.vol\"", 3, "none.vol"),
         ("absorption = 1\ndensity = \"fog.vol\"", 3, "fog.vol"),
+        ("scattering = 1\nalbedo-grid = \"fog.vol\"", 3, "fog.vol"),
         ("scattering = 1\nemission = 1\n[media.b]\nphase = \"mie\"\nscattering = 1", 2, "[media.b].phase is neither"),
     ] {
         tell(&place, &format!("[media.fog]\n{toml}\n"));

@@ -1,7 +1,7 @@
-//! Densities on grids as loaded.
+//! Densities and albedos on grids as loaded.
 
 use crate::error::{Error, Result};
-use crate::medium::Blocks;
+use crate::medium::{Blocks, Colors};
 use glam::DAffine3;
 use std::sync::Arc;
 
@@ -31,10 +31,43 @@ impl DensityGrid {
         if let Some((index, value)) = values.iter().enumerate().find(|(_, value)| !(0.0..=MOST).contains(*value)) {
             return Err(Error::scene(format!("the density of cell {index} is {value}, not between 0 and {MOST:e}")));
         }
-        let inverse = transform.inverse();
-        if !(transform.is_finite() && inverse.is_finite()) {
-            return Err(Error::scene("the transform of a density grid has no inverse"));
-        }
+        check_transform(&transform)?;
         Ok(DensityGrid { blocks: Arc::new(Blocks::new(size, &values)), transform })
     }
+}
+
+/// Single-scattering albedos of a medium in cells that fill a box. They multiply its scattering, and what they take away is
+/// absorbed. Outside of the box they are those of its border.
+#[derive(Debug, Clone)]
+pub struct AlbedoGrid {
+    pub(in crate::scene) colors: Arc<Colors>,
+    /// From the unit cube that the cells fill to the space of the meshes that the medium fills.
+    pub(in crate::scene) transform: DAffine3,
+}
+
+impl AlbedoGrid {
+    /// Creates the grid of `values`, as [`DensityGrid::new`].
+    ///
+    /// # Errors
+    /// A scene error if the number of values is not that of the cells, a value is not from 0 to 1, or `transform` has no
+    /// inverse.
+    pub fn new(size: [usize; 3], values: Vec<[f32; 3]>, transform: DAffine3) -> Result<AlbedoGrid> {
+        let cells = size.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
+        if cells != Some(values.len()) || values.is_empty() {
+            return Err(Error::scene(format!("an albedo grid of {size:?} cells has {} values", values.len())));
+        }
+        let is_wrong = |value: &[f32; 3]| !value.iter().all(|lane| (0.0..=1.0).contains(lane));
+        if let Some(index) = values.iter().position(is_wrong) {
+            return Err(Error::scene(format!("the albedo of cell {index} is {:?}, not from 0 to 1", values[index])));
+        }
+        check_transform(&transform)?;
+        Ok(AlbedoGrid { colors: Arc::new(Colors::new(size, values)), transform })
+    }
+}
+
+fn check_transform(transform: &DAffine3) -> Result<()> {
+    if transform.is_finite() && transform.inverse().is_finite() {
+        return Ok(());
+    }
+    Err(Error::scene("the transform of a grid has no inverse"))
 }

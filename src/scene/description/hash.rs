@@ -5,9 +5,9 @@
 //! `field.feed(bytes)`, or `field: _` if no image depends on it, such as names that nothing is selected by.
 
 use super::{
-    AlphaMode, CameraDescription, DensityGrid, Description, DiffuseMaterial, EnvironmentDescription, Instance, Lens,
-    Material, MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial, Primitive, Projection, PunctualKind,
-    PunctualLight, Volume,
+    AlbedoGrid, AlphaMode, CameraDescription, DensityGrid, Description, DiffuseMaterial, EnvironmentDescription,
+    Instance, Lens, Material, MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial, Primitive, Projection,
+    PunctualKind, PunctualLight, Volume,
 };
 use crate::spectrum::Spectrum;
 use crate::texture::{Bitmap, Encoding, RadianceMap, Texture, TextureFilter, Wrap};
@@ -37,6 +37,7 @@ impl Content for Description {
             instances,
             materials,
             densities,
+            albedos,
             media,
             images: _,
             lights,
@@ -62,9 +63,21 @@ impl Content for Description {
         if !densities.is_empty() {
             densities.feed(bytes);
         }
+        if !albedos.is_empty() {
+            albedos.feed(bytes);
+        }
         if !media.is_empty() {
             media.feed(bytes);
         }
+    }
+}
+
+impl Content for AlbedoGrid {
+    fn feed(&self, bytes: &mut Bytes) {
+        let AlbedoGrid { colors, transform } = self;
+        colors.cells().iter().for_each(|n| n.feed(bytes));
+        bytes.update(bytemuck::cast_slice(colors.values()));
+        transform.feed(bytes);
     }
 }
 
@@ -235,12 +248,13 @@ impl Content for MetalFresnel {
 
 impl Content for Volume {
     fn feed(&self, bytes: &mut Bytes) {
-        let Volume { absorption, scattering, emission, phase, density } = self;
+        let Volume { absorption, scattering, emission, phase, density, albedo } = self;
         absorption.feed(bytes);
         scattering.feed(bytes);
         emission.feed(bytes);
         phase.numbers().feed(bytes);
         density.feed(bytes);
+        albedo.feed(bytes);
     }
 }
 

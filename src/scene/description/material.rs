@@ -43,6 +43,9 @@ pub struct Volume {
     /// Index into [`Description::densities`](super::Description::densities) of what multiplies its coefficients; `None` is
     /// 1 everywhere.
     pub density: Option<usize>,
+    /// Index into [`Description::albedos`](super::Description::albedos) of what multiplies its scattering; what that takes
+    /// away is absorbed. `None` is 1 everywhere.
+    pub albedo: Option<usize>,
 }
 
 impl Volume {
@@ -53,6 +56,7 @@ impl Volume {
         emission: Spectrum::ZERO,
         phase: Phase::Isotropic,
         density: None,
+        albedo: None,
     };
 
     /// Returns the medium in which white light takes `color` (0 to 1) by absorption after `distance` in file units.

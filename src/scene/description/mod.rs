@@ -4,7 +4,7 @@ mod density;
 pub(in crate::scene) mod hash;
 mod material;
 
-pub use density::DensityGrid;
+pub use density::{AlbedoGrid, DensityGrid};
 pub use material::{
     AlphaMode, DiffuseMaterial, Material, MaterialModel, MetalFresnel, MetallicRoughnessMaterial, Volume,
 };
@@ -25,6 +25,8 @@ pub struct Description {
     pub materials: Vec<Material>,
     /// Densities of media.
     pub densities: Vec<DensityGrid>,
+    /// Albedos of media.
+    pub albedos: Vec<AlbedoGrid>,
     /// Media in the space around everything, cameras and lamps included. One with a density fills the density's box.
     pub media: Vec<Volume>,
     /// Decoded images of the textures; shared images are decoded once.
