@@ -163,7 +163,7 @@ impl<'a> Bidirectional<'a> {
                     Some(y) => connect(&self.weights, y, &z, &scatterer),
                     None => next_event(self.scene, &self.weights, &z, &scatterer, camera),
                 };
-                self.trace_connection([s, t], found, camera, sink, tally);
+                self.trace_connection([s, t], found, sink, tally);
             }
             _ => {}
         }
@@ -191,28 +191,21 @@ impl<'a> Bidirectional<'a> {
         &self,
         [s, t]: [usize; 2],
         found: Option<Connection>,
-        sampler: &mut impl Sampler,
         sink: &mut impl Sink,
         tally: &mut TraceStats,
     ) {
         let Some(found) = found else { return };
-        if let Some(sample) = self.traced([s, t], &found, sampler, tally) {
+        if let Some(sample) = self.traced([s, t], &found, tally) {
             sink.add(sample);
         }
     }
 
     /// Returns the contribution of the connection `found` as far as it is visible.
     #[inline(always)]
-    fn traced(
-        &self,
-        [s, t]: [usize; 2],
-        found: &Connection,
-        sampler: &mut impl Sampler,
-        tally: &mut TraceStats,
-    ) -> Option<TechniqueSample> {
+    fn traced(&self, [s, t]: [usize; 2], found: &Connection, tally: &mut TraceStats) -> Option<TechniqueSample> {
         let &Connection { value, survival, .. } = found;
         let edge = found.edge(self.scene)?;
-        let clear = self.scene.clearance(&edge, sampler, connection(s, t), &mut tally.shadows);
+        let clear = self.scene.clearance(&edge, &mut tally.shadows);
         let (value, weight) = (value * clear.through, found.weight(&self.weights, clear.flight));
         Some(TechniqueSample { s, t, value, weight, survival })
     }
@@ -256,7 +249,7 @@ impl<'a> Bidirectional<'a> {
             }
             let lens = self.camera.sample_lens(|| sampler.u2(y.sums.index, Slot::Lens));
             let Some(found) = splat(self.scene, &self.weights, &self.camera, lens, y) else { continue };
-            if let Some(sample) = self.traced([s, 1], &found.connection, sampler, tally) {
+            if let Some(sample) = self.traced([s, 1], &found.connection, tally) {
                 sink.splat(found.film, sample);
             }
         }
@@ -310,14 +303,14 @@ impl<'a> Bidirectional<'a> {
         let t = z.sums.index as usize + 1;
         if self.is_enabled(1, t) {
             let found = next_event(self.scene, &self.weights, z, scatterer, sampler);
-            self.trace_connection([1, t], found, sampler, sink, tally);
+            self.trace_connection([1, t], found, sink, tally);
         }
         for y in from_light {
             let s = y.sums.index as usize + 1;
             if self.is_enabled(s, t) {
                 let found = connect(&self.weights, y, z, scatterer);
                 let found = found.and_then(|found| self.connection_roulette(found, sampler, s, t));
-                self.trace_connection([s, t], found, sampler, sink, tally);
+                self.trace_connection([s, t], found, sink, tally);
             }
         }
     }

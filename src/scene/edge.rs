@@ -8,7 +8,6 @@ use crate::geometry::{Bodies, Hit, Ray, RayState, SurfacePoint, spawn_segment};
 use crate::light::EmitterPoint;
 use crate::medium::Medium;
 use crate::numeric::BELOW_ONE;
-use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
@@ -167,28 +166,21 @@ impl Scene {
         whole.straight(w.dot(point.frame.n).abs().min(1.0))
     }
 
-    /// Returns the transmittance of `edge`, and adds the number of traced rays to `rays`. Media on the edge take their
-    /// random numbers from `_sampler` at the bounce `_bounce`; homogeneous ones need none.
+    /// Returns the transmittance of `edge`, black if a surface blocks it, and adds the number of traced rays to `rays`.
     #[inline]
-    pub fn transmittance(&self, edge: &Edge, _sampler: &mut impl Sampler, _bounce: u32, rays: &mut u64) -> Spectrum {
-        self.clear(edge, rays).through
-    }
-
-    /// Traces `edge` and returns its throughput, black if a surface blocks it: see [`Scene::transmittance`].
-    #[inline]
-    pub fn clearance(&self, edge: &Edge, _sampler: &mut impl Sampler, _bounce: u32, rays: &mut u64) -> EdgeThroughput {
-        self.clear(edge, rays)
+    pub fn transmittance(&self, edge: &Edge, rays: &mut u64) -> Spectrum {
+        self.clearance(edge, rays).through
     }
 
     /// Returns whether no light passes `edge`, and adds the number of traced rays to `rays`.
     #[inline]
     pub fn is_blocked(&self, edge: &Edge, rays: &mut u64) -> bool {
-        self.clear(edge, rays).through.is_black()
+        self.clearance(edge, rays).through.is_black()
     }
 
-    /// Traces `edge` and returns its throughput; black if a surface blocks it.
+    /// Traces `edge` and returns its throughput, black if a surface blocks it: see [`Scene::transmittance`].
     #[inline]
-    fn clear(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
+    pub fn clearance(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
         let Edge { ray, to_camera } = edge;
         self.accel.announce(RayClass::Shadow);
         if self.features.content() || *to_camera && self.features.culled {

@@ -91,7 +91,7 @@ impl Gather<'_, '_> {
             let Some(sample) = &self.scene.lights().all()[light].sample_li(&receiver, u) else { continue };
             let Some(mut scattering) = at.scatterer.scattering(sample.wi) else { continue };
             let edge = at.edge(self.scene, sample.wi, EdgeEnd::Light(sample.end));
-            let clear = self.scene.clearance(&edge, sampler, address, &mut tally.shadows);
+            let clear = self.scene.clearance(&edge, &mut tally.shadows);
             let chance = Pdf::new(density(at.lanes * clear.flight, Spectrum::ONE));
             scattering.pdf = scattering.pdf.choose(chance);
             let weight = light_weight::<Combined>(&scattering, sample, Pdf::new(pmf as f32));
@@ -104,7 +104,7 @@ impl Gather<'_, '_> {
     pub(super) fn indirect(&self, at: &Receiver, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Limited {
         match &self.indirect {
             Indirect::All => {
-                let from = |light| self.contribution(light, at, 0, sampler, tally);
+                let from = |light| self.contribution(light, at, tally);
                 self.virtual_lights.iter().map(from).fold(Limited::ZERO, |sum, light| sum.plus(light, 1.0))
             }
             Indirect::Cut(size, tree) => {
@@ -114,7 +114,7 @@ impl Gather<'_, '_> {
                 let Some(groups) = groups else { return Limited::ZERO };
                 let receiver = (at.context, bound_of(at.scatterer));
                 groups.gather(self.virtual_lights, &receiver, self.limit.most, |light| {
-                    self.contribution(&self.virtual_lights[light], at, 0, sampler, tally)
+                    self.contribution(&self.virtual_lights[light], at, tally)
                 })
             }
         }
@@ -137,21 +137,14 @@ impl Gather<'_, '_> {
             let address = address(INDIRECT, at.bounce, k);
             let u = f64::from(sampler.u1(address, Slot::LightPick));
             let (light, pmf) = tally.selection.time(|| tree.sample_group(&cut, k, &receiver, u));
-            let light = self.contribution(&self.virtual_lights[light as usize], at, address, sampler, tally);
+            let light = self.contribution(&self.virtual_lights[light as usize], at, tally);
             sum = sum.plus(light, pmf.recip() as f32);
         }
         sum
     }
 
     /// Returns what `light` contributes to `at`.
-    pub(super) fn contribution(
-        &self,
-        light: &VirtualLight,
-        at: &Receiver,
-        address: u32,
-        sampler: &mut impl Sampler,
-        tally: &mut TraceStats,
-    ) -> Limited {
+    pub(super) fn contribution(&self, light: &VirtualLight, at: &Receiver, tally: &mut TraceStats) -> Limited {
         if light.events > at.events_left {
             return Limited::ZERO;
         }
@@ -165,7 +158,7 @@ impl Gather<'_, '_> {
         let Some(leaving) = light.leaving(-wi, &receiver) else { return Limited::ZERO };
         let share = self.limit.share(f_cos, light.cos(wi), d2, light.peak);
         let edge = at.edge(self.scene, wi, EdgeEnd::Light(light.end));
-        let through = self.scene.transmittance(&edge, sampler, address, &mut tally.shadows);
+        let through = self.scene.transmittance(&edge, &mut tally.shadows);
         let whole = f_cos * leaving * light.flux * through / d2;
         Limited { light: whole * share, excess: whole * (1.0 - share) }
     }
