@@ -6,6 +6,7 @@ fn boxes(places: &[(f32, f32)]) -> AllBodies {
     let interior = Interior {
         medium: Homogeneous::new(Spectrum::ZERO, Spectrum::ZERO, Phase::Isotropic),
         density: None,
+        albedo: None,
         ior: 1.5,
         priority: 0,
     };
