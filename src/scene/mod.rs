@@ -65,7 +65,7 @@ pub struct Features {
     pub blends: bool,
     /// Some surface is culled for the camera when seen from behind.
     pub culled: bool,
-    /// Some object has an interior that absorbs or scatters.
+    /// Some object has an interior that absorbs, scatters or emits.
     pub media: bool,
     /// Some object has an interior that scatters.
     pub scattering: bool,
