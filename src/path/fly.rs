@@ -81,8 +81,8 @@ impl RandomWalk<'_> {
         Flown { end: None, through: Spectrum::ONE, emitted }
     }
 
-    /// Returns what `length` of the medium of the current edge emits toward its start, as far as `flight` has got, times the
-    /// throughput of the walk. The integral is over the whole length, wherever the flight ends.
+    /// Returns what `length` of the medium of the current edge emits toward its start, as far as `flight` has got,
+    /// times the throughput of the walk. The integral is over the whole length, wherever the flight ends.
     #[cold]
     fn emission(&self, flight: &Flight, length: f32) -> Spectrum {
         let Some(medium) = self.scene.medium(self.ray.state.bodies) else { return Spectrum::ZERO };
