@@ -20,6 +20,7 @@ conventions and what becomes of them here:
 - Environments are lat-long maps about the vertical, the same picture for everyone: env.exr, named in render.toml.
 - Spheres are icospheres with the same vertices in the same order; meshes without normals are flat, as glTF says.
 """
+import itertools
 import json
 import math
 import random
@@ -219,7 +220,7 @@ CAMERAS = {"landscape": ((0.0, -2.3, 1.1), math.atan2(-1.1, 2.3), 45.0),
            "mirror-caustic": ((0.0, -2.8, 1.15), math.radians(11.0), 32.0),
            "many-lights": ((0.0, -11.0, 6.0), math.atan2(-6.0, 10.0), 50.0),
            "street": ((0.6, -6.0, 1.7), math.radians(4.0), 62.0), "hall": ((0.8, 0.6, 1.7), math.radians(-6.0), 62.0),
-           "wax": ((0.0, -1.1, 0.4), math.radians(-15.0), 40.0),
+           "cloud": ((0.0, -3.2, 0.9), math.radians(14.0), 50.0), "wax": ((0.0, -1.1, 0.4), math.radians(-15.0), 40.0),
            "sphere-lamp": ((0.0, -0.8, 0.0), 0.0, 60.0), "sphere-cap": ((0.0, -0.8, 0.0), math.radians(25.0), 60.0)}
 CAMERAS["door-2cm"] = CAMERAS["ajar-door"]
 # Point lights: position and radiant intensity.
@@ -285,6 +286,12 @@ def volumetric_caustic():
     dark = {name: diffuse(*(0.2 * x for x in COLOURS[name]["pbrMetallicRoughness"]["baseColorFactor"][:3])) for name in COLOURS}
     materials = {**dark, "light": emitter(900, 850, 700), "glass": inner, "fog": medium(1.0, (0.0,) * 3, (0.15,) * 3, 0.5)}
     return ROOM + [ball, ("light", light, "light"), fog], materials
+
+
+def cloud():
+    """A small cloud over a meadow. The cloud itself is a medium of render.toml in the box of its density."""
+    meadow = quad((-40, -40, 0), (40, -40, 0), (40, 40, 0), (-40, 40, 0))
+    return [("meadow", meadow, "meadow")], {"meadow": diffuse(0.12, 0.16, 0.07)}
 
 
 def glass_caustic():
@@ -561,7 +568,7 @@ def facing(side, x, low, high):
 SCENES = {"cornell-box": cornell_box, "modified-cornell": modified_cornell, "glass-caustic": glass_caustic, "ajar-door": ajar_door,
           "door-2cm": door_2cm, "caustic-pool": caustic_pool, "mirror-caustic": mirror_caustic,
           "landscape": landscape, "textured-box": textured_box, "veach-mis": lit_plates, "many-lights": many_lights, "street": street,
-          "hall": hall, "foggy-box": foggy_box, "wax": wax, "volumetric-caustic": volumetric_caustic,
+          "hall": hall, "foggy-box": foggy_box, "wax": wax, "volumetric-caustic": volumetric_caustic, "cloud": cloud,
           "sphere-lamp": sphere_lamp, "sphere-cap": sphere_cap}
 
 # --- environments: rows of colours from the zenith down ----------------------------------------------------------------
@@ -610,7 +617,51 @@ def exr(width, height, rows):
     return b"".join(out)
 
 
-ENVIRONMENTS = {"landscape": (1024, 512, sky)}
+ENVIRONMENTS = {"landscape": (1024, 512, sky), "cloud": (1024, 512, sky)}
+
+# --- volumes: densities in cells, x first, then up, then toward the camera -------------------------------------------------
+
+LATTICE = 32
+CLOUD_LOW, CLOUD_HIGH = (-1.5, 1.0, -2.4), (1.5, 2.6, 0.2)
+PUFFS = [((0.5, 0.42, 0.5), 0.3), ((0.28, 0.36, 0.55), 0.22), ((0.74, 0.35, 0.48), 0.24), ((0.58, 0.6, 0.46), 0.17),
+         ((0.17, 0.3, 0.42), 0.14), ((0.86, 0.28, 0.58), 0.13), ((0.42, 0.38, 0.72), 0.17)]
+
+
+def value_noise(table, x, y, z):
+    """Smooth noise from 0 to 1 with one random value for each point of a periodic lattice."""
+    i, j, k = int(x), int(y), int(z)
+    u, v, w = (t * t * (3.0 - 2.0 * t) for t in (x - i, y - j, z - k))
+    i0, j0, k0, i1, j1, k1 = (n % LATTICE for n in (i, j, k, i + 1, j + 1, k + 1))
+
+    def row(j, k):
+        start = (k * LATTICE + j) * LATTICE
+        return table[start + i0] * (1.0 - u) + table[start + i1] * u
+
+    near, far = row(j0, k0) * (1.0 - v) + row(j1, k0) * v, row(j0, k1) * (1.0 - v) + row(j1, k1) * v
+    return near * (1.0 - w) + far * w
+
+
+def puffs(width, height, depth):
+    """Densities from 0 to 1: puffs whose surface is eaten away by noise of four octaves."""
+    numbers = random.Random(12)
+    table = [numbers.random() for _ in range(LATTICE ** 3)]
+    for k, j, i in itertools.product(range(depth), range(height), range(width)):
+        p = ((i + 0.5) / width, (j + 0.5) / height, (k + 0.5) / depth)
+        inside = max(1.0 - math.dist((q[0], 0.55 * q[1], q[2]), (p[0], 0.55 * p[1], p[2])) / radius for q, radius in PUFFS)
+        if inside < -0.3:
+            yield 0.0
+            continue
+        noise = sum(0.5 ** (o + 1) * value_noise(table, *(c * 7 * 2 ** o + 5 * o for c in p)) for o in range(4))
+        yield min(1.0, max(0.0, 2.5 * (inside + 1.3 * (noise - 0.5))))
+
+
+def vol(cells, low, high, densities):
+    """A volume in Mitsuba's format: 32-bit floats, one channel."""
+    count = cells[0] * cells[1] * cells[2]
+    return b"VOL\x03" + struct.pack("<5i", 1, *cells, 1) + struct.pack("<6f", *low, *high) + struct.pack(f"<{count}f", *densities)
+
+
+VOLUMES = {"cloud": ("cloud.vol", (96, 52, 84), CLOUD_LOW, CLOUD_HIGH, puffs)}
 
 # --- glTF --------------------------------------------------------------------------------------------------------------
 
@@ -740,6 +791,9 @@ def main(names):
         if name in ENVIRONMENTS:
             width, height, picture = ENVIRONMENTS[name]
             (folder / "env.exr").write_bytes(exr(width, height, picture(width, height)))
+        if name in VOLUMES:
+            file, cells, low, high, densities = VOLUMES[name]
+            (folder / file).write_bytes(vol(cells, low, high, densities(*cells)))
         for uri in TEXTURED.get(name, []):
             (folder / uri).write_bytes(png(TEXTURES[uri]()))
         triangles = sum(len(mesh[1]) for _, mesh, _ in objects)

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Kind, Result};
 use crate::scene::BuildOptions;
-use crate::session::{LoadedScene, Moment, RenderJob, Surroundings};
+use crate::session::{LoadedScene, Moment, Overrides, RenderJob};
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneKey {
     scene: PathBuf,
-    surroundings: Option<Surroundings>,
+    overrides: Overrides,
     moment: Moment,
     options: BuildOptions,
 }
@@ -20,7 +20,7 @@ impl SceneKey {
     pub fn of(scene: &Path, job: &RenderJob, threads: usize) -> Self {
         SceneKey {
             scene: scene.to_owned(),
-            surroundings: job.surroundings.clone(),
+            overrides: job.overrides.clone(),
             moment: job.settings.moment(),
             options: job.settings.build_options(threads),
         }
@@ -89,11 +89,8 @@ struct Loading {
 
 impl Loading {
     fn begin(wanted: SceneKey) -> Self {
-        let SceneKey { scene, surroundings, moment, options } = wanted.clone();
-        Loading {
-            wanted,
-            thread: std::thread::spawn(move || LoadedScene::open(&scene, surroundings, &moment, &options)),
-        }
+        let SceneKey { scene, overrides, moment, options } = wanted.clone();
+        Loading { wanted, thread: std::thread::spawn(move || LoadedScene::open(&scene, overrides, &moment, &options)) }
     }
 
     fn end(self) -> Result<LoadedScene> {

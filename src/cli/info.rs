@@ -45,6 +45,7 @@ struct Memory {
     accel_bytes: u64,
     texture_bytes: u64,
     light_tree_bytes: u64,
+    density_bytes: u64,
     total_bytes: u64,
 }
 
@@ -80,8 +81,8 @@ impl Memory {
             accel_bytes: info.accel_bytes as u64,
             texture_bytes: info.texture_bytes as u64,
             light_tree_bytes: info.light_tree_bytes as u64,
-            total_bytes: film_bytes
-                + (info.geometry_bytes + info.accel_bytes + info.texture_bytes + info.light_tree_bytes) as u64,
+            density_bytes: info.density_bytes as u64,
+            total_bytes: film_bytes + info.bytes() as u64,
         }
     }
 }
@@ -105,7 +106,7 @@ impl Document {
             format!("execution  {} for path", self.execution.name()),
             format!("extent     centre {:?}, scale {}", info.centre.to_array(), info.scale),
             format!(
-                "memory     {} in all: film {} ({}x{}, {} replicates), geometry {}, ray tracing {}, textures {}, light tree {}",
+                "memory     {} in all: film {} ({}x{}, {} replicates), geometry {}, ray tracing {}, textures {}, light tree {}, densities {}",
                 megabytes(memory.total_bytes),
                 megabytes(memory.film_bytes),
                 settings.width,
@@ -114,7 +115,8 @@ impl Document {
                 megabytes(memory.geometry_bytes),
                 megabytes(memory.accel_bytes),
                 megabytes(memory.texture_bytes),
-                megabytes(memory.light_tree_bytes)
+                megabytes(memory.light_tree_bytes),
+                megabytes(memory.density_bytes)
             ),
             format!("loading    {:.3} s, building {:.3} s", self.load_seconds, self.build_seconds),
         ];

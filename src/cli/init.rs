@@ -32,6 +32,16 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.console.line(&format!("settings: {}", path.display()))
 }
 
+/// What can only stand in the file: a table for each medium.
+const MEDIUM: &str = "
+# Media around everything, in the box of a density or in the solids of materials, a table each
+# [media.fog]
+# fills = \"scene\"
+# scattering = 0.05
+# absorption = 0.0
+# phase = 0.7
+";
+
 /// Returns every setting as a comment with an example. Names and help texts are those of the command line, so that none
 /// can be missing.
 fn template() -> String {
@@ -47,6 +57,7 @@ fn template() -> String {
         }
         text.push_str(&format!("# {name} = {example}\n"));
     }
+    text.push_str(MEDIUM);
     text
 }
 

@@ -38,13 +38,12 @@ pub(super) fn run(args: Args) -> Result<()> {
 
 /// Computes the instance and material indices. They are not in films and come from the scene, which must be the same.
 fn ids(provenance: &Provenance) -> Result<Option<images::Ids>> {
-    let (path, surroundings, settings) =
-        (&provenance.scene.path, provenance.scene.surroundings.clone(), &provenance.settings);
+    let (path, overrides, settings) = (&provenance.scene.path, provenance.scene.overrides(), &provenance.settings);
     if !images::needs_ids(&settings.aovs) {
         return Ok(None);
     }
     let options = settings.build_options(rayon::current_num_threads());
-    let stage = LoadedScene::open(path, surroundings, &settings.moment(), &options)?;
+    let stage = LoadedScene::open(path, overrides, &settings.moment(), &options)?;
     if stage.scene.hash() != provenance.scene.hash {
         return Err(Error::usage(format!("{} is not the scene of these films any more", path.display())));
     }

@@ -6,8 +6,8 @@ use super::signals::Signals;
 use super::{Console, startup, task};
 use crate::error::{Error, Result};
 use crate::session::{
-    Budget, EnvironmentChoice, LoadedScene, Outputs, PassPlan, PassSelection, Session, SettingsPatch, Surroundings,
-    checkpoint,
+    Budget, EnvironmentChoice, LoadedScene, Outputs, Overrides, PassPlan, PassSelection, Session, SettingsPatch,
+    Surroundings, checkpoint,
 };
 use std::path::{Path, PathBuf};
 
@@ -55,10 +55,11 @@ pub(super) fn run(args: Args) -> Result<()> {
     args.output.check(&outputs)?;
     let signals = Signals::heed()?;
     let path = args.scene.clone().unwrap_or_else(|| provenance.scene.path.clone());
-    let surroundings = surroundings(provenance.scene.surroundings.take(), args.env.clone())?;
+    let overrides = provenance.scene.overrides();
+    let surroundings = surroundings(overrides.surroundings, args.env.clone())?;
     let stage = LoadedScene::open(
         &path,
-        surroundings,
+        Overrides { surroundings, ..overrides },
         &provenance.settings.moment(),
         &provenance.settings.build_options(threads),
     )?;
@@ -66,7 +67,8 @@ pub(super) fn run(args: Args) -> Result<()> {
         stage.refuse_ignored()?;
     }
     provenance.scene.path = std::path::absolute(&path).unwrap_or(path);
-    provenance.scene.surroundings = stage.surroundings.as_ref().map(Surroundings::absolute);
+    Overrides { surroundings: provenance.scene.surroundings, media: provenance.scene.media } =
+        stage.overrides.absolute();
     let mut session = Session::resume(&stage, provenance, film).map_err(|e| e.context(args.film_file.display()))?;
     console.note(&format!("{} samples per pixel so far", session.film().passes().len()));
     let task = args.output.task(outputs, KeepArgs::default(), args.strict, args.progress, console);

@@ -149,15 +149,21 @@ impl<'a> Bidirectional<'a> {
         }
         let path = Subpath::from_camera(self.scene, &self.weights, sample);
         match self.subpath_end(path, t - 1, camera, tally) {
-            Some((path, Arrival::Infinity(sums))) if s == 0 => self.background(&path, &sums, sink),
-            Some((path, Arrival::Vertex(z))) if s == 0 => self.emitted(&path, &z, sink),
+            Some((path, Arrival::Infinity(sums))) if s == 0 => {
+                self.emitted_in_media(&path, &sums, sink);
+                self.background(&path, &sums, sink);
+            }
+            Some((path, Arrival::Vertex(z))) if s == 0 => {
+                self.emitted_in_media(&path, &z.sums, sink);
+                self.emitted(&path, &z, sink);
+            }
             Some((_, Arrival::Vertex(z))) if z.vertex.is_connectible() => {
                 let Some(scatterer) = z.scatterer() else { return };
                 let found = match &y {
                     Some(y) => connect(&self.weights, y, &z, &scatterer),
                     None => next_event(self.scene, &self.weights, &z, &scatterer, camera),
                 };
-                self.trace_connection([s, t], found, camera, sink, tally);
+                self.trace_connection([s, t], found, sink, tally);
             }
             _ => {}
         }
@@ -185,28 +191,21 @@ impl<'a> Bidirectional<'a> {
         &self,
         [s, t]: [usize; 2],
         found: Option<Connection>,
-        sampler: &mut impl Sampler,
         sink: &mut impl Sink,
         tally: &mut TraceStats,
     ) {
         let Some(found) = found else { return };
-        if let Some(sample) = self.traced([s, t], &found, sampler, tally) {
+        if let Some(sample) = self.traced([s, t], &found, tally) {
             sink.add(sample);
         }
     }
 
     /// Returns the contribution of the connection `found` as far as it is visible.
     #[inline(always)]
-    fn traced(
-        &self,
-        [s, t]: [usize; 2],
-        found: &Connection,
-        sampler: &mut impl Sampler,
-        tally: &mut TraceStats,
-    ) -> Option<TechniqueSample> {
+    fn traced(&self, [s, t]: [usize; 2], found: &Connection, tally: &mut TraceStats) -> Option<TechniqueSample> {
         let &Connection { value, survival, .. } = found;
         let edge = found.edge(self.scene)?;
-        let clear = self.scene.clearance(&edge, sampler, connection(s, t), &mut tally.shadows);
+        let clear = self.scene.clearance(&edge, &mut tally.shadows);
         let (value, weight) = (value * clear.through, found.weight(&self.weights, clear.flight));
         Some(TechniqueSample { s, t, value, weight, survival })
     }
@@ -250,7 +249,7 @@ impl<'a> Bidirectional<'a> {
             }
             let lens = self.camera.sample_lens(|| sampler.u2(y.sums.index, Slot::Lens));
             let Some(found) = splat(self.scene, &self.weights, &self.camera, lens, y) else { continue };
-            if let Some(sample) = self.traced([s, 1], &found.connection, sampler, tally) {
+            if let Some(sample) = self.traced([s, 1], &found.connection, tally) {
                 sink.splat(found.film, sample);
             }
         }
@@ -271,8 +270,12 @@ impl<'a> Bidirectional<'a> {
             let arrival = path.arrive(&self.camera, sampler, tally);
             let z = match &arrival {
                 Arrival::Vertex(vertex) => vertex,
-                Arrival::Infinity(sums) => return self.background(&path, sums, sink),
+                Arrival::Infinity(sums) => {
+                    self.emitted_in_media(&path, sums, sink);
+                    return self.background(&path, sums, sink);
+                }
             };
+            self.emitted_in_media(&path, &z.sums, sink);
             self.emitted(&path, z, sink);
             if !(hit || next_event || connect) || z.sums.index as usize > *self.events.end() {
                 return;
@@ -300,14 +303,14 @@ impl<'a> Bidirectional<'a> {
         let t = z.sums.index as usize + 1;
         if self.is_enabled(1, t) {
             let found = next_event(self.scene, &self.weights, z, scatterer, sampler);
-            self.trace_connection([1, t], found, sampler, sink, tally);
+            self.trace_connection([1, t], found, sink, tally);
         }
         for y in from_light {
             let s = y.sums.index as usize + 1;
             if self.is_enabled(s, t) {
                 let found = connect(&self.weights, y, z, scatterer);
                 let found = found.and_then(|found| self.connection_roulette(found, sampler, s, t));
-                self.trace_connection([s, t], found, sampler, sink, tally);
+                self.trace_connection([s, t], found, sink, tally);
             }
         }
     }
@@ -346,6 +349,14 @@ impl<'a> Bidirectional<'a> {
         let ends = self.end_pdfs(&path.walk, index, &end, density.position);
         let weight = self.weights.hit(&z.sums, ends, density.direction);
         sink.add(TechniqueSample { s: 0, t, value: z.beta * radiance, weight, survival: z.survival });
+    }
+
+    /// Adds what media emit on the last edge of `path`, which no other technique samples.
+    fn emitted_in_media(&self, path: &Subpath, sums: &PartialMis, sink: &mut impl Sink) {
+        let t = sums.index as usize + 1;
+        if !path.emitted.is_black() && self.is_enabled(0, t) {
+            sink.add(TechniqueSample { s: 0, t, value: path.emitted, weight: 1.0, survival: path.walk.survival });
+        }
     }
 
     /// Adds the radiance of the environment.

@@ -191,11 +191,14 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
 
 /// Returns the reason why `method` cannot render `scene` at all, as a sentence.
 pub fn refusal(method: Method, scene: &Scene) -> Option<&'static str> {
-    if scene.features().scattering && method.has_virtual_lights() {
-        return Some("methods with virtual lights do not know media that scatter: bdpt, path and the chains do");
+    let features = scene.features();
+    if method == Method::Mlt && features.blends {
+        return Some("mlt does not know surfaces that blend by alpha: render the scene with mmlt, which does");
     }
-    let blends = method == Method::Mlt && scene.features().blends;
-    blends.then_some("mlt does not know surfaces that blend by alpha: render the scene with mmlt, which does")
+    let follows_lights = matches!(method, Method::Light | Method::Mlt) || method.has_virtual_lights();
+    (features.emission && follows_lights).then_some(
+        "light, mlt and methods with virtual lights do not know media that emit: path, bdpt, pssmlt and mmlt do",
+    )
 }
 
 /// Numbers of rays traced, by kind.

@@ -12,8 +12,10 @@
 //!
 //! In media that only absorb there are no collisions, and light is weighted by the transmittance.
 
-use super::Homogeneous;
+use super::Medium;
+use super::reach::Reach;
 use crate::spectrum::{LANES, Spectrum};
+use glam::Vec3;
 
 /// A flight on its way along an edge.
 #[derive(Debug, Clone, Copy)]
@@ -34,21 +36,23 @@ pub struct Flight {
 pub struct Collision {
     /// Distance in the last medium.
     pub distance: f32,
+    /// Density of the medium there: a factor of its coefficients.
+    pub at: f32,
     /// σs times the transmittance over the density, see [`density`].
     pub factor: Spectrum,
 }
 
-/// Returns the density per length with which flights of the prior 1 along an edge collide where the medium has this `extinction`, or,
-/// for an extinction of 1, the probability with which they reach a surface there. `through` is the transmittance of the
-/// scattering media on the edge.
+/// Returns the density per length with which flights of the prior 1 along an edge collide where the medium has this
+/// `extinction`, or, for an extinction of 1, the probability with which they reach a surface there. `through` is the
+/// transmittance of the scattering media on the edge.
 #[inline]
 pub fn density(through: Spectrum, extinction: Spectrum) -> f32 {
     (through * extinction).mean()
 }
 
 impl Flight {
-    /// Begins a flight by u in [0, 1)²: of the lane, and of the length. `prior` has the density of the walk so far by each
-    /// lane over the mean of all lanes.
+    /// Begins a flight by u in [0, 1)²: of the lane, and of the length. `prior` has the density of the walk so far by
+    /// each lane over the mean of all lanes.
     #[inline]
     pub fn new(prior: Spectrum, [lane, u]: [f32; 2]) -> Self {
         let mut left = lane * LANES as f32;
@@ -60,25 +64,33 @@ impl Flight {
         Flight { prior, lane, left: -(-u).ln_1p(), through: Spectrum::ONE, absorbed: Spectrum::ONE }
     }
 
-    /// Crosses `length` of `medium`; returns the collision on the way, if there is one.
+    /// Crosses the segment of `length` from `origin` along the unit vector `w` in `medium`; returns the collision on
+    /// the way, if there is one.
     #[inline]
-    pub fn cross(&mut self, medium: &Homogeneous, length: f32) -> Option<Collision> {
-        if !medium.scatters() {
-            self.absorbed *= medium.transmittance(length);
+    pub fn cross(&mut self, medium: &Medium, origin: Vec3, w: Vec3, length: f32) -> Option<Collision> {
+        let unit = &medium.unit;
+        if !unit.scatters() {
+            self.absorbed *= medium.transmittance(origin, w, length);
             return None;
         }
         // Infinite in a lane without extinction.
-        let distance = self.left / medium.extinction[self.lane];
-        if distance < length {
-            self.through *= medium.transmittance(distance);
-            let density = density(self.prior * self.through, medium.extinction);
-            return Some(Collision { distance, factor: self.absorbed * self.through * medium.scattering / density });
+        let depth = self.left / unit.extinction[self.lane];
+        match medium.reach(origin, w, length, depth) {
+            Reach::Ends(distance, at) => {
+                self.through *= unit.transmittance(depth);
+                // The density at the collision is a factor of σs and of the density of the flight.
+                let found = density(self.prior * self.through, unit.extinction);
+                let factor = self.absorbed * self.through * unit.scattering / found;
+                Some(Collision { distance, at, factor })
+            }
+            Reach::Passes(passed) => {
+                if unit.extinction[self.lane] > 0.0 {
+                    self.left -= unit.extinction[self.lane] * passed;
+                }
+                self.through *= unit.transmittance(passed);
+                None
+            }
         }
-        if medium.extinction[self.lane] > 0.0 {
-            self.left -= medium.extinction[self.lane] * length;
-        }
-        self.through *= medium.transmittance(length);
-        None
     }
 
     /// Returns the transmittance of the scattering media that it has crossed.

@@ -3,10 +3,23 @@
 //! Phase functions follow the conventions of scattering functions: light arrives along `wi` and leaves along `wo`, and
 //! both point away from the vertex. Coefficients are per unit of length, one a lane.
 
+mod albedos;
+mod blocks;
 mod flight;
+mod grid;
 mod homogeneous;
+pub mod inversion;
 mod phase;
+mod reach;
+mod track;
+#[cfg(test)]
+mod tracking;
+mod varying;
 
+pub use albedos::{Albedos, Colors};
+pub use blocks::Blocks;
 pub use flight::{Collision, Flight, density};
+pub use grid::Grid;
 pub use homogeneous::Homogeneous;
 pub use phase::{Phase, PhaseSample};
+pub use varying::Medium;

@@ -2,8 +2,9 @@
 
 use super::MediumPoint;
 use crate::bsdf::{Scattering, Shading};
-use crate::medium::PhaseSample;
+use crate::medium::{Phase, PhaseSample};
 use crate::sampling::{Pdf, SolidAngle};
+use crate::scene::{Edge, EdgeEnd};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
@@ -28,6 +29,18 @@ impl PhaseAt {
     #[inline]
     pub fn new(point: &MediumPoint, known: Vec3) -> Self {
         PhaseAt { point: *point, known }
+    }
+
+    /// Returns the phase function.
+    #[inline]
+    pub fn phase(&self) -> &Phase {
+        &self.point.phase
+    }
+
+    /// Returns the edge in the unit direction `w` to `end`.
+    #[inline]
+    pub fn edge_to(&self, w: Vec3, end: EdgeEnd) -> Edge {
+        Edge::from_medium(self.point.p, self.point.state, w, end)
     }
 
     /// Returns the value for the unit direction `other`, which is also its density under [`PhaseAt::sample`].

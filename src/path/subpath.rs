@@ -85,6 +85,9 @@ pub struct Subpath<'a> {
     weights: MisStrategy,
     /// The random walk.
     pub walk: RandomWalk<'a>,
+    /// What the media on the current edge emit toward its start, times the throughput there; black before its end is
+    /// known.
+    pub emitted: Spectrum,
     link: MisEdge,
     start: Start,
 }
@@ -104,7 +107,14 @@ impl<'a> Subpath<'a> {
     pub fn from_camera(scene: &'a Scene, weights: &MisStrategy, sample: &CameraSample) -> Self {
         // The density is known at the end of the edge: see `arrive`.
         let walk = RandomWalk::from_camera(scene, sample);
-        Subpath { scene, weights: *weights, walk, link: weights.from_camera(), start: Start::Camera(sample.lens) }
+        Subpath {
+            scene,
+            weights: *weights,
+            walk,
+            emitted: Spectrum::ZERO,
+            link: weights.from_camera(),
+            start: Start::Camera(sample.lens),
+        }
     }
 
     /// Starts a subpath from a sampled light. Returns it with its emitter endpoint; `None` if the sample emits nothing.
@@ -127,13 +137,13 @@ impl<'a> Subpath<'a> {
         let link = weights.from_light(end, density.direction, light.is_dirac(), origin);
         let walk = RandomWalk::from_light(scene, emitter.ray(scene, &emitted), power);
         let start = Start::Light(index, emitted.end, [f64::from(pmf.value()), density.position]);
-        Some((Subpath { scene, weights: *weights, walk, link, start }, emitter))
+        Some((Subpath { scene, weights: *weights, walk, emitted: Spectrum::ZERO, link, start }, emitter))
     }
 
     /// Traces the current edge to its end.
     #[inline]
     pub fn arrive(&mut self, camera: &Camera, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Arrival<'a> {
-        if self.scene.features().scattering {
+        if self.scene.features().flights() {
             return self.fly(camera, sampler, tally);
         }
         let Some(mut point) = self.walk.arrive(sampler, tally) else {
@@ -154,7 +164,8 @@ impl<'a> Subpath<'a> {
 
     /// Does [`Subpath::arrive`] in a scene with media that scatter.
     fn fly(&mut self, camera: &Camera, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Arrival<'a> {
-        let Flown { end, through } = self.walk.fly(sampler, tally);
+        let Flown { end, through, emitted } = self.walk.fly(sampler, tally);
+        self.emitted = emitted;
         let pdfs = |end| FlightPdfs::new(through, self.link.start.extinction(), end);
         let w = self.walk.ray.direction;
         let (vertex, sums) = match end {

@@ -9,7 +9,7 @@ use super::SelectionStats;
 use crate::accel::RayClass;
 use crate::bsdf::{Shading, ShadingSample, Surface};
 use crate::camera::CameraSample;
-use crate::geometry::{Bodies, Ray, SurfacePoint};
+use crate::geometry::{Ray, SurfacePoint};
 use crate::light::{AreaLight, LightSampleContext};
 use crate::numeric::BELOW_ONE;
 use crate::sampling::{Density, Sampler, Slot};
@@ -202,7 +202,8 @@ impl<'a> RandomWalk<'a> {
                 point = self.past(*first, sampler, tally);
             }
         }
-        self.absorb(self.ray.state.bodies, point.as_ref().map_or(f32::INFINITY, |p| p.t));
+        let ray = self.ray;
+        self.absorb(&ray, point.as_ref().map_or(f32::INFINITY, |p| p.t));
         tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
         point
     }
@@ -245,11 +246,11 @@ impl<'a> RandomWalk<'a> {
     ) -> Option<SurfacePoint> {
         let mut u = sampler.u1(self.bounce, Slot::Event);
         for _ in 0..LONGEST {
-            let bodies = self.ray.state.bodies;
+            let ray = self.ray;
             if !self.passes(&point, &mut u) {
                 return Some(point);
             }
-            self.absorb(bodies, point.t);
+            self.absorb(&ray, point.t);
             point = self.trace(tally)?;
         }
         tally.overlong += 1;
@@ -277,9 +278,10 @@ impl<'a> RandomWalk<'a> {
     }
 
     #[inline]
-    fn absorb(&mut self, bodies: Bodies, length: f32) {
+    fn absorb(&mut self, ray: &Ray, length: f32) {
+        let bodies = ray.state.bodies;
         if !bodies.is_empty() && self.scene.features().media {
-            self.beta *= self.scene.extinction(bodies, length);
+            self.beta *= self.scene.absorption(bodies, ray, length);
         }
     }
 

@@ -19,7 +19,7 @@ use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, RayState, SurfacePoint, TriangleMesh};
 use crate::light::Light;
-use crate::medium::Homogeneous;
+use crate::medium::{Albedos, Grid, Medium};
 use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -27,11 +27,14 @@ use smallvec::SmallVec;
 use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::ops::ControlFlow::{Break, Continue};
+use std::sync::Arc;
 
 /// A solid that transmits light.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     pub(super) interior: Interior,
+    /// The instance that it belongs to, which its density moves with.
+    instance: u32,
     bounds: Bounds,
     is_open: bool,
 }
@@ -68,6 +71,8 @@ type Members = SmallVec<[u32; 8]>;
 #[derive(Debug, Default)]
 pub(super) struct AllBodies {
     list: Vec<Body>,
+    /// The media of the bodies.
+    media: Vec<Medium>,
     /// For each body, those of lower precedence that it may overlap, by rank; empty if no two may overlap.
     behind: Vec<Members>,
     places: BoxTree<Place>,
@@ -117,7 +122,7 @@ impl AllBodies {
             let bounds = geometry.bounds(index);
             let is_closed = parts[&part] == 0;
             let id = *known.entry((is_closed.then_some(part.0), part.1)).or_insert_with(|| {
-                found.push(Body { interior, bounds, is_open: !is_closed });
+                found.push(Body { interior, instance: object.instance, bounds, is_open: !is_closed });
                 found.len() - 1
             });
             found[id].bounds = found[id].bounds.union(bounds);
@@ -136,12 +141,29 @@ impl AllBodies {
     /// Returns the bodies in `list`, which is sorted by rank.
     fn ranked(list: Vec<Body>) -> Self {
         let places = list.iter().zip(0..).map(|(body, rank)| Place { rank, bounds: body.bounds }).collect();
-        let mut bodies = AllBodies { list, behind: Vec::new(), places: BoxTree::new(places) };
+        let media = list.iter().map(|body| body.interior.medium.into()).collect();
+        let mut bodies = AllBodies { list, media, behind: Vec::new(), places: BoxTree::new(places) };
         let behind = bodies.overlaps();
         if behind.iter().any(|list| !list.is_empty()) {
             bodies.behind = behind;
         }
         bodies
+    }
+
+    /// Gives the media that vary their densities and albedos: those of an index, in the place of an instance.
+    pub(super) fn place_grids(&mut self, density: impl Fn(usize, u32) -> Grid, albedo: impl Fn(usize, u32) -> Albedos) {
+        for (body, medium) in self.list.iter().zip(&mut self.media) {
+            medium.grid = body.interior.density.map(|index| density(index, body.instance));
+            medium.albedo = body.interior.albedo.map(|index| albedo(index, body.instance));
+        }
+    }
+
+    /// Returns the memory held by densities, in bytes.
+    pub(super) fn density_bytes(&self) -> usize {
+        let mut blocks: Vec<_> = self.media.iter().filter_map(|medium| Some(medium.grid.as_ref()?.blocks())).collect();
+        blocks.sort_by_key(|blocks| Arc::as_ptr(blocks));
+        blocks.dedup_by_key(|blocks| Arc::as_ptr(blocks));
+        blocks.into_iter().map(|blocks| blocks.bytes()).sum()
     }
 
     /// Computes [`AllBodies::behind`].
@@ -190,6 +212,11 @@ impl AllBodies {
     /// Returns whether any body scatters light.
     pub(super) fn scatter(&self) -> bool {
         self.list.iter().any(|b| b.interior.medium.scatters())
+    }
+
+    /// Returns whether the medium of any body emits light.
+    pub(super) fn emit(&self) -> bool {
+        self.list.iter().any(|b| b.interior.medium.emits())
     }
 
     /// Returns whether any two bodies may overlap.
@@ -360,14 +387,16 @@ impl Scene {
 
     /// Returns the medium in `bodies`; `None` in empty space.
     #[inline]
-    pub fn medium(&self, bodies: Bodies) -> Option<&Homogeneous> {
-        bodies.first().map(|body| &self.bodies.interior(body).medium)
+    pub fn medium(&self, bodies: Bodies) -> Option<&Medium> {
+        bodies.first().map(|body| &self.bodies.media[body as usize])
     }
 
-    /// Returns the transmittance of `length` scene units in `bodies`.
+    /// Returns the transmittance of `length` scene units along `ray`, whose direction is a unit vector, in the medium of
+    /// `bodies`.
     #[inline]
-    pub fn extinction(&self, bodies: Bodies, length: f32) -> Spectrum {
-        self.medium(bodies).map_or(Spectrum::ONE, |medium| medium.transmittance(length))
+    pub fn absorption(&self, bodies: Bodies, ray: &Ray, length: f32) -> Spectrum {
+        let through = |medium: &Medium| medium.transmittance(ray.origin, ray.direction, length);
+        self.medium(bodies).map_or(Spectrum::ONE, through)
     }
 
     /// Returns the refractive index outside the boundary of `object`, reached in `bodies`; 1 for objects that bound no

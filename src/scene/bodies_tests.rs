@@ -1,13 +1,18 @@
 use super::*;
-use crate::medium::Phase;
+use crate::medium::{Homogeneous, Phase};
 
 /// Boxes of that half-size around points of the x axis.
 fn boxes(places: &[(f32, f32)]) -> AllBodies {
-    let interior =
-        Interior { medium: Homogeneous::new(Spectrum::ZERO, Spectrum::ZERO, Phase::Isotropic), ior: 1.5, priority: 0 };
+    let interior = Interior {
+        medium: Homogeneous::new(Spectrum::ZERO, Spectrum::ZERO, Phase::Isotropic),
+        density: None,
+        albedo: None,
+        ior: 1.5,
+        priority: 0,
+    };
     let body = |&(x, half): &(f32, f32)| {
         let (centre, half) = (Vec3::X * x, Vec3::splat(half));
-        Body { interior, bounds: Bounds { min: centre - half, max: centre + half }, is_open: false }
+        Body { interior, instance: 0, bounds: Bounds { min: centre - half, max: centre + half }, is_open: false }
     };
     AllBodies::ranked(places.iter().map(body).collect())
 }

@@ -3,19 +3,21 @@
 use super::assemble::assemble;
 use super::bodies::AllBodies;
 use super::contact::Contacts;
-use super::description::{self, Description};
+use super::description::{self, DensityGrid, Description};
 use super::extent::Extent;
 use super::lights::{area_lights, check_emission, punctual_lights};
 use super::material::{Material, settle};
 use super::rebase::Rebase;
 use super::usage::Usage;
 use super::view::Views;
-use super::{Features, ObjectInfo, Scene, SceneInfo, coincident, surroundings};
+use super::{Features, ObjectInfo, Scene, SceneInfo, coincident, enclosure, surroundings};
 use crate::accel::{Accel, Backend, Build};
 use crate::bsdf::Lobes;
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::light::{BoundingSphere, Environment, Light, LightChoice, Lights};
+use crate::medium::{Albedos, Grid};
+use glam::DAffine3;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -42,6 +44,7 @@ impl Scene {
         let start = Instant::now();
         let hash = description::hash::of(&description);
         check_emission(&description.materials)?;
+        let within = enclosure::enclose(&mut description)?;
         let extent = Extent::of(&description)?;
         extent.check()?;
         let rebase = Rebase::new(extent.detail, extent.radius());
@@ -64,13 +67,28 @@ impl Scene {
         let usages = Usage::of_all(&description);
         let materials: Vec<Material> = description.materials.iter().zip(usages).map(compile).collect();
         let (mut geometry, mut objects) = assemble(&description, &rebase, &materials)?;
-        let bodies = AllBodies::find(&geometry, &mut objects, &materials);
+        let mut bodies = AllBodies::find(&geometry, &mut objects, &materials);
+        let placed = |instance: u32, transform: &DAffine3| {
+            rebase.transform(&description.instances[instance as usize].transform) * *transform
+        };
+        bodies.place_grids(
+            |index, instance| {
+                let DensityGrid { blocks, transform } = &description.densities[index];
+                Grid::new(Arc::clone(blocks), &placed(instance, transform))
+            },
+            |index, instance| {
+                let description::AlbedoGrid { colors, transform } = &description.albedos[index];
+                Albedos::new(Arc::clone(colors), &placed(instance, transform))
+            },
+        );
         let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
         let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());
         lights.extend(punctual_lights(&description.lights, &rebase)?);
         warnings.extend(coincident::emitters(&description, &objects, &geometry, &lights));
-        let environment =
-            description.environment.take().or_else(|| surroundings::by_default(&description, &lights, &mut warnings));
+        let environment = description
+            .environment
+            .take()
+            .or_else(|| surroundings::by_default(&description, &lights, bodies.emit(), &mut warnings));
         let environment = environment.and_then(surroundings::light);
         let environment_bytes = environment.as_ref().map_or(0, Environment::bytes);
         lights.extend(environment.map(Light::Environment));
@@ -97,10 +115,12 @@ impl Scene {
         info.prepare_seconds = prepare_seconds;
         info.accel_seconds = start.elapsed().as_secs_f64() - prepare_seconds;
         info.accel_bytes = accel.bytes();
-        let views = Views::new(description.cameras, extent.min, extent.max);
+        let [min, max] = within.unwrap_or([extent.min, extent.max]);
+        let views = Views::new(description.cameras, min, max);
         let names = description.instances.into_iter().map(|instance| instance.name).collect();
         let lights = Lights::new(lights, ball.radius, options.light_choice);
         info.light_tree_bytes = lights.tree_bytes();
+        info.density_bytes = bodies.density_bytes();
         let mut scene = Scene {
             geometry,
             objects,
@@ -164,6 +184,7 @@ fn features(
         culled: used(&Material::is_culled),
         media: bodies.attenuate(),
         scattering: bodies.scatter(),
+        emission: bodies.emit(),
         panes: used(&|m| m.may_pass(1.0)),
         nested: bodies.overlap(),
         textures: used(&Material::has_surface_textures),

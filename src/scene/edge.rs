@@ -6,9 +6,8 @@ use crate::accel::RayClass;
 use crate::camera::CameraPoint;
 use crate::geometry::{Bodies, Hit, Ray, RayState, SurfacePoint, spawn_segment};
 use crate::light::EmitterPoint;
-use crate::medium::Homogeneous;
+use crate::medium::Medium;
 use crate::numeric::BELOW_ONE;
-use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
@@ -63,13 +62,14 @@ impl EdgeThroughput {
     /// An edge that no light passes.
     const BLOCKED: EdgeThroughput = EdgeThroughput { through: Spectrum::ZERO, ..EdgeThroughput::CLEAR };
 
-    /// Adds `length` of `medium`.
+    /// Adds the part of `ray` up to its parameter `t` in `medium`.
     #[inline]
-    fn cross(&mut self, medium: Option<&Homogeneous>, length: f32) {
+    fn cross(&mut self, medium: Option<&Medium>, ray: &Ray, t: f32) {
         let Some(medium) = medium else { return };
-        let through = medium.transmittance(length);
+        let length = ray.direction.length();
+        let through = medium.transmittance(ray.origin, ray.direction / length, length * t);
         self.through *= through;
-        if medium.scatters() {
+        if medium.unit.scatters() {
             self.flight *= through;
         }
     }
@@ -166,28 +166,21 @@ impl Scene {
         whole.straight(w.dot(point.frame.n).abs().min(1.0))
     }
 
-    /// Returns the transmittance of `edge`, and adds the number of traced rays to `rays`. Media on the edge take their
-    /// random numbers from `_sampler` at the bounce `_bounce`; homogeneous ones need none.
+    /// Returns the transmittance of `edge`, black if a surface blocks it, and adds the number of traced rays to `rays`.
     #[inline]
-    pub fn transmittance(&self, edge: &Edge, _sampler: &mut impl Sampler, _bounce: u32, rays: &mut u64) -> Spectrum {
-        self.clear(edge, rays).through
-    }
-
-    /// Traces `edge` and returns its throughput, black if a surface blocks it: see [`Scene::transmittance`].
-    #[inline]
-    pub fn clearance(&self, edge: &Edge, _sampler: &mut impl Sampler, _bounce: u32, rays: &mut u64) -> EdgeThroughput {
-        self.clear(edge, rays)
+    pub fn transmittance(&self, edge: &Edge, rays: &mut u64) -> Spectrum {
+        self.clearance(edge, rays).through
     }
 
     /// Returns whether no light passes `edge`, and adds the number of traced rays to `rays`.
     #[inline]
     pub fn is_blocked(&self, edge: &Edge, rays: &mut u64) -> bool {
-        self.clear(edge, rays).through.is_black()
+        self.clearance(edge, rays).through.is_black()
     }
 
-    /// Traces `edge` and returns its throughput; black if a surface blocks it.
+    /// Traces `edge` and returns its throughput, black if a surface blocks it: see [`Scene::transmittance`].
     #[inline]
-    fn clear(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
+    pub fn clearance(&self, edge: &Edge, rays: &mut u64) -> EdgeThroughput {
         let Edge { ray, to_camera } = edge;
         self.accel.announce(RayClass::Shadow);
         if self.features.content() || *to_camera && self.features.culled {
@@ -205,7 +198,7 @@ impl Scene {
     #[inline]
     fn media_of(&self, ray: &Ray) -> EdgeThroughput {
         let mut found = EdgeThroughput::CLEAR;
-        found.cross(self.medium(ray.state.bodies), segment_length(ray));
+        found.cross(self.medium(ray.state.bodies), ray, ray.t_max.max(0.0));
         found
     }
 
@@ -223,10 +216,10 @@ impl Scene {
         while !found.through.is_black() {
             *rays += 1;
             let Some(point) = self.intersect(&ray) else {
-                found.cross(self.medium(ray.state.bodies), segment_length(&ray));
+                found.cross(self.medium(ray.state.bodies), &ray, ray.t_max.max(0.0));
                 break;
             };
-            found.cross(self.medium(ray.state.bodies), ray.direction.length() * point.t);
+            found.cross(self.medium(ray.state.bodies), &ray, point.t);
             if !self.is_unseen(edge, &point) {
                 let passage = self.passage(&point, unit, ray.state.bodies);
                 found.through *= passage.through;
@@ -251,8 +244,4 @@ impl Scene {
         }
         found
     }
-}
-
-fn segment_length(ray: &Ray) -> f32 {
-    ray.direction.length() * ray.t_max.max(0.0)
 }

@@ -75,7 +75,7 @@ impl Extent {
 
 /// Returns a box around all placed positions. It is the smallest box if no mesh has several instances. Otherwise it
 /// encloses the boxes of instanced meshes, so that the time does not grow with instances × vertices.
-fn world_box(description: &Description) -> (DVec3, DVec3) {
+pub(super) fn world_box(description: &Description) -> (DVec3, DVec3) {
     let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut uses = vec![0usize; description.meshes.len()];
     description.instances.iter().for_each(|i| uses[i.mesh] += 1);

@@ -26,6 +26,9 @@ pub struct SceneInfo {
     /// Bytes of the light tree; 0 where lights are selected by power.
     #[serde(default)]
     pub light_tree_bytes: usize,
+    /// Bytes of the densities of media.
+    #[serde(default)]
+    pub density_bytes: usize,
     /// Names of the file's animations, by index.
     #[serde(default)]
     pub animations: Vec<String>,
@@ -43,4 +46,12 @@ pub struct SceneInfo {
     pub prepare_seconds: f64,
     /// Build time of the acceleration structure in seconds.
     pub accel_seconds: f64,
+}
+
+impl SceneInfo {
+    /// Returns the bytes of the scene in all.
+    pub fn bytes(&self) -> usize {
+        let parts = [self.geometry_bytes, self.accel_bytes, self.texture_bytes, self.light_tree_bytes];
+        parts.into_iter().sum::<usize>() + self.density_bytes
+    }
 }

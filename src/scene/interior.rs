@@ -5,8 +5,12 @@ use crate::medium::Homogeneous;
 /// Interior medium of a material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Interior {
-    /// The medium; coefficients are per scene unit of length.
+    /// The medium at density 1; coefficients are per scene unit of length.
     pub(super) medium: Homogeneous,
+    /// Index of its density, if it varies.
+    pub(super) density: Option<usize>,
+    /// Index of its albedo, if it varies.
+    pub(super) albedo: Option<usize>,
     /// Refractive index.
     pub(super) ior: f32,
     /// Precedence: see `bodies`.
@@ -15,10 +19,10 @@ pub(super) struct Interior {
 
 impl Interior {
     /// Returns a key that is equal for equal interiors.
-    pub(super) fn key(&self) -> ([u32; 11], i32) {
-        let mut bits = [0; 11];
+    pub(super) fn key(&self) -> ([u32; 14], [Option<usize>; 2], i32) {
+        let mut bits = [0; 14];
         let numbers = self.medium.numbers().into_iter().chain([self.ior]);
         bits.iter_mut().zip(numbers).for_each(|(bits, number)| *bits = number.to_bits());
-        (bits, self.priority)
+        (bits, [self.density, self.albedo], self.priority)
     }
 }

@@ -8,6 +8,7 @@ mod coincident;
 mod contact;
 pub mod description;
 mod edge;
+mod enclosure;
 mod extent;
 mod focus;
 mod info;
@@ -64,10 +65,12 @@ pub struct Features {
     pub blends: bool,
     /// Some surface is culled for the camera when seen from behind.
     pub culled: bool,
-    /// Some object has an interior that absorbs or scatters.
+    /// Some object has an interior that absorbs, scatters or emits.
     pub media: bool,
     /// Some object has an interior that scatters.
     pub scattering: bool,
+    /// Some object has an interior that emits.
+    pub emission: bool,
     /// Some surface transmits light straight through.
     pub panes: bool,
     /// Some bodies may contain others.
@@ -97,6 +100,12 @@ impl Features {
         self.blends || self.panes || self.nested
     }
 
+    /// Returns whether walks fly through media, and do not merely cross them.
+    #[inline]
+    pub fn flights(&self) -> bool {
+        self.scattering || self.emission
+    }
+
     /// Returns the names of the features that are present.
     pub fn names(&self) -> Vec<&'static str> {
         [
@@ -105,6 +114,7 @@ impl Features {
             ("single-sided", self.culled),
             ("media", self.media),
             ("scattering-media", self.scattering),
+            ("emitting-media", self.emission),
             ("panes", self.panes),
             ("nested-bodies", self.nested),
             ("textures", self.textures),

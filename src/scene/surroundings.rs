@@ -4,17 +4,18 @@ use super::description::{self, Description, Material};
 use crate::light::{ConstantEnvironment, Environment, EnvironmentMap, Light};
 use crate::spectrum::Spectrum;
 
-/// Returns the default environment: white light if the file has geometry but no light. Hidden and arbitrarily weak
-/// lights count as lights, since their author intended the darkness.
+/// Returns the default environment: white light if the file has geometry but no light. Media may emit. Hidden and
+/// arbitrarily weak lights count as lights, since their author intended the darkness.
 pub(super) fn by_default(
     description: &Description,
     lights: &[Light],
+    media_emit: bool,
     warnings: &mut Vec<String>,
 ) -> Option<description::EnvironmentDescription> {
     if !description.lights.is_empty() || description.has_punctual_lights {
         return None;
     }
-    if description.has_emission || lights.iter().any(|l| !l.is_only_seen()) {
+    if media_emit || description.has_emission || lights.iter().any(|l| !l.is_only_seen()) {
         warnings.push("only what its own materials emit lights the file: --env adds light around it".to_owned());
         return None;
     }

@@ -36,7 +36,7 @@ impl Views {
 }
 
 /// Returns a camera that looks at the centre of the box from the front, slightly from the right and above.
-fn framing(min: DVec3, max: DVec3) -> description::CameraDescription {
+pub(super) fn framing(min: DVec3, max: DVec3) -> description::CameraDescription {
     let yfov = AUTOMATIC_FOV_DEGREES.to_radians();
     let radius = ((max - min).length() * 0.5).max(f64::MIN_POSITIVE);
     let centre = (min + max) * 0.5;

@@ -1,7 +1,7 @@
 //! A job: all choices about a picture, resolved in one place.
 
 use super::{
-    LoadedScene, PassPlan, PassSelection, Provenance, RenderSettings, SettingsPatch, Size, Surroundings, ToneMapping,
+    LoadedScene, Overrides, PassPlan, PassSelection, Provenance, RenderSettings, SettingsPatch, Size, ToneMapping,
 };
 use crate::error::Result;
 use crate::integrator::Method;
@@ -17,8 +17,8 @@ pub struct RenderJob {
     pub plan: PassPlan,
     /// Tone mapping of PNG images.
     pub tone: ToneMapping,
-    /// Environment that replaces the scene's own.
-    pub surroundings: Option<Surroundings>,
+    /// What is not that of the scene's file.
+    pub overrides: Overrides,
     patch: SettingsPatch,
 }
 
@@ -32,7 +32,7 @@ impl SettingsPatch {
             settings: self.settings(None)?,
             plan: self.plan(selection)?,
             tone: self.tone()?,
-            surroundings: self.surroundings()?,
+            overrides: self.overrides()?,
             patch: self.clone(),
         })
     }
@@ -46,7 +46,7 @@ impl RenderJob {
     /// As [`LoadedScene::open`].
     pub fn load(&self, path: &Path, threads: usize) -> Result<LoadedScene> {
         let settings = &self.settings;
-        LoadedScene::open(path, self.surroundings.clone(), &settings.moment(), &settings.build_options(threads))
+        LoadedScene::open(path, self.overrides.clone(), &settings.moment(), &settings.build_options(threads))
     }
 
     /// Returns the job with the height that the scene's camera decides, if none was chosen.

@@ -1,7 +1,7 @@
 //! A loaded and built scene, with the time that loading and building took.
 
 use super::machine::{self, Stopwatch};
-use super::{FrameNumber, Moment, RenderSettings, SettingsPatch, Surroundings};
+use super::{FrameNumber, Moment, Overrides, RenderSettings, SettingsPatch};
 use crate::error::{Error, Result};
 use crate::io::scene_file::{self, ReadOptions};
 use crate::scene::description::Description;
@@ -14,8 +14,8 @@ pub struct LoadedScene {
     pub scene: Scene,
     /// Path of its file.
     pub path: PathBuf,
-    /// Environment that replaces its own.
-    pub surroundings: Option<Surroundings>,
+    /// What is not that of its file.
+    pub overrides: Overrides,
     /// Content of the scene.
     pub info: SceneInfo,
     /// Loading and building times.
@@ -34,40 +34,32 @@ pub struct LoadTimings {
 }
 
 impl LoadedScene {
-    /// Loads and builds the scene at `path`, at that `moment` of its animations, with `surroundings` in place of its
-    /// own environment if given. Must be called from outside the rayon pool. The caller has set up the pool with as
-    /// many threads as `options` say.
+    /// Loads and builds the scene at `path`, at that `moment` of its animations, with these `overrides`. Must be called
+    /// from outside the rayon pool. The caller has set up the pool with as many threads as `options` say.
     ///
     /// # Errors
-    /// The scene or the environment cannot be read or is invalid.
-    pub fn open(
-        path: &Path,
-        surroundings: Option<Surroundings>,
-        moment: &Moment,
-        options: &BuildOptions,
-    ) -> Result<LoadedScene> {
+    /// The scene, the environment or a medium cannot be read or is invalid.
+    pub fn open(path: &Path, overrides: Overrides, moment: &Moment, options: &BuildOptions) -> Result<LoadedScene> {
         let loading = Stopwatch::start();
         let (seconds, animation) = (moment.frame.map(FrameNumber::seconds), moment.animation.as_deref());
         let memory = machine::available_memory().unwrap_or(u64::MAX);
         let mut description = scene_file::load_with(path, &ReadOptions { seconds, animation, memory })?;
         let doubt = moment.frame.and_then(|frame| frame.doubt(description.animation_end));
         description.warnings.extend(doubt);
-        if let Some(surroundings) = &surroundings {
-            surroundings.surround(&mut description)?;
-        }
+        overrides.apply(&mut description, memory)?;
         let load_seconds = loading.wall().as_secs_f64();
-        let stage = LoadedScene::build(description, path, surroundings, options)?;
+        let stage = LoadedScene::build(description, path, overrides, options)?;
         Ok(LoadedScene { preparation: LoadTimings { load_seconds, ..stage.preparation }, ..stage })
     }
 
-    /// Builds `description`, which came from `path` and has `surroundings`. Must be called from outside the rayon pool.
+    /// Builds `description`, which came from `path` and has `overrides`. Must be called from outside the rayon pool.
     ///
     /// # Errors
     /// The description is invalid, or memory does not suffice.
     pub fn build(
         description: Description,
         path: &Path,
-        surroundings: Option<Surroundings>,
+        overrides: Overrides,
         options: &BuildOptions,
     ) -> Result<LoadedScene> {
         let primitives = description.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -78,7 +70,7 @@ impl LoadedScene {
         let scene = Scene::build(description, options).map_err(|e| e.context(path.display()))?;
         let build_seconds = building.wall().as_secs_f64();
         let preparation = LoadTimings { load_seconds: 0.0, build_seconds, threads: options.threads };
-        Ok(LoadedScene { info: scene.info().clone(), path: path.to_owned(), surroundings, preparation, scene })
+        Ok(LoadedScene { info: scene.info().clone(), path: path.to_owned(), overrides, preparation, scene })
     }
 
     /// Resolves the settings with the aspect ratio of the scene's camera, and its lens.

@@ -82,6 +82,7 @@ mod tests {
                 scene: SceneRecord {
                     path: "scene.gltf".into(),
                     surroundings: None,
+                    media: crate::session::Media::default(),
                     hash: "a".into(),
                     ignored: vec![],
                     warnings: vec![],

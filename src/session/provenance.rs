@@ -1,7 +1,7 @@
 //! Provenance of a film: enough to continue it, to refuse mixing it with another film, and to document it in the image
 //! header.
 
-use super::{LoadedScene, PassPlan, RenderSettings, Surroundings, ToneMapping};
+use super::{LoadedScene, Media, Overrides, PassPlan, RenderSettings, Surroundings, ToneMapping};
 use crate::error::{Error, Result};
 use crate::film::{Film, ImageError, Known, Prior};
 use crate::integrator::{self, PassReport};
@@ -25,6 +25,9 @@ pub struct SceneRecord {
     pub path: PathBuf,
     /// Environment that replaces its own, with the path of its file.
     pub surroundings: Option<Surroundings>,
+    /// Media that it has in addition to its own, with the paths of their files.
+    #[serde(default, skip_serializing_if = "Media::is_empty")]
+    pub media: Media,
     /// Hash of its content.
     pub hash: String,
     /// Features that it uses and étendue ignores.
@@ -103,16 +106,25 @@ impl Work {
     }
 }
 
+impl SceneRecord {
+    /// Returns what is not that of its file.
+    pub fn overrides(&self) -> Overrides {
+        Overrides { surroundings: self.surroundings.clone(), media: self.media.clone() }
+    }
+}
+
 impl Provenance {
     /// Creates the provenance of a render that begins now.
     pub fn new(stage: &LoadedScene, settings: RenderSettings, plan: PassPlan, look: ToneMapping) -> Self {
         // The settings were resolved with an existing camera.
         let beyond =
             stage.scene.beyond_view(settings.camera.as_deref(), settings.width, settings.height).ok().flatten();
+        let Overrides { surroundings, media } = stage.overrides.absolute();
         let scene = SceneRecord {
             // Resuming may happen in another process and folder.
             path: std::path::absolute(&stage.path).unwrap_or_else(|_| stage.path.clone()),
-            surroundings: stage.surroundings.as_ref().map(Surroundings::absolute),
+            surroundings,
+            media,
             hash: stage.scene.hash().to_owned(),
             ignored: stage.info.ignored.clone(),
             warnings: stage.info.warnings.iter().cloned().chain(beyond).collect(),

@@ -13,7 +13,8 @@
 //! ```
 
 use super::{
-    LoadedScene, Observer, Outputs, PassSelection, Progress, RenderReport, Rendered, Session, SettingsPatch, Size,
+    LoadedScene, Observer, Outputs, Overrides, PassSelection, Progress, RenderReport, Rendered, Session, SettingsPatch,
+    Size,
 };
 use crate::camera::Camera;
 use crate::error::{Error, Result};
@@ -43,7 +44,7 @@ impl Scene {
     /// The description is invalid.
     pub fn from_description(description: Description) -> Result<Arc<LoadedScene>> {
         let options = BuildOptions { threads: cores(), ..BuildOptions::default() };
-        LoadedScene::build(description, Path::new("described"), None, &options).map(Arc::new)
+        LoadedScene::build(description, Path::new("described"), Overrides::default(), &options).map(Arc::new)
     }
 }
 

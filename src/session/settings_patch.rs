@@ -4,8 +4,8 @@
 use super::plan::round_spp;
 use super::setting_value::{Form, SettingValue};
 use super::{
-    Aov, Aperture, Budget, EnvironmentChoice, Focus, FrameNumber, LensSettings, PassPlan, PassSelection,
-    RenderSettings, Size, StopCriteria, Surroundings, Window,
+    Aov, Aperture, Budget, EnvironmentChoice, Focus, FrameNumber, LensSettings, Media, Overrides, PassPlan,
+    PassSelection, RenderSettings, Size, StopCriteria, Surroundings, Window,
 };
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
@@ -76,12 +76,15 @@ macro_rules! settings {
         #[serde(default, deny_unknown_fields)]
         pub struct SettingsPatch {
             $($(#[doc = $doc])+ #[serde(rename = $name $(, alias = $alias)?)] pub $field: Option<$type>,)*
+            /// Media, which only files tell.
+            pub media: Media,
         }
 
         impl SettingsPatch {
             /// Returns these choices, each with that of `fallback` where there is none.
             fn completed(self, fallback: SettingsPatch) -> SettingsPatch {
-                SettingsPatch { $($field: self.$field.or(fallback.$field),)* }
+                let media = if self.media.is_empty() { fallback.media } else { self.media };
+                SettingsPatch { $($field: self.$field.or(fallback.$field),)* media }
             }
         }
 
@@ -221,7 +224,8 @@ impl SettingsPatch {
             Ok(text) => {
                 let choices = SettingsPatch::parse(&text).map_err(|e| e.context(path.display()))?;
                 let folder = path.parent().unwrap_or(Path::new(""));
-                Ok(SettingsPatch { env: choices.env.map(|env| env.seen_from(folder)), ..choices })
+                let (env, media) = (choices.env.map(|env| env.seen_from(folder)), choices.media.seen_from(folder));
+                Ok(SettingsPatch { env, media, ..choices })
             }
             Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(SettingsPatch::default()),
             // The scene path leads through a file. The scene loader reports this better.
@@ -372,12 +376,15 @@ impl SettingsPatch {
         })
     }
 
-    /// Returns the chosen environment, if any.
+    /// Returns the chosen environment and media, if any.
     ///
     /// # Errors
     /// A rotation without a map, a scale without an environment, values out of range.
-    pub fn surroundings(&self) -> Result<Option<Surroundings>> {
-        Surroundings::chosen(self.env.as_ref(), self.env_rotation, self.env_scale, self.env_layer.as_deref())
+    pub fn overrides(&self) -> Result<Overrides> {
+        self.media.check()?;
+        let surroundings =
+            Surroundings::chosen(self.env.as_ref(), self.env_rotation, self.env_scale, self.env_layer.as_deref())?;
+        Ok(Overrides { surroundings, media: self.media.clone() })
     }
 
     fn replicates(&self) -> u32 {
@@ -560,7 +567,7 @@ mod tests {
             env_scale: Some(3.0),
             ..SettingsPatch::default()
         };
-        let placed = |choices: SettingsPatch| choices.surroundings().unwrap().map(|s| (s.rotation, s.scale));
+        let placed = |choices: SettingsPatch| choices.overrides().unwrap().surroundings.map(|s| (s.rotation, s.scale));
         assert_eq!(placed(SettingsPatch::default().or(file())), Some((30.0, 2.0)));
         assert_eq!(placed(line(None).or(file())), Some((30.0, 3.0)));
         assert_eq!(placed(line(Some("1")).or(file())), Some((0.0, 3.0)));

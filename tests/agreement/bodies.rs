@@ -49,11 +49,9 @@ struct Case {
 }
 
 fn solid(ior: f32, sigma: f64) -> Material {
-    let color = Spectrum::splat((-1.0f32).exp());
-    let attenuation_distance = if sigma > 0.0 { sigma.recip() } else { f64::INFINITY };
     with_model(glass(0.0), |m| {
         m.ior = ior;
-        m.volume = Some(Volume { attenuation_distance, attenuation_color: color, ..Volume::CLEAR });
+        m.volume = Some(Volume { absorption: Spectrum::splat(sigma as f32), ..Volume::CLEAR });
     })
 }
 

@@ -47,7 +47,7 @@ pub(crate) enum Kind {
     Lossless,
     /// Anything in a room, the camera in the middle of a glass ball.
     InGlass,
-    /// The same where all glass scatters, without a loss.
+    /// The same where all glass scatters and absorbs, and emits what it absorbs.
     Milky,
 }
 
@@ -254,8 +254,10 @@ impl Maker {
             let g = self.between(-0.9, 0.9) as f32;
             let phase = [Phase::Isotropic, Phase::Rayleigh, Phase::HenyeyGreenstein(g), Phase::Mixture([g, -g], 0.3)];
             let phase = phase[self.one_of(4) as usize];
+            let absorption = self.colour(5.0) / scale;
             let MaterialModel::MetallicRoughness(model) = &mut self.scene.materials[i].model else { continue };
-            model.volume = model.volume.map(|volume| Volume { scattering, phase, ..volume });
+            let emission = absorption * model.ior * model.ior;
+            model.volume = model.volume.map(|volume| Volume { absorption, scattering, emission, phase, ..volume });
         }
     }
 }

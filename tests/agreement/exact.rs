@@ -108,8 +108,7 @@ fn glass_absorption_follows_beer_lambert() {
     const WAY: f64 = 16.0 * 16.0 * 0.5 * f32::EPSILON as f64;
     for (ior, reflectance) in [(1.0f32, 0.0), (1.5, 0.04)] {
         let mut view = Description::default();
-        let volume =
-            Some(Volume { attenuation_distance: 2.0, attenuation_color: Spectrum::splat(0.3), ..Volume::CLEAR });
+        let volume = Some(Volume::absorbing(2.0, Spectrum::splat(0.3)));
         let pane = with_model(glass(0.0), |m| {
             m.ior = ior;
             m.volume = volume;

@@ -215,8 +215,7 @@ fn a_mirror_ball_scatters_parallel_rays_in_every_direction_alike() {
 fn coloured_glass_absorbs_by_its_thickness() {
     for (index, scale) in [(1.0, 1.0), (1.5, 1.0), (1.5, 100.0)] {
         let colour = [0.9f32, 0.5, 0.2];
-        let volume =
-            Some(Volume { attenuation_distance: 0.25 * scale, attenuation_color: Spectrum(colour), ..Volume::CLEAR });
+        let volume = Some(Volume::absorbing(0.25 * scale, Spectrum(colour)));
         let mut room = Description::default();
         let size = scale as f32;
         add_square(&mut room, Vec3::Z * -size, Vec3::X * size, Vec3::Y * size, matte(0.0, 1.0));

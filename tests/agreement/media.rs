@@ -3,22 +3,29 @@
 use crate::picture::{Shot, render, scene};
 use etendue::integrator::Method;
 use etendue::medium::Phase;
-use etendue::scene::description::{Description, EnvironmentDescription, Material, Volume};
+use etendue::scene::description::{
+    AlbedoGrid, DensityGrid, Description, EnvironmentDescription, Material, MaterialModel, Projection, Volume,
+};
 use etendue::spectrum::Spectrum;
 use etendue_testing::deep;
 use etendue_testing::studio::{Ball, add_box, add_square, camera, glass, matte, narrow, point_light, with_model};
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 /// Methods that see what has null boundaries.
 const METHODS: [Method; 4] = [Method::PathNaive, Method::Path, Method::PathNee, Method::Bdpt];
 
 /// The boundary of a medium of index `ior` with extinction 1 per metre.
 fn filled(ior: f32, albedo: f32, phase: Phase) -> Material {
-    let attenuation_distance = if albedo < 1.0 { 1.0 / (1.0 - f64::from(albedo)) } else { f64::INFINITY };
-    let attenuation_color = Spectrum::splat((-1.0f32).exp());
     with_model(glass(0.0), |m| {
         m.ior = ior;
-        m.volume = Some(Volume { attenuation_distance, attenuation_color, scattering: Spectrum::splat(albedo), phase });
+        m.volume = Some(Volume {
+            absorption: Spectrum::splat(1.0 - albedo),
+            emission: Spectrum::ZERO,
+            scattering: Spectrum::splat(albedo),
+            phase,
+            density: None,
+            albedo: None,
+        });
     })
 }
 
@@ -73,6 +80,73 @@ fn slabs_reflect_and_transmit_as_the_tables_say() {
     }
 }
 
+/// The same slab as a grid of twice the coefficients and half the density, turned and larger than the slab.
+#[test]
+fn a_grid_of_one_density_is_a_homogeneous_medium() {
+    let (albedo, depth, reflected, transmitted) = (0.9, 1.0f32, 0.267410, 0.223746);
+    let mut description = slab(albedo, Phase::Isotropic, depth);
+    let place = DAffine3::from_scale_rotation_translation(
+        DVec3::new(9e3, 4e3, 7e3),
+        DQuat::from_rotation_y(0.4),
+        DVec3::new(-4e3, -2e3, -1e3),
+    );
+    description.densities.push(DensityGrid::new([3, 4, 2], vec![0.5; 24], place).expect("valid"));
+    let MaterialModel::MetallicRoughness(model) = &mut description.materials[0].model else { panic!("not glass") };
+    model.volume = model.volume.map(|volume| Volume {
+        absorption: volume.absorption * 2.0,
+        scattering: volume.scattering * 2.0,
+        density: Some(0),
+        ..volume
+    });
+    let scene = scene(description);
+    let expected = reflected + transmitted + f64::from((-depth).exp());
+    for method in METHODS {
+        let found = render(&scene, Shot::new(method, 8, if deep() { 1 << 15 } else { 1 << 10 })).overall();
+        let error = found.variance.sqrt();
+        println!("{method:?}: {:.6} ± {error:.6}, {expected}", found.mean);
+        // As for slabs; the depth of a ray has roundings of places in thousands of metres.
+        assert!((found.mean - expected).abs() < 6.0 * error + 1e-4, "{method:?}: {found:?}, {expected}");
+    }
+}
+
+/// The same slab without absorption of its own under a grid of albedos, which is smaller than the slab: beyond it are the
+/// albedos of its border.
+#[test]
+fn a_grid_of_one_albedo_is_absorption() {
+    let (albedo, depth, reflected, transmitted) = (0.9f32, 1.0f32, 0.267410, 0.223746);
+    let mut description = slab(1.0, Phase::Isotropic, depth);
+    description.albedos.push(AlbedoGrid::new([2, 1, 3], vec![[albedo; 3]; 6], DAffine3::IDENTITY).expect("valid"));
+    change(&mut description, |volume| Volume { albedo: Some(0), ..volume });
+    let scene = scene(description);
+    let expected = reflected + transmitted + f64::from((-depth).exp());
+    for method in METHODS {
+        let found = render(&scene, Shot::new(method, 8, if deep() { 1 << 15 } else { 1 << 10 })).overall();
+        let error = found.variance.sqrt();
+        println!("{method:?}: {:.6} ± {error:.6}, {expected}", found.mean);
+        // As for slabs.
+        assert!((found.mean - expected).abs() < 6.0 * error + 2e-6, "{method:?}: {found:?}, {expected}");
+    }
+}
+
+/// Absorption alone: the transmittance of a density that grows along the view from 1 to 5 is that of its mean.
+#[test]
+fn a_grid_that_absorbs_transmits_by_its_mean() {
+    let mut description = Description::default();
+    add_box(&mut description, Vec3::ZERO, Vec3::splat(0.5), filled(1.0, 0.0, Phase::Isotropic));
+    sky(&mut description);
+    description.cameras.push(narrow(camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO), 0.01));
+    let place = DAffine3::from_translation(DVec3::splat(-0.5));
+    description.densities.push(DensityGrid::new([1, 1, 5], vec![1.0, 2.0, 3.0, 4.0, 5.0], place).expect("valid"));
+    let MaterialModel::MetallicRoughness(model) = &mut description.materials[0].model else { panic!("not glass") };
+    model.volume = model.volume.map(|volume| Volume { density: Some(0), ..volume });
+    let scene = scene(description);
+    for method in METHODS {
+        let found = render(&scene, Shot::new(method, 8, 16)).overall();
+        let expected = (-3.0f64).exp();
+        assert!((found.mean - expected).abs() < 1e-5, "{method:?}: {found:?}, {expected}");
+    }
+}
+
 /// Nothing is lost: in a white sky all that scatters without loss is invisible, whatever its boundary.
 #[test]
 fn media_without_absorption_are_invisible_in_a_white_sky() {
@@ -94,6 +168,117 @@ fn media_without_absorption_are_invisible_in_a_white_sky() {
             let error = found.variance.sqrt();
             println!("{ior} {phase:?} {method:?}: {:.6} ± {error:.6}", found.mean);
             assert!((found.mean - 1.0).abs() < 6.0 * error + 1e-5, "{ior} {phase:?} {method:?}: {found:?}");
+        }
+    }
+}
+
+/// Deep slabs are half-spaces: H functions of Chandrasekhar.
+#[test]
+fn deep_slabs_reflect_as_half_spaces() {
+    for (albedo, depth, reflected) in [(0.7, 30.0, 0.208680), (0.95, 36.0, 0.535541)] {
+        for method in METHODS {
+            let found = render(
+                &scene(slab(albedo, Phase::Isotropic, depth)),
+                Shot::new(method, 8, if deep() { 1 << 15 } else { 1 << 10 }),
+            )
+            .overall();
+            let error = found.variance.sqrt();
+            println!("{albedo} {method:?}: {:.6} ± {error:.6}, {reflected}", found.mean);
+            // Six standard errors and the rounding of the table.
+            assert!((found.mean - reflected).abs() < 6.0 * error + 2e-6, "{albedo} {method:?}: {found:?}");
+        }
+    }
+}
+
+/// `volume` of the first material.
+fn change(scene: &mut Description, to: impl Fn(Volume) -> Volume) {
+    let MaterialModel::MetallicRoughness(model) = &mut scene.materials[0].model else { panic!("not glass") };
+    model.volume = model.volume.map(to);
+}
+
+/// Light of a medium that also absorbs, along a way of depth 1: ε/σ (1 − 1/e), homogeneous and as a grid.
+#[test]
+fn media_that_emit_and_absorb_glow_by_their_depth() {
+    for grid in [false, true] {
+        let mut description = Description::default();
+        add_box(&mut description, Vec3::ZERO, Vec3::splat(0.5), filled(1.0, 0.0, Phase::Isotropic));
+        description.cameras.push(narrow(camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO), 0.01));
+        let density = grid.then_some(0);
+        let place = DAffine3::from_translation(DVec3::splat(-0.5));
+        if grid {
+            description.densities.push(DensityGrid::new([1, 1, 3], vec![0.0, 2.0, 1.0], place).expect("valid"));
+        }
+        change(&mut description, |volume| Volume { emission: Spectrum::splat(2.0), density, ..volume });
+        let scene = scene(description);
+        for method in METHODS.into_iter().chain([Method::Pssmlt]) {
+            let found = render(&scene, Shot::new(method, 8, 16)).overall();
+            let expected = 2.0 * (1.0 - (-1.0f64).exp());
+            assert!((found.mean - expected).abs() < 1e-5, "{grid} {method:?}: {found:?}, {expected}");
+        }
+    }
+}
+
+/// Path lengths do not depend on what scatters [Blanco03]: a medium without absorption emits ε V into parallel rays. With an
+/// index η paths are η² times as long, and the radiance is η² times less outside.
+#[test]
+fn the_mean_path_length_in_a_body_is_invariant() {
+    let cases = [
+        (1.0, 0.0, Phase::Isotropic, &METHODS[..]),
+        (1.0, 4.0, Phase::Isotropic, &METHODS),
+        (1.0, 9.0, Phase::HenyeyGreenstein(0.8), &METHODS),
+        (1.5, 3.0, Phase::Isotropic, &METHODS[1..]),
+    ];
+    for (index, scattering, phase, methods) in cases {
+        let ball = Ball::new(5, 0.9);
+        let corner = |i: u32| ball.positions[i as usize].as_dvec3();
+        let cone = |t: &[u32; 3]| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))) / 6.0;
+        let volume: f64 = ball.triangles.iter().map(cone).sum();
+        let mut description = Description::default();
+        ball.add(&mut description, DVec3::ZERO, filled(index, 1.0, phase));
+        let (emission, scattering) = (Spectrum([1.0, 0.5, 2.0]), Spectrum::splat(scattering));
+        change(&mut description, |volume| Volume { emission, scattering, ..volume });
+        let projection = Projection::Orthographic { xmag: 1.0, ymag: 1.0 };
+        description.cameras.push(etendue::scene::description::CameraDescription {
+            projection,
+            ..camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO)
+        });
+        let scene = scene(description);
+        // A view of four square metres; the mean of the lanes of ε is 7/6.
+        let expected = volume / 4.0 * 7.0 / 6.0;
+        for &method in methods {
+            let found = render(&scene, Shot::new(method, 16, if deep() { 1 << 14 } else { 1 << 9 })).overall();
+            let error = found.variance.sqrt();
+            println!("{index} {scattering:?} {method:?}: {:.6} ± {error:.6}, {expected:.6}", found.mean);
+            // Facets of the ball are two degrees wide, so that not all directions are alike: their squares.
+            assert!(
+                (found.mean / expected - 1.0).abs() < 6.0 * error / expected + 1e-3,
+                "{index} {method:?}: {found:?}"
+            );
+        }
+    }
+}
+
+/// A medium around everything includes cameras and lamps: the way from a bright wall to a camera in front of it.
+#[test]
+fn a_medium_around_the_scene_is_around_the_camera() {
+    let mut description = Description::default();
+    add_square(&mut description, Vec3::NEG_Z * 2.0, Vec3::X, Vec3::Y, matte(0.0, 1.0));
+    description.cameras.push(narrow(camera(DVec3::new(0.0, 0.0, 1.0), DVec3::ZERO), 0.01));
+    description.media.push(Volume { absorption: Spectrum([0.2, 0.5, 1.0]), ..Volume::CLEAR });
+    // A second one, within the box of its density, takes precedence where it is.
+    let place = DAffine3::from_scale_rotation_translation(
+        DVec3::new(-0.5, 1.0, 1.0),
+        DQuat::IDENTITY,
+        DVec3::new(0.25, -0.5, -1.0),
+    );
+    description.densities.push(DensityGrid::new([1, 1, 1], vec![0.25], place).expect("valid"));
+    description.media.push(Volume { absorption: Spectrum::splat(4.0), density: Some(0), ..Volume::CLEAR });
+    let scene = scene(description);
+    for method in METHODS {
+        let found = render(&scene, Shot::new(method, 8, 16));
+        for (lane, sigma) in [0.2f64, 0.5, 1.0].into_iter().enumerate() {
+            let (mean, expected) = (found.blocks(1)[lane].mean, (-2.0 * sigma - 1.0).exp());
+            assert!((mean - expected).abs() < 1e-5, "{method:?}: {mean}, {expected}");
         }
     }
 }

@@ -98,9 +98,8 @@ fn the_landscape_has_the_right_mean() {
     let Some(reference) = reference(&folders::shared().join("peers/references/S7.exr"), 1.54e-4) else { return };
     let path = project("scenes/landscape/scene.gltf");
     let choices = SettingsPatch::beside(&path).expect("its settings");
-    let (surroundings, settings) =
-        (choices.surroundings().expect("its environment"), choices.settings(None).expect("valid"));
-    let stage = LoadedScene::open(&path, surroundings, &settings.moment(), &settings.build_options(2))
+    let (overrides, settings) = (choices.overrides().expect("its environment"), choices.settings(None).expect("valid"));
+    let stage = LoadedScene::open(&path, overrides, &settings.moment(), &settings.build_options(2))
         .expect("a valid scene: run `make scenes`");
     for method in [Method::Path, Method::PathNee] {
         let picture = render(&stage.scene, Shot { depth: Some(64), ..Shot::new(method, 256, 256) });

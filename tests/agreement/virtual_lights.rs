@@ -11,8 +11,8 @@ use etendue::integrator::{
     VirtualLightsConfig,
 };
 use etendue::scene::Scene;
-use etendue_testing::deep;
 use etendue_testing::levels::sidak_level;
+use etendue_testing::{deep, worlds};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -121,7 +121,8 @@ fn against(found: &[Means], expected: &[Means], planted: f64, tests: usize) -> f
     excess(found, &known, planted, tests)
 }
 
-/// Glossy plates, mirrors, glass, small lamps, indirect light, and thousands of lights. Planted: 10 % more light, 40 % under thousands of lights.
+/// Glossy plates, mirrors, glass, small lamps, indirect light, thousands of lights, and fog. Planted: 10 % more light, 40 % under thousands
+/// of lights, 20 % in fog.
 #[test]
 fn virtual_lights_agree_with_path_tracing() {
     let seeds = if deep() { 64 } else { 24 };
@@ -132,12 +133,14 @@ fn virtual_lights_agree_with_path_tracing() {
         ("modified-cornell", 1.1),
         ("textured-box", 1.1),
     ];
-    for &(name, planted) in &scenes[..if deep() { 5 } else { 3 }] {
-        let Some(scene) = load(name) else { continue };
+    let foggy = worlds::all().into_iter().find(|world| world.name == "foggy").expect("a world").scene;
+    let loaded = scenes[..if deep() { 5 } else { 3 }].iter();
+    let loaded = loaded.filter_map(|&(name, planted)| Some((name, load(name)?, planted)));
+    for (name, scene, planted) in loaded.chain([("foggy", foggy, 1.2)]) {
         let path = pictures(&scene, Method::Path.into(), 24, 64, seeds);
         for config in unbiased() {
             let found = pictures(&scene, config, 24, 8, seeds);
-            let tests = scenes.len() * unbiased().len();
+            let tests = (scenes.len() + 1) * unbiased().len();
             let [right, wrong] = [1.0, planted].map(|planted| excess(&found, &path, planted, tests));
             println!("{name}, {config:?}: {right:.2}, planted {planted} {wrong:.2}");
             assert!(right < 1.0, "{name}, {config:?}: {right} limits off");

@@ -184,6 +184,10 @@ fn init_writes_a_commented_render_toml() {
     let place = Place::new();
     assert_eq!(place.run("init").code(), 0);
     let text = std::fs::read_to_string(place.path("render.toml")).unwrap();
+    // The example of a medium is one.
+    let medium: String =
+        text.lines().skip_while(|line| *line != "# [media.fog]").map(|line| line[2..].to_owned() + "\n").collect();
+    etendue::session::SettingsPatch::parse(&medium).unwrap().overrides().unwrap();
     assert!(text.contains("# spp = 64") && text.contains("# One of path-naive, path-nee, path"), "{text}");
     place.run("init").fails(2, "--force");
     assert_eq!(place.run("init --force").code(), 0);

@@ -12,6 +12,7 @@ mod environments;
 mod faults;
 mod frames;
 mod lamps;
+mod media;
 mod notes;
 mod one_hash;
 mod run;

@@ -1,12 +1,16 @@
 //! Materials, textures and images.
 
 use crate::support::{File, merge};
-use etendue::scene::description::{AlphaMode, Material, MaterialModel, MetalFresnel, MetallicRoughnessMaterial};
+use etendue::medium::Phase;
+use etendue::scene::description::{
+    AlphaMode, Material, MaterialModel, MetalFresnel, MetallicRoughnessMaterial, Volume,
+};
 use etendue::spectrum::Spectrum;
 use etendue::texture::{Encoding, TextureFilter, Wrap};
 use glam::{Vec3, Vec4};
 use image::{DynamicImage, ImageFormat};
 use serde_json::{Value, json};
+use std::f32::consts::LN_2;
 use std::io::Cursor;
 
 fn png(image: DynamicImage) -> Vec<u8> {
@@ -71,7 +75,10 @@ fn factors_and_extensions_are_read() {
     assert_eq!((m.base_color.to_rgb(), m.metallic, m.roughness, m.ior), ([0.125, 0.25, 0.5], 0.5, 0.375, 1.25));
     assert_eq!((m.specular, m.specular_color.to_rgb(), m.transmission), (0.5, [2.0, 1.0, 0.0], 0.625));
     let volume = m.volume.expect("a volume");
-    assert_eq!((volume.attenuation_distance, volume.attenuation_color.to_rgb()), (2.0, [0.5, 1.0, 1.0]));
+    assert!(
+        (volume.absorption - Spectrum([0.5 * LN_2, 0.0, 0.0])).map(f32::abs).max_lane() < f32::EPSILON,
+        "{volume:?}"
+    );
     assert_eq!(m.metal_fresnel, MetalFresnel::Schlick);
 }
 
@@ -327,6 +334,71 @@ fn our_own_extras_are_read_strictly() {
         assert!(error.starts_with("material 'gold': extras.etendue.phase is neither"), "{error}");
     }
     assert_eq!(with(json!({ "phase": 0.5 })).error(), "material 'gold': extras.etendue has a phase, but no scattering");
-    let nothing = "material 'gold': extras.etendue.scattering has no volume with a thickness to fill";
+    let nothing = "material 'gold': the medium in extras.etendue has no volume with a thickness to fill";
     assert_eq!(with(json!({ "scattering": 1 })).error(), nothing);
+    let parts = "material 'gold': extras.etendue tells albedo and mean_free_path, or scattering and absorption, but not parts of both";
+    for part in [
+        json!({ "albedo": 0.5 }),
+        json!({ "mean_free_path": 1 }),
+        json!({ "albedo": 1, "mean_free_path": 1, "scattering": 1 }),
+    ] {
+        assert_eq!(with(part).error(), parts);
+    }
+    let bright = "material 'gold': extras.etendue.albedo is neither a number nor three of them, from 0 to 1e0";
+    assert_eq!(with(json!({ "albedo": 2, "mean_free_path": 1 })).error(), bright);
+}
+
+/// The volume of a solid of glass with these extras and more extensions.
+fn medium(etendue: Value, scattering: Value) -> Volume {
+    let mut extensions = json!({
+        "KHR_materials_transmission": { "transmissionFactor": 1 },
+        "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [0.5, 1, 1] }
+    });
+    if !scattering.is_null() {
+        extensions["KHR_materials_volume_scatter"] = scattering;
+    }
+    let material = json!({ "name": "wax", "extensions": extensions, "extras": { "etendue": etendue } });
+    model(&file(material).load().expect("a valid file").materials[0]).volume.expect("a volume")
+}
+
+#[test]
+fn media_are_told_by_coefficients_or_by_how_they_look() {
+    let told = medium(json!({ "scattering": [1, 2, 3], "absorption": 4, "emission": 5, "phase": 0.5 }), Value::Null);
+    assert_eq!((told.scattering.to_rgb(), told.absorption.to_rgb()), ([1.0, 2.0, 3.0], [4.0; 3]));
+    assert_eq!((told.emission.to_rgb(), told.phase), ([5.0; 3], Phase::HenyeyGreenstein(0.5)));
+    // The attenuation of the volume is absorption.
+    let glass = medium(json!({}), Value::Null);
+    assert!((glass.absorption - Spectrum([2.0 * LN_2, 0.0, 0.0])).map(f32::abs).max_lane() < f32::EPSILON, "{glass:?}");
+    // Black absorbs, white scatters; at 0.256557 the single-scattering albedo is 0.7.
+    let looks = medium(json!({ "albedo": [0, 1, 0.256557], "mean_free_path": [0.5, 0.25, 1] }), Value::Null);
+    let [[a, b, c], [d, e, f]] = [looks.scattering.to_rgb(), looks.absorption.to_rgb()];
+    assert_eq!((a, b, d, e), (0.0, 4.0, 2.0, 0.0));
+    // The table's digits and the fit: 1e-5.
+    assert!((c - 0.7).abs() < 1e-5 && (f - 0.3).abs() < 1e-5, "{c} {f}");
+    // Red glows at 1000 K.
+    let [r, g, b] = medium(json!({ "emission": 2, "temperature": 1000 }), Value::Null).emission.to_rgb();
+    assert!(r > 5.0 && g > 0.0 && g < 0.2 * r && b <= 0.0, "{r} {g} {b}");
+}
+
+#[test]
+fn the_draft_of_scattering_shares_attenuation() {
+    let draft = json!({ "multiscatterColor": [0.8, 0, 0], "scatterAnisotropy": 0.3 });
+    let volume = medium(json!({}), draft);
+    let attenuation = 2.0 * LN_2;
+    // The draft's formula at 0.8.
+    let albedo = 1.0 - (4.09712 + 4.20863 * 0.8 - f64::sqrt(9.59217 + 41.6808 * 0.8 + 17.7126 * 0.64)).powi(2);
+    let [scattering, absorption] = [volume.scattering.0[0] / attenuation, volume.absorption.0[0] / attenuation];
+    assert!((f64::from(scattering) - albedo).abs() < 1e-6, "{scattering} {albedo}");
+    assert!((scattering + absorption - 1.0).abs() < 1e-6);
+    assert_eq!((volume.phase, volume.scattering.0[1]), (Phase::HenyeyGreenstein(0.3), 0.0));
+    let volume = json!({ "KHR_materials_volume": { "thicknessFactor": 1 } });
+    for draft in [
+        json!({ "multiscatterColor": [2, 0, 0] }),
+        json!({ "scatterAnisotropy": 1 }),
+        json!({ "multiscatterColor": 1 }),
+    ] {
+        let mut material = json!({ "name": "a", "extensions": volume });
+        material["extensions"]["KHR_materials_volume_scatter"] = draft;
+        assert_eq!(file(material).error(), "material 'a': the colour or anisotropy of scattering is out of range");
+    }
 }

@@ -166,7 +166,8 @@ fn flights_estimate_collisions_and_transmittance() {
             for _ in 0..count {
                 let mut flight = Flight::new(Spectrum::ONE, random.cube());
                 let collision = parts.iter().enumerate().find_map(|(number, &(of, length))| {
-                    let Collision { distance, factor, .. } = flight.cross(&medium(of), length)?;
+                    let Collision { distance, factor, .. } =
+                        flight.cross(&medium(of).into(), Vec3::ZERO, Vec3::X, length)?;
                     assert!((0.0..length).contains(&distance), "{distance} of {length}");
                     Some((number, factor))
                 });
@@ -205,7 +206,10 @@ fn densities_of_collisions_are_those_of_the_flight() {
         let mut random = Random::new(73);
         for _ in 0..samples(200) {
             let mut flight = Flight::new(Spectrum::ONE, random.cube());
-            let Some(Collision { distance, .. }) = flight.cross(&medium, f32::INFINITY) else { continue };
+            let Some(Collision { distance, .. }) = flight.cross(&medium.into(), Vec3::ZERO, Vec3::X, f32::INFINITY)
+            else {
+                continue;
+            };
             let found = density(flight.through(), medium.extinction);
             let chance = |length: f64| {
                 let lane = |lane: usize| (-(f64::from(of[0][lane]) + f64::from(of[1][lane])) * length).exp();

@@ -2,12 +2,13 @@
 
 use super::bounded::BoundedGroups;
 use super::limit::{Limit, Limited};
-use super::virtual_lights::{VirtualLight, bound};
-use crate::bsdf::{Scattering, Shading};
+use super::virtual_lights::{VirtualLight, bound_of};
+use crate::bsdf::Scattering;
 use crate::geometry::RayState;
 use crate::integrator::path::{Combined, light_weight};
 use crate::light::{Cut, LightCuts, LightSampleContext, LightTree};
-use crate::path::TraceStats;
+use crate::medium::density;
+use crate::path::{Scatterer, TraceStats};
 use crate::sampling::{Pdf, Sampler, Slot};
 use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
@@ -45,11 +46,13 @@ pub(super) struct Gather<'p, 'a> {
 
 /// A vertex of a camera walk that gathers light.
 pub(super) struct Receiver<'v, 's> {
-    pub(super) shading: &'v Shading<'s>,
+    pub(super) scatterer: &'v Scatterer<'s>,
     /// The same for the selection of lights.
     pub(super) context: LightSampleContext,
     /// State in which the walk arrived.
     pub(super) state: RayState,
+    /// See [`RandomWalk::lanes`](crate::path::RandomWalk::lanes).
+    pub(super) lanes: Spectrum,
     /// Number of the vertex.
     pub(super) bounce: u32,
     /// Number of scattering events that a path may have beyond this vertex.
@@ -58,7 +61,10 @@ pub(super) struct Receiver<'v, 's> {
 
 impl Receiver<'_, '_> {
     fn edge(&self, scene: &Scene, wi: glam::Vec3, end: EdgeEnd) -> Edge {
-        Edge::new(scene, self.shading.point, self.state, wi, end)
+        match self.scatterer {
+            Scatterer::Surface(shading) => Edge::new(scene, shading.point, self.state, wi, end),
+            Scatterer::Medium(phase) => phase.edge_to(wi, end),
+        }
     }
 }
 
@@ -83,11 +89,13 @@ impl Gather<'_, '_> {
             let (light, pmf) = tally.selection.time(|| self.lights.sample(&cut, k, &receiver, u));
             let u = sampler.u2(address, Slot::LightPoint);
             let Some(sample) = &self.scene.lights().all()[light].sample_li(&receiver, u) else { continue };
-            let Some(scattering) = &at.shading.scattering(sample.wi) else { continue };
+            let Some(mut scattering) = at.scatterer.scattering(sample.wi) else { continue };
             let edge = at.edge(self.scene, sample.wi, EdgeEnd::Light(sample.end));
-            let through = self.scene.transmittance(&edge, sampler, address, &mut tally.shadows);
-            let weight = light_weight::<Combined>(scattering, sample, Pdf::new(pmf as f32));
-            sum += scattering.f_cos * sample.radiance * through * weight;
+            let clear = self.scene.clearance(&edge, &mut tally.shadows);
+            let chance = Pdf::new(density(at.lanes * clear.flight, Spectrum::ONE));
+            scattering.pdf = scattering.pdf.choose(chance);
+            let weight = light_weight::<Combined>(&scattering, sample, Pdf::new(pmf as f32));
+            sum += scattering.f_cos * sample.radiance * clear.through * weight;
         }
         (sum, cut)
     }
@@ -96,7 +104,7 @@ impl Gather<'_, '_> {
     pub(super) fn indirect(&self, at: &Receiver, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Limited {
         match &self.indirect {
             Indirect::All => {
-                let from = |light| self.contribution(light, at, 0, sampler, tally);
+                let from = |light| self.contribution(light, at, tally);
                 self.virtual_lights.iter().map(from).fold(Limited::ZERO, |sum, light| sum.plus(light, 1.0))
             }
             Indirect::Cut(size, tree) => {
@@ -104,9 +112,9 @@ impl Gather<'_, '_> {
             }
             Indirect::Bounded(groups) => {
                 let Some(groups) = groups else { return Limited::ZERO };
-                let receiver = (at.context, bound(at.shading.point, at.shading.surface, at.shading.known()));
+                let receiver = (at.context, bound_of(at.scatterer));
                 groups.gather(self.virtual_lights, &receiver, self.limit.most, |light| {
-                    self.contribution(&self.virtual_lights[light], at, 0, sampler, tally)
+                    self.contribution(&self.virtual_lights[light], at, tally)
                 })
             }
         }
@@ -129,21 +137,14 @@ impl Gather<'_, '_> {
             let address = address(INDIRECT, at.bounce, k);
             let u = f64::from(sampler.u1(address, Slot::LightPick));
             let (light, pmf) = tally.selection.time(|| tree.sample_group(&cut, k, &receiver, u));
-            let light = self.contribution(&self.virtual_lights[light as usize], at, address, sampler, tally);
+            let light = self.contribution(&self.virtual_lights[light as usize], at, tally);
             sum = sum.plus(light, pmf.recip() as f32);
         }
         sum
     }
 
     /// Returns what `light` contributes to `at`.
-    pub(super) fn contribution(
-        &self,
-        light: &VirtualLight,
-        at: &Receiver,
-        address: u32,
-        sampler: &mut impl Sampler,
-        tally: &mut TraceStats,
-    ) -> Limited {
+    pub(super) fn contribution(&self, light: &VirtualLight, at: &Receiver, tally: &mut TraceStats) -> Limited {
         if light.events > at.events_left {
             return Limited::ZERO;
         }
@@ -151,13 +152,13 @@ impl Gather<'_, '_> {
         let to = light.p - receiver.p;
         let d2 = to.length_squared();
         let wi = to / d2.sqrt();
-        let Some(Scattering { f_cos, .. }) = at.shading.scattering(wi).filter(|_| d2 > 0.0) else {
+        let Some(Scattering { f_cos, .. }) = at.scatterer.scattering(wi).filter(|_| d2 > 0.0) else {
             return Limited::ZERO;
         };
         let Some(leaving) = light.leaving(-wi, &receiver) else { return Limited::ZERO };
         let share = self.limit.share(f_cos, light.cos(wi), d2, light.peak);
         let edge = at.edge(self.scene, wi, EdgeEnd::Light(light.end));
-        let through = self.scene.transmittance(&edge, sampler, address, &mut tally.shadows);
+        let through = self.scene.transmittance(&edge, &mut tally.shadows);
         let whole = f_cos * leaving * light.flux * through / d2;
         Limited { light: whole * share, excess: whole * (1.0 - share) }
     }

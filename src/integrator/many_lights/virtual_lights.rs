@@ -6,9 +6,11 @@ use crate::camera::Camera;
 use crate::geometry::{Bounds, Local, SurfacePoint};
 use crate::integrator::samples::PassNumbers;
 use crate::light::{Cone, EmitterPoint, LeRandom, Light, LightSampleContext, LightTree, Reach};
+use crate::medium::Phase;
 use crate::parallel::Cancel;
 use crate::path::{
-    Arrival, Emitter, MisStrategy, Subpath, SubpathVertex, SurfaceVertex, Techniques, TraceStats, Vertex,
+    Arrival, Emitter, MisStrategy, PhaseAt, Scatterer, Subpath, SubpathVertex, SurfaceVertex, Techniques, TraceStats,
+    Vertex,
 };
 use crate::sampling::{Heuristic, Sampler, Slot};
 use crate::scene::Scene;
@@ -48,6 +50,8 @@ enum Source<'a> {
     Emitting { ng: Vec3, two_sided: bool },
     /// A light without extent.
     Point(&'a Light),
+    /// A medium, which scatters light from a direction.
+    Medium(PhaseAt),
 }
 
 /// A measure of the highest value of the BSDF of `surface`, whatever the directions: its value for light that arrives
@@ -56,6 +60,11 @@ pub(super) fn peak(surface: &Surface) -> f32 {
     let normal = Local::new(0.0, 0.0, 1.0);
     let value = |wo: Local| surface.eval(normal, wo, Lobes::SMOOTH).max_lane();
     value(normal).max(value(Local::new(0.0, 0.0, -1.0)))
+}
+
+/// The same for a phase function, whose peak is ahead or back.
+pub(super) fn peak_in_medium(phase: &Phase) -> f32 {
+    phase.eval(Vec3::X, Vec3::NEG_X).max(phase.eval(Vec3::X, Vec3::X))
 }
 
 /// The same for emission.
@@ -79,16 +88,19 @@ impl VirtualLight<'_> {
                 let sample = light.sample_li(at, [0.5; 2])?;
                 Some(sample.radiance * self.p.distance_squared(at.p))
             }
+            Source::Medium(phase) => Some(phase.scattering(w).f_cos),
         }
     }
 
-    /// Returns the cosine of the unit direction `w` to the normal; 0 for lights without extent, which have no limit.
+    /// Returns the cosine of the unit direction `w` to the normal, 1 in media; 0 for lights without extent, which have no
+    /// limit.
     #[inline]
     pub(super) fn cos(&self, w: Vec3) -> f32 {
         match &self.source {
             Source::Scattering { point, .. } => point.cos(w),
             Source::Emitting { ng, .. } => ng.dot(w).abs(),
             Source::Point(_) => 0.0,
+            Source::Medium(_) => 1.0,
         }
     }
 
@@ -106,6 +118,7 @@ impl VirtualLight<'_> {
             Source::Point(light) => {
                 [LANES as f32 * light.reach().map_or(0.0, |reach| reach.intensity as f32), f32::INFINITY]
             }
+            Source::Medium(_) => [self.peak, 1.0],
         };
         [leaving, per_cos].map(|most| if flux > 0.0 { f64::from(most) * flux } else { 0.0 })
     }
@@ -120,6 +133,12 @@ impl VirtualLight<'_> {
             }
             Source::Emitting { ng, two_sided } => (*ng, FRAC_PI_2, *two_sided, Spectrum::ONE),
             Source::Point(light) => return light.reach(),
+            Source::Medium(_) => {
+                let intensity = f64::from(self.flux.mean()) / (4.0 * PI);
+                let bounds = Bounds::around([self.p]);
+                let reach = Reach { bounds, normals: Cone::ALL, spread: PI, two_sided: false, intensity };
+                return (intensity > 0.0).then_some(reach);
+            }
         };
         let intensity = f64::from((self.flux * reflectance).mean()) / PI;
         let (bounds, normals) = (Bounds::around([self.p]), Cone { axis: side.as_dvec3(), angle: 0.0 });
@@ -127,9 +146,17 @@ impl VirtualLight<'_> {
     }
 }
 
+/// Returns a bound of the light that `scatterer` scatters.
+pub(super) fn bound_of(scatterer: &Scatterer) -> ScatteringBound {
+    match scatterer {
+        Scatterer::Surface(shading) => bound(shading.point, shading.surface, shading.known()),
+        Scatterer::Medium(phase) => ScatteringBound { diffuse: 0.0, glossy: peak_in_medium(phase.phase()) },
+    }
+}
+
 /// Returns a bound of the light that `surface` at `point` scatters for the direction `known`. None is known where the
 /// normals differ.
-pub(super) fn bound(point: &SurfacePoint, surface: &Surface, known: Vec3) -> ScatteringBound {
+fn bound(point: &SurfacePoint, surface: &Surface, known: Vec3) -> ScatteringBound {
     let is_flat = point.frame.n == point.ng || point.frame.n == -point.ng;
     if is_flat { surface.bound(point.frame.to_local(known)) } else { ScatteringBound::NONE }
 }
@@ -141,9 +168,17 @@ impl<'a> VirtualLight<'a> {
         if !vertex.is_connectible() {
             return None;
         }
-        let Vertex::Surface(SurfaceVertex { point, surface, .. }) = vertex else { return None };
-        let (p, end, peak) = (point.p, EmitterPoint::from(&point), peak(&surface));
-        let source = Source::Scattering { point, surface, known };
+        let (p, end, peak, source) = match vertex {
+            Vertex::Surface(SurfaceVertex { point, surface, .. }) => {
+                let (p, end, peak) = (point.p, EmitterPoint::from(&point), peak(&surface));
+                (p, end, peak, Source::Scattering { point, surface, known })
+            }
+            Vertex::Medium(point) => {
+                let (p, peak) = (point.p, peak_in_medium(&point.phase));
+                (p, EmitterPoint::Point(p), peak, Source::Medium(PhaseAt::new(&point, known)))
+            }
+            Vertex::Camera(_) | Vertex::Light(_) => return None,
+        };
         Some(VirtualLight { p, end, source, flux: beta * share, events, peak })
     }
 

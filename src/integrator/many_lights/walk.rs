@@ -2,14 +2,15 @@
 
 use super::gather::{Gather, Indirect, Receiver};
 use super::limit::Limited;
-use super::virtual_lights::{EMITTING_PEAK, peak};
+use super::virtual_lights::{EMITTING_PEAK, peak, peak_in_medium};
 use crate::bsdf::{Lobes, Shading};
 use crate::camera::CameraSample;
 use crate::geometry::SurfacePoint;
 use crate::integrator::IntegratorConfig;
 use crate::integrator::camera_pass::Radiance;
 use crate::light::{Cut, Light, LightSampleContext};
-use crate::path::{RandomWalk, TraceStats};
+use crate::medium::{PhaseSample, density};
+use crate::path::{FlightEnd, Flown, MediumPoint, PhaseAt, RandomWalk, Scatterer, TraceStats};
 use crate::sampling::{Density, Pdf, Sampler, Slot, SolidAngle, power};
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
@@ -41,17 +42,18 @@ impl<'p, 'a> GatherWalk<'p, 'a> {
     }
 
     /// Returns the MIS weight of emission of light number `light`, hit after `departure`, where `pdf` is the density of
-    /// the direction in its light samples.
+    /// the direction in its light samples and `chance` the probability of getting through media.
     fn mis_weight_bsdf(
         &self,
         departure: Option<&Departure>,
         light: usize,
         pdf: impl FnOnce(&LightSampleContext) -> f32,
+        chance: f32,
         tally: &mut TraceStats,
     ) -> f32 {
         let Some(Departure { at, cut, pdf: scattering, .. }) = departure else { return 1.0 };
         let pmf = tally.selection.time(|| self.gather.lights.pmf(cut, at, light)) as f32;
-        power(scattering.value(), pmf * pdf(at))
+        power(scattering.value() * chance, pmf * pdf(at))
     }
 
     /// Returns the weighted emission at `point` toward the walk.
@@ -60,6 +62,7 @@ impl<'p, 'a> GatherWalk<'p, 'a> {
         walk: &RandomWalk,
         departure: Option<&Departure>,
         point: &SurfacePoint,
+        chance: f32,
         tally: &mut TraceStats,
     ) -> Spectrum {
         let Some((index, Light::Area(light))) = self.gather.scene.light_at(point) else { return Spectrum::ZERO };
@@ -71,43 +74,135 @@ impl<'p, 'a> GatherWalk<'p, 'a> {
         let pdf = |from: &LightSampleContext| light.pdf_li(from.p, point.p, wi).value();
         let weight = match departure {
             Some(departure) if matches!(self.gather.indirect, Indirect::Bounded(_)) => {
-                self.walk_share(departure, point, wi, EMITTING_PEAK)
+                self.walk_share(departure, point.p, point.cos(wi), EMITTING_PEAK)
             }
-            _ => self.mis_weight_bsdf(departure, index, pdf, tally),
+            _ => self.mis_weight_bsdf(departure, index, pdf, chance, tally),
         };
         walk.beta * radiance * weight
     }
 
     /// Returns the weighted radiance of the environment.
-    fn background(&self, walk: &RandomWalk, departure: Option<&Departure>, tally: &mut TraceStats) -> Spectrum {
+    fn background(
+        &self,
+        walk: &RandomWalk,
+        departure: Option<&Departure>,
+        chance: f32,
+        tally: &mut TraceStats,
+    ) -> Spectrum {
         let Some((index, environment)) = self.gather.scene.lights().environment() else { return Spectrum::ZERO };
         if self.transparent && walk.depth == 0 {
             return Spectrum::ZERO;
         }
         let (radiance, pdf) = environment.along(walk.ray.direction);
-        walk.beta * radiance * self.mis_weight_bsdf(departure, index, |_| pdf.value(), tally)
+        walk.beta * radiance * self.mis_weight_bsdf(departure, index, |_| pdf.value(), chance, tally)
     }
 
-    /// Returns whether the walk has a share in the paths that scatter smoothly at `shading`, where the edge from
+    /// Returns whether the walk has a share in the paths that scatter smoothly by `scatterer` at `p`, where the edge from
     /// `departure` ends: virtual lights there have the other share.
     fn goes_beyond(
         &self,
         departure: Option<&Departure>,
         walk: &RandomWalk,
-        shading: &Shading,
+        (p, scatterer): (Vec3, &Scatterer),
         sampler: &mut impl Sampler,
     ) -> bool {
         let Some(departure) = departure else { return true };
-        let share = self.walk_share(departure, shading.point, walk.ray.direction, peak(shading.surface));
+        let (cos, peak) = match scatterer {
+            Scatterer::Surface(shading) => (shading.point.cos(walk.ray.direction), peak(shading.surface)),
+            Scatterer::Medium(phase) => (1.0, peak_in_medium(phase.phase())),
+        };
+        let share = self.walk_share(departure, p, cos, peak);
         share > 0.0 && sampler.u1(BEYOND + walk.bounce, Slot::Roulette) < share
     }
 
-    /// Returns the share of the walk in paths with an edge from `departure` along `w` to `point`, where a virtual light
-    /// of this `peak` has the rest.
-    fn walk_share(&self, departure: &Departure, point: &SurfacePoint, w: Vec3, peak: f32) -> f32 {
-        let (limit, d2) = (&self.gather.limit, point.p.distance_squared(departure.at.p));
-        let share = limit.share(departure.f_cos, point.cos(w), d2, peak);
+    /// Returns the share of the walk in paths with an edge from `departure` to `p`, where a virtual light of this cosine
+    /// and `peak` has the rest.
+    fn walk_share(&self, departure: &Departure, p: Vec3, cos: f32, peak: f32) -> f32 {
+        let (limit, d2) = (&self.gather.limit, p.distance_squared(departure.at.p));
+        let share = limit.share(departure.f_cos, cos, d2, peak);
         if limit.is_compensated { 1.0 - share } else { 0.0 }
+    }
+}
+
+/// How a walk goes on: with the smooth event at which it has departed or after a Dirac one; `None` if it ends.
+type Onward = Option<Option<Departure>>;
+
+impl GatherWalk<'_, '_> {
+    /// Gathers light at the surface `point` and leaves it. Returns the light, and how the walk goes on.
+    fn at_surface(
+        &self,
+        walk: &mut RandomWalk,
+        point: &mut SurfacePoint,
+        departure: Option<&Departure>,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> (Spectrum, Onward) {
+        let surface = self.gather.scene.surface(point, walk.ray.state.bodies);
+        let wo = -walk.ray.direction;
+        let Some(shading) = Shading::new(point, &surface, wo, TransportMode::Radiance) else {
+            return (Spectrum::ZERO, None);
+        };
+        let (context, is_smooth) = (LightSampleContext::from(&shading), shading.lobes().intersects(Lobes::SMOOTH));
+        let gathered = if is_smooth {
+            self.gathered(walk, (point.p, &Scatterer::Surface(shading)), context, departure, sampler, tally)
+        } else {
+            None
+        };
+        let light = gathered.as_ref().map_or(Spectrum::ZERO, |(light, _)| *light);
+        let Some(scatter) = shading.sample(walk.scattering_numbers(&surface, sampler)) else { return (light, None) };
+        let next = match (scatter.density, gathered) {
+            (Density::Delta(_), _) => None,
+            (Density::Smooth(_), None) => return (light, None),
+            (Density::Smooth(pdf), Some((_, cut))) => {
+                Some(Departure { at: context, cut, pdf, f_cos: scatter.weight * pdf.value() })
+            }
+        };
+        walk.depart(point, context, &scatter);
+        (light, Some(next))
+    }
+
+    /// Does [`GatherWalk::at_surface`] at a collision in a medium.
+    fn at_medium(
+        &self,
+        walk: &mut RandomWalk,
+        point: &MediumPoint,
+        departure: Option<&Departure>,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> (Spectrum, Onward) {
+        let (phase, context) = (PhaseAt::new(point, -walk.ray.direction), LightSampleContext::from(point));
+        let at = (point.p, &Scatterer::Medium(phase));
+        let Some((light, cut)) = self.gathered(walk, at, context, departure, sampler, tally) else {
+            return (Spectrum::ZERO, None);
+        };
+        let PhaseSample { direction, pdf } = phase.sample(sampler.u2(walk.bounce, Slot::Direction));
+        walk.scatter_in_medium(point, direction, Density::Smooth(pdf));
+        (light, Some(Some(Departure { at: context, cut, pdf, f_cos: Spectrum::splat(pdf.value()) })))
+    }
+
+    /// Returns the light that is gathered at a place that scatters smoothly, weighted by the walk, and the cut that was
+    /// sampled; `None` if virtual lights have the paths beyond it.
+    fn gathered(
+        &self,
+        walk: &RandomWalk,
+        at: (Vec3, &Scatterer),
+        context: LightSampleContext,
+        departure: Option<&Departure>,
+        sampler: &mut impl Sampler,
+        tally: &mut TraceStats,
+    ) -> Option<(Spectrum, Cut)> {
+        if !self.goes_beyond(departure, walk, at, sampler) {
+            return None;
+        }
+        let (scatterer, state, lanes) = (at.1, walk.ray.state, walk.lanes);
+        let events_left = self.max_depth - walk.depth - 1;
+        let receiver = Receiver { scatterer, context, state, lanes, bounce: walk.bounce, events_left };
+        let (direct, cut) = self.gather.direct(&receiver, sampler, tally);
+        let Limited { light, excess } = self.gather.indirect(&receiver, sampler, tally);
+        if !self.gather.limit.is_compensated {
+            tally.limited(walk.beta * excess);
+        }
+        Some((walk.beta * (direct + light), cut))
     }
 }
 
@@ -125,38 +220,33 @@ impl Radiance for GatherWalk<'_, '_> {
         let mut total = Spectrum::ZERO;
         let mut departure: Option<Departure> = None;
         loop {
-            let Some(mut point) = walk.arrive(sampler, tally) else {
-                return total + self.background(&walk, departure.as_ref(), tally);
+            let lanes = walk.lanes;
+            let (end, through) = if scene.features().flights() {
+                let Flown { end, through, .. } = walk.fly(sampler, tally);
+                (end, through)
+            } else {
+                (walk.arrive(sampler, tally).map(FlightEnd::Surface), Spectrum::ONE)
             };
-            total += self.emitted(&walk, departure.as_ref(), &point, tally);
+            let chance = density(lanes * through, Spectrum::ONE);
+            let Some(mut end) = end else {
+                return total + self.background(&walk, departure.as_ref(), chance, tally);
+            };
+            if let FlightEnd::Surface(point) = &end {
+                total += self.emitted(&walk, departure.as_ref(), point, chance, tally);
+            }
             if walk.depth >= self.max_depth {
                 return total;
             }
-            let surface = scene.surface(&mut point, walk.ray.state.bodies);
-            let wo = -walk.ray.direction;
-            let Some(shading) = &Shading::new(&point, &surface, wo, TransportMode::Radiance) else { return total };
-            let context = LightSampleContext::from(shading);
-            let is_smooth = shading.lobes().intersects(Lobes::SMOOTH);
-            let gathers = is_smooth && self.goes_beyond(departure.as_ref(), &walk, shading, sampler);
-            let mut cut = Cut::default();
-            if gathers {
-                let events_left = self.max_depth - walk.depth - 1;
-                let receiver = Receiver { shading, context, state: walk.ray.state, bounce: walk.bounce, events_left };
-                let direct;
-                (direct, cut) = self.gather.direct(&receiver, sampler, tally);
-                let Limited { light, excess } = self.gather.indirect(&receiver, sampler, tally);
-                if !self.gather.limit.is_compensated {
-                    tally.limited(walk.beta * excess);
-                }
-                total += walk.beta * (direct + light);
-            }
-            let Some(scatter) = &shading.sample(walk.scattering_numbers(&surface, sampler)) else { return total };
-            departure = match scatter.density {
-                Density::Delta(_) => None,
-                Density::Smooth(_) if !gathers => return total,
-                Density::Smooth(pdf) => Some(Departure { at: context, cut, pdf, f_cos: scatter.weight * pdf.value() }),
+            let gathered = match &mut end {
+                FlightEnd::Surface(point) => self.at_surface(&mut walk, point, departure.as_ref(), sampler, tally),
+                FlightEnd::Medium(point) => self.at_medium(&mut walk, point, departure.as_ref(), sampler, tally),
             };
-            walk.depart(&point, context, scatter);
+            let (light, next) = gathered;
+            total += light;
+            match next {
+                Some(next) => departure = next,
+                None => return total,
+            }
             if !walk.survives(sampler, tally) {
                 return total;
             }

@@ -25,7 +25,8 @@ impl<S: Strategy> PathTracer<'_, S> {
         let mut total = Spectrum::ZERO;
         loop {
             let lanes = walk.lanes;
-            let Flown { end, through } = walk.fly(sampler, tally);
+            let Flown { end, through, emitted } = walk.fly(sampler, tally);
+            total += emitted;
             let chance = density(lanes * through, Spectrum::ONE);
             let Some(end) = end else { return total + self.background(&walk, chance, tally) };
             if let FlightEnd::Surface(point) = &end {
@@ -110,7 +111,7 @@ impl<S: Strategy> PathTracer<'_, S> {
         };
         let Some(sample) = lights.all()[index].sample_li(receiver, u) else { return Spectrum::ZERO };
         let Some(mut scattering) = scatterer.scattering(sample.wi) else { return Spectrum::ZERO };
-        let clear = self.scene.clearance(&edge(sample.wi, sample.end), sampler, bounce, &mut tally.shadows);
+        let clear = self.scene.clearance(&edge(sample.wi, sample.end), &mut tally.shadows);
         scattering.pdf = scattering.pdf.choose(Pdf::new(density(walk.lanes * clear.flight, Spectrum::ONE)));
         let weight = light_weight::<S>(&scattering, &sample, pmf);
         walk.beta * scattering.f_cos * sample.radiance * clear.through * weight

@@ -201,13 +201,13 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     /// Leaves the vertex of `walk` at `point`: samples a light, of which `light` gets the edge and the contribution if
     /// nothing blocks the edge, and then a direction. Returns whether the walk goes on.
     #[inline(always)] // see RandomWalk::arrive
-    fn leave<P: Sampler>(
+    fn leave(
         &self,
         walk: &mut RandomWalk,
         point: &mut SurfacePoint,
-        sampler: &mut P,
+        sampler: &mut impl Sampler,
         tally: &mut TraceStats,
-        light: impl FnOnce(&Edge, Spectrum, &mut P, &mut TraceStats),
+        light: impl FnOnce(&Edge, Spectrum, &mut TraceStats),
     ) -> bool {
         let surface = self.scene.surface(point, walk.ray.state.bodies);
         let wo = -walk.ray.direction;
@@ -215,7 +215,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let receiver = self.receiver(shading);
         if S::SAMPLES_LIGHTS && shading.lobes().intersects(Lobes::SMOOTH) {
             if let Some((edge, contribution)) = &self.light_sample(shading, &receiver, walk, sampler, tally) {
-                light(edge, *contribution, sampler, tally);
+                light(edge, *contribution, tally);
             }
         }
         let Some(scatter) = &S::scatter(shading, walk.scattering_numbers(&surface, sampler)) else { return false };
@@ -245,7 +245,7 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
         _: &mut impl FnMut([f32; 2], Spectrum),
         tally: &mut TraceStats,
     ) -> Spectrum {
-        if self.scene.features().scattering {
+        if self.scene.features().flights() {
             return self.radiance_in_media(camera, sampler, tally);
         }
         let mut walk = RandomWalk::from_camera(self.scene, camera);
@@ -258,9 +258,8 @@ impl<S: Strategy> Radiance for PathTracer<'_, S> {
             if walk.depth >= self.max_depth {
                 return total;
             }
-            let bounce = walk.bounce;
-            let next_event = |edge: &Edge, light: Spectrum, sampler: &mut P, tally: &mut TraceStats| {
-                let through = self.scene.transmittance(edge, sampler, bounce, &mut tally.shadows);
+            let next_event = |edge: &Edge, light: Spectrum, tally: &mut TraceStats| {
+                let through = self.scene.transmittance(edge, &mut tally.shadows);
                 if !through.is_black() {
                     total += light * through;
                 }

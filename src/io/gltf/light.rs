@@ -69,7 +69,9 @@ fn cone(source: &Light, name: &str, notes: &mut Notes) -> Option<PunctualKind> {
     }
     let outer = outer.min(FRAC_PI_2);
     if inner >= outer {
-        notes.add(format!("light '{name}' has an inner cone that is not inside its outer one: its edge is sharp"));
+        notes.add(format!(
+            "light '{name}' has an inner cone that is not inside its outer one: its edge is as sharp as it can be"
+        ));
     }
     if inner < 0.0 {
         notes.add(format!("light '{name}' has an inner cone below 0, which is taken for 0"));

@@ -3,14 +3,18 @@
 use super::document::{Document, name_or};
 use super::notes::Notes;
 use super::texture::{self, Role, Slot};
-use super::{extras, image};
+use super::{extensions, extras, image};
 use crate::error::{Error, Result};
+use crate::io::medium::MOST_G;
+use crate::medium::Phase;
+use crate::medium::inversion::kulla_conty;
 use crate::scene::description::{AlphaMode, Material, MaterialModel, MetallicRoughnessMaterial, Volume};
 use crate::spectrum::Spectrum;
 use crate::texture::{Bitmap, Texture};
 use ::gltf::json;
 use json::material::AlphaMode as JsonAlphaMode;
 use json::validation::Checked;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -34,8 +38,10 @@ pub(super) fn load(
     let slots: Vec<Vec<Slot>> = indices.iter().map(&mut slots_of).collect();
     let images = images(document, slots.iter().flatten())?;
     let material = |(index, slots): (&Option<usize>, &Vec<Slot>)| match *index {
-        Some(i) => Source { document, json: &document.root.materials[i], name: name(i), slots, images: &images }
-            .material(notes),
+        Some(i) => {
+            let (json, raw) = (&document.root.materials[i], &document.raw["materials"][i]);
+            Source { document, json, raw, name: name(i), slots, images: &images }.material(notes)
+        }
         None => Ok(Material::default()),
     };
     let materials = indices.iter().zip(&slots).map(material).collect::<Result<_>>()?;
@@ -54,6 +60,8 @@ fn images<'a>(document: &Document, slots: impl Iterator<Item = &'a Slot>) -> Res
 struct Source<'a> {
     document: &'a Document,
     json: &'a json::Material,
+    /// The same as unchecked JSON, for extensions that the crate does not know.
+    raw: &'a Value,
     name: String,
     slots: &'a [Slot],
     images: &'a Images,
@@ -94,10 +102,10 @@ impl Source<'_> {
             return Ok(unlit(material, base));
         }
         let mut model = self.extended(base, notes)?;
-        if let Some((scattering, phase)) = asked.scattering {
+        if !asked.medium.is_empty() {
             let without =
-                || self.named(Error::scene("extras.etendue.scattering has no volume with a thickness to fill"));
-            model.volume = Some(Volume { scattering, phase, ..model.volume.ok_or_else(without)? });
+                || self.named(Error::scene("the medium in extras.etendue has no volume with a thickness to fill"));
+            model.volume = Some(asked.medium.fill(model.volume.ok_or_else(without)?));
         }
         Ok(Material { model: MaterialModel::MetallicRoughness(model), ..material })
     }
@@ -119,7 +127,7 @@ impl Source<'_> {
             base.transmission_texture = self.texture(Role::Transmission);
         }
         if let Some(volume) = &extensions.volume {
-            base.volume = self.volume(volume, notes)?;
+            base.volume = self.volume(volume, notes)?.map(|volume| self.scattering(volume)).transpose()?;
         }
         Ok(base)
     }
@@ -165,7 +173,28 @@ impl Source<'_> {
         }
         let attenuation_color = self.unit_color(volume.attenuation_color.0, "attenuation colour", notes);
         let solid = volume.thickness_factor.0 > 0.0;
-        Ok(solid.then_some(Volume { attenuation_distance: distance, attenuation_color, ..Volume::CLEAR }))
+        Ok(solid.then_some(Volume::absorbing(distance, attenuation_color)))
+    }
+
+    /// Returns `volume` with the scattering of the draft KHR_materials_volume_scatter, if it has any: the attenuation
+    /// is that of scattering and absorption together.
+    fn scattering(&self, volume: Volume) -> Result<Volume> {
+        let extension = &self.raw["extensions"][extensions::SCATTERING];
+        if extension.is_null() {
+            return Ok(volume);
+        }
+        let color = |lane: usize| match extension.get("multiscatterColor") {
+            None => Some(0.0),
+            Some(color) => color[lane].as_f64().filter(|c| (0.0..=1.0).contains(c)),
+        };
+        let g = extension.get("scatterAnisotropy").map_or(Some(0.0), Value::as_f64).filter(|g| g.abs() < 1.0);
+        let ([Some(r), Some(green), Some(b)], Some(g)) = ([0, 1, 2].map(color), g) else {
+            return Err(self.invalid("colour or anisotropy of scattering"));
+        };
+        let albedo = [r, green, b].map(|c| kulla_conty(c as f32));
+        let scattering = volume.absorption * Spectrum(albedo);
+        let phase = Phase::HenyeyGreenstein(g.clamp(-MOST_G, MOST_G) as f32);
+        Ok(Volume { scattering, absorption: volume.absorption - scattering, phase, ..volume })
     }
 
     /// Files often exceed the range by a rounding error, which must not cause an energy gain.

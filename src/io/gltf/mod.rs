@@ -20,6 +20,7 @@ mod extensions;
 mod extras;
 mod glb;
 mod graph;
+mod grids;
 mod image;
 mod instancing;
 mod lamps;
@@ -39,6 +40,7 @@ use crate::scene::description::{Description, Instance, Mesh, PunctualLight};
 use animation::Pose;
 use document::{Document, name_or};
 use graph::Placement;
+use grids::Grids;
 use notes::Notes;
 use std::collections::HashMap;
 use std::path::Path;
@@ -70,9 +72,10 @@ fn describe(document: &Document, options: &ReadOptions) -> Result<Description> {
     for placement in graph::placements(document, &pose)? {
         loader.place(&placement, &mut out)?;
     }
-    let (materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
+    let (mut materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
+    let Grids { densities, albedos } = grids::load(document, &loader.materials.order, &mut materials)?;
     lamps::afford(&out, &materials, options.memory)?;
-    Ok(Description { materials, images, ignored: loader.notes.into_sentences(), ..out })
+    Ok(Description { materials, densities, albedos, images, ignored: loader.notes.into_sentences(), ..out })
 }
 
 /// Returns the animated node values at the given time; none without a time.

@@ -104,8 +104,7 @@ impl ErrorCurve {
             efficiency: Interval::geometric(runs.iter().map(|run| efficiency(run))),
             mrays_per_second: rays / sum(|m| m.wall_seconds),
             mrays_per_cpu_second: rays / sum(|m| m.cpu_seconds),
-            memory_bytes: (film + info.geometry_bytes + info.accel_bytes + info.texture_bytes + info.light_tree_bytes)
-                as u64,
+            memory_bytes: (film + info.bytes()) as u64,
             load_seconds: contestant.stage.preparation.load_seconds,
             build_seconds: contestant.stage.preparation.build_seconds,
             runs: runs.clone(),

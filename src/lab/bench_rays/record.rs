@@ -100,7 +100,13 @@ mod tests {
     fn recorded(scene: &str, choices: &SettingsPatch) -> (Vec<RayQuery>, RayCounts) {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{scene}/scene.gltf"));
         let settings = choices.settings(Some(1.0)).unwrap();
-        let stage = LoadedScene::open(&path, None, &settings.moment(), &settings.build_options(1)).unwrap();
+        let stage = LoadedScene::open(
+            &path,
+            crate::session::Overrides::default(),
+            &settings.moment(),
+            &settings.build_options(1),
+        )
+        .unwrap();
         let view = View::new(&stage.scene, settings).unwrap();
         let (_, stream, counted) = record(stage, &view, scene).unwrap();
         (stream.questions, counted)

@@ -21,11 +21,11 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Returns the sums, and the mean over each row.
-    pub(super) fn new(map: &RadianceMap) -> (Self, Vec<f64>) {
+    /// Returns the sums of `share` of texels, and the mean over each row.
+    pub(super) fn new(map: &RadianceMap, share: impl Fn([f32; 3]) -> f64) -> (Self, Vec<f64>) {
         let [width, height] = map.size();
         let mut sums = Vec::with_capacity(width * height);
-        let means = (0..height).map(|y| add_row(map.row(y), &mut sums)).collect();
+        let means = (0..height).map(|y| add_row(map.row(y), &share, &mut sums)).collect();
         let block_ends = |row: &[f32]| row.chunks(BLOCK).map(|block| block[block.len() - 1]).collect::<Vec<_>>();
         let blocks = sums.chunks(width).flat_map(block_ends).collect();
         (Columns { width, height, sums: sums.into(), blocks }, means)
@@ -81,11 +81,10 @@ impl Columns {
 
 /// Appends the prefix sums of a row of texels and returns its mean. The share of a cell is the mean of its two ends; the
 /// last cell lies across the seam.
-fn add_row(row: &[[f32; 3]], sums: &mut Vec<f32>) -> f64 {
-    let mean = |x: usize| row[x].iter().map(|&lane| f64::from(lane)).sum::<f64>() / row[x].len() as f64;
+fn add_row(row: &[[f32; 3]], share: impl Fn([f32; 3]) -> f64, sums: &mut Vec<f32>) -> f64 {
     let mut sum = 0.0;
     for x in 0..row.len() {
-        sum += 0.5 * (mean(x) + mean(next(x, row.len())));
+        sum += 0.5 * (share(row[x]) + share(row[next(x, row.len())]));
         sums.push(sum as f32);
     }
     sum / row.len() as f64

@@ -6,11 +6,12 @@
 //! first and below the last row of centres it is constant in the polar angle.
 //!
 //! **Density.** The strips between rows of centres, cut at the columns of centres, are cells. Within each cell the
-//! density per solid angle is bilinear in azimuth and *height* cos θ, with the lane means of the four corner texels. It
-//! equals the lookup except for height in place of angle within a strip: a factor between ⅔ and 2 next to the poles,
-//! and within 1 % 100 strips away. It is positive exactly where the lookup is. Its integral over a cell is the solid
-//! angle of the cell times the mean of its corners. The inverse has a closed form, monotone in each coordinate, with
-//! one random number each. Evaluation uses the same four texels. Nothing divides by the sine at a pole.
+//! density per solid angle is bilinear in azimuth and *height* cos θ between the shares of the four corner texels. The
+//! share of a texel is its lane mean after MIS compensation (`compensation`). But for that the density equals the
+//! lookup with height in place of angle within a strip: a factor between ⅔ and 2 next to the poles, and within 1 % 100
+//! strips away. It is positive exactly where the lookup is. Its integral over a cell is the solid angle of the cell
+//! times the mean of its corners. The inverse has a closed form, monotone in each coordinate, with one random number
+//! each. Evaluation uses the same four texels. Nothing divides by the sine at a pole.
 //!
 //! Lookup and sampling are kernels over lanes: lanes search and fetch one stage after the other, so that their cache
 //! misses overlap. The functions for one direction are the kernels at one lane.
@@ -19,6 +20,7 @@
 //! neighbours.
 
 mod columns;
+mod compensation;
 mod strips;
 
 use super::{EmitterPoint, EnvironmentSamples, LightSample};
@@ -28,6 +30,7 @@ use crate::sampling::{Density, Pdf, SolidAngle};
 use crate::spectrum::Spectrum;
 use crate::texture::RadianceMap;
 use columns::Columns;
+use compensation::Compensation;
 use etendue_lanes::{Float, Int, MOST_LANES, ROW, Vec3};
 use std::f64::consts;
 use std::sync::Arc;
@@ -46,8 +49,11 @@ pub struct EnvironmentMap {
     turn: f32,
     strips: Strips,
     columns: Columns,
+    compensation: Compensation,
     /// ∫ of the lane mean under height-linear interpolation, before scaling.
     integral: f64,
+    /// The same of the texels' shares of the density.
+    shares: f32,
 }
 
 /// Cells, and points in them.
@@ -66,13 +72,24 @@ impl EnvironmentMap {
     /// Creates the light of `map` times `scale` (finite, not negative), rotated by `degrees` about the up axis,
     /// counter-clockwise seen from above; `None` if it is dark.
     pub fn new(map: Arc<RadianceMap>, scale: f32, degrees: f64) -> Option<EnvironmentMap> {
-        let (columns, means) = Columns::new(&map);
-        let (strips, integral) = Strips::new(&means);
+        let integral = strips::integrals(&row_means(&map)).iter().sum();
         if integral < DARK || scale <= 0.0 {
             return None;
         }
+        let compensation = Compensation::new(integral / (4.0 * consts::PI));
+        let (columns, means) = Columns::new(&map, |texel| f64::from(compensation.of(mean(Spectrum(texel)))));
+        let (strips, shares) = Strips::new(&means);
         let turn = (degrees / 360.0).rem_euclid(1.0) as f32;
-        Some(EnvironmentMap { map, scale, turn, strips: strips?, columns, integral })
+        Some(EnvironmentMap {
+            map,
+            scale,
+            turn,
+            strips: strips?,
+            columns,
+            compensation,
+            integral,
+            shares: shares as f32,
+        })
     }
 
     /// Returns the radiance from the unit direction `w`, and the density of `w` under [`EnvironmentMap::sample`].
@@ -89,7 +106,7 @@ impl EnvironmentMap {
         self.blend(&place, self.corners(&place))
     }
 
-    /// Samples a direction with a density close to proportional to the lane mean of the radiance.
+    /// Samples a direction, by the parts of the map that stand out from its mean.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
         let EnvironmentSamples { wi, radiance, pdf, valid } = self.sample_lanes::<f32>(u);
@@ -105,7 +122,8 @@ impl EnvironmentMap {
         self.fetch::<F>(strip, column);
         let mut place = Lookup { strip, column, x: rest, angle, height };
         let corners = self.corners(&place);
-        let side = |k: usize| mix(mean(corners[0][k]), mean(corners[1][k]), height);
+        let [above, below] = corners.map(|row| self.shares_of(row));
+        let side = |k: usize| mix(above[k], below[k], height);
         place.x = linear(rest, [side(0), side(1)]);
         let (radiance, pdf) = self.blend(&place, corners);
         let position = (F::from_int(column) + F::splat(0.5) + place.x) / F::splat(self.width());
@@ -189,10 +207,27 @@ impl EnvironmentMap {
     #[inline(always)]
     fn blend<F: Float>(&self, place: &Lookup<F>, [above, below]: [[Spectrum<F>; 2]; 2]) -> (Spectrum<F>, F) {
         let between = |a: Spectrum<F>, b: Spectrum<F>, t: F| a.zip(b, |a, b| mix(a, b, t));
+        let [share_above, share_below] = [above, below].map(|row| {
+            let [left, right] = self.shares_of(row);
+            mix(left, right, place.x)
+        });
         let (above, below) = (between(above[0], above[1], place.x), between(below[0], below[1], place.x));
-        let density = mix(mean(above), mean(below), place.height) / F::splat(self.integral as f32);
+        let density = mix(share_above, share_below, place.height) / F::splat(self.shares);
         (between(above, below, place.angle) * F::splat(self.scale), density)
     }
+
+    /// Returns the shares of two texels in the density, before it is normalised.
+    #[inline(always)]
+    fn shares_of<F: Float>(&self, texels: [Spectrum<F>; 2]) -> [F; 2] {
+        texels.map(|texel| self.compensation.of(mean(texel)))
+    }
+}
+
+/// Returns the mean over lanes and columns of each row.
+fn row_means(map: &RadianceMap) -> Vec<f64> {
+    let texel = |texel: &[f32; 3]| texel.iter().map(|&lane| f64::from(lane)).sum::<f64>() / texel.len() as f64;
+    let row = |y: usize| map.row(y).iter().map(texel).sum::<f64>() / map.size()[0] as f64;
+    (0..map.size()[1]).map(row).collect()
 }
 
 /// Reduces turns from −1 to 2, exclusive, to those from 0 to 1.

@@ -11,6 +11,16 @@ use std::f64::consts::PI;
 /// Strip between the rows of centres j − 1 and j, as a row of numbers: see [`strip`].
 type Strip = [f32; ROW];
 
+/// Returns the integral over the solid angle of each strip of a map whose rows have these `means`.
+pub(super) fn integrals(means: &[f64]) -> Vec<f64> {
+    let count = means.len();
+    let integral = |j: usize| {
+        let [[from, to], [above, below]] = [versines(j, count), rows(j, count).map(|y| means[y])];
+        PI * (to - from).abs() * (above + below)
+    };
+    (0..=count).map(integral).collect()
+}
+
 /// All strips of a map.
 #[derive(Debug)]
 pub(super) struct Strips {
@@ -34,14 +44,9 @@ impl Strips {
     /// Returns the strips of a map whose rows have these `means`, and ∫ of its lane mean over the sphere; `None` for
     /// the strips if it is dark.
     pub(super) fn new(means: &[f64]) -> (Option<Self>, f64) {
-        let count = means.len();
-        let weight = |j: usize| {
-            let [[from, to], [above, below]] = [versines(j, count), rows(j, count).map(|y| means[y])];
-            PI * (to - from).abs() * (above + below)
-        };
-        let weights: Vec<f64> = (0..=count).map(weight).collect();
+        let weights = integrals(means);
         let integral = weights.iter().sum();
-        let strips = (0..=count).map(|j| strip(j, means)).collect();
+        let strips = (0..=means.len()).map(|j| strip(j, means)).collect();
         (Distribution::new(weights).map(|choice| Strips { strips, choice }), integral)
     }
 

@@ -5,9 +5,9 @@
 //! `field.feed(bytes)`, or `field: _` if no image depends on it, such as names that nothing is selected by.
 
 use super::{
-    AlphaMode, CameraDescription, Description, DiffuseMaterial, EnvironmentDescription, Instance, Lens, Material,
-    MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial, Primitive, Projection, PunctualKind, PunctualLight,
-    Volume,
+    AlbedoGrid, AlphaMode, CameraDescription, DensityGrid, Description, DiffuseMaterial, EnvironmentDescription,
+    Instance, Lens, Material, MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial, Primitive, Projection,
+    PunctualKind, PunctualLight, Volume,
 };
 use crate::spectrum::Spectrum;
 use crate::texture::{Bitmap, Encoding, RadianceMap, Texture, TextureFilter, Wrap};
@@ -36,6 +36,9 @@ impl Content for Description {
             meshes,
             instances,
             materials,
+            densities,
+            albedos,
+            media,
             images: _,
             lights,
             cameras,
@@ -56,6 +59,37 @@ impl Content for Description {
         environment.feed(bytes);
         has_punctual_lights.feed(bytes);
         has_emission.feed(bytes);
+        // Files without grids, and without media around them, keep their hashes.
+        if !densities.is_empty() {
+            densities.feed(bytes);
+        }
+        if !albedos.is_empty() {
+            albedos.feed(bytes);
+        }
+        if !media.is_empty() {
+            media.feed(bytes);
+        }
+    }
+}
+
+impl Content for AlbedoGrid {
+    fn feed(&self, bytes: &mut Bytes) {
+        let AlbedoGrid { colors, transform } = self;
+        colors.cells().iter().for_each(|n| n.feed(bytes));
+        bytes.update(bytemuck::cast_slice(colors.values()));
+        transform.feed(bytes);
+    }
+}
+
+impl Content for DensityGrid {
+    fn feed(&self, bytes: &mut Bytes) {
+        let DensityGrid { blocks, transform } = self;
+        blocks.cells().iter().for_each(|n| n.feed(bytes));
+        for part in blocks.content_bytes() {
+            part.len().feed(bytes);
+            bytes.update(part);
+        }
+        transform.feed(bytes);
     }
 }
 
@@ -214,14 +248,13 @@ impl Content for MetalFresnel {
 
 impl Content for Volume {
     fn feed(&self, bytes: &mut Bytes) {
-        let Volume { attenuation_distance, attenuation_color, scattering, phase } = self;
-        attenuation_distance.feed(bytes);
-        attenuation_color.feed(bytes);
-        // Files without scattering keep their hashes.
-        if !scattering.is_black() {
-            scattering.feed(bytes);
-            phase.numbers().feed(bytes);
-        }
+        let Volume { absorption, scattering, emission, phase, density, albedo } = self;
+        absorption.feed(bytes);
+        scattering.feed(bytes);
+        emission.feed(bytes);
+        phase.numbers().feed(bytes);
+        density.feed(bytes);
+        albedo.feed(bytes);
     }
 }
 

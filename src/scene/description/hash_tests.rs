@@ -76,7 +76,7 @@ fn every_rendered_field_changes_the_scene_hash() {
         ("double sided", |d| d.materials[0].double_sided = true),
         ("alpha mode", |d| d.materials[0].alpha_mode = AlphaMode::Mask { cutoff: 0.0 }),
         ("volume", |d| {
-            glossy(d).volume = Some(Volume { attenuation_distance: 1.0, ..Volume::CLEAR });
+            glossy(d).volume = Some(Volume::absorbing(1.0, Spectrum::splat(0.5)));
         }),
         ("which texture", |d| d.materials[0].emission_texture = glossy(d).base_color_texture.take()),
         ("alpha texture", |d| d.materials[0].alpha_texture = Some(texture())),

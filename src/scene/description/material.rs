@@ -29,28 +29,45 @@ pub enum MetalFresnel {
     Constant,
 }
 
-/// The homogeneous medium inside a solid.
+/// The medium inside a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Volume {
-    /// Distance at which white light takes the attenuation colour by absorption, in file units; infinite without it.
-    pub attenuation_distance: f64,
-    /// The attenuation colour.
-    pub attenuation_color: Spectrum,
+    /// Absorption coefficient per file unit of length.
+    pub absorption: Spectrum,
     /// Scattering coefficient per file unit of length.
     pub scattering: Spectrum,
+    /// Emitted radiance per file unit of length.
+    pub emission: Spectrum,
     /// How it scatters.
     pub phase: Phase,
+    /// Index into [`Description::densities`](super::Description::densities) of what multiplies its coefficients; `None`
+    /// is 1 everywhere.
+    pub density: Option<usize>,
+    /// Index into [`Description::albedos`](super::Description::albedos) of what multiplies its scattering; what that
+    /// takes away is absorbed. `None` is 1 everywhere.
+    pub albedo: Option<usize>,
 }
 
 impl Volume {
     /// A medium that light passes unchanged.
     pub const CLEAR: Volume = Volume {
-        attenuation_distance: f64::INFINITY,
-        attenuation_color: Spectrum::ONE,
+        absorption: Spectrum::ZERO,
         scattering: Spectrum::ZERO,
+        emission: Spectrum::ZERO,
         phase: Phase::Isotropic,
+        density: None,
+        albedo: None,
     };
+
+    /// Returns the medium in which white light takes `color` (0 to 1) by absorption after `distance` in file units.
+    pub fn absorbing(distance: f64, color: Spectrum) -> Volume {
+        let coefficient = |c: f32| (-f64::from(c.clamp(f32::MIN_POSITIVE, 1.0)).ln() / distance) as f32 + 0.0; // not −0
+        Volume { absorption: color.map(|c: f32| coefficient(c).min(MOST_ABSORPTION)), ..Volume::CLEAR }
+    }
 }
+
+/// Greatest coefficient of absorption from a distance and a colour: nothing passes, and all products stay within f32.
+const MOST_ABSORPTION: f32 = 1e12;
 
 /// A material: how a surface scatters, what it emits, and where it exists. Each texture multiplies its factor.
 #[derive(Debug, Clone)]

@@ -1,8 +1,10 @@
 //! A scene as loaded: plain data in file units, before rebasing and construction.
 
+mod density;
 pub(in crate::scene) mod hash;
 mod material;
 
+pub use density::{AlbedoGrid, DensityGrid};
 pub use material::{
     AlphaMode, DiffuseMaterial, Material, MaterialModel, MetalFresnel, MetallicRoughnessMaterial, Volume,
 };
@@ -21,6 +23,12 @@ pub struct Description {
     pub instances: Vec<Instance>,
     /// Materials of the primitives.
     pub materials: Vec<Material>,
+    /// Densities of media.
+    pub densities: Vec<DensityGrid>,
+    /// Albedos of media.
+    pub albedos: Vec<AlbedoGrid>,
+    /// Media in the space around everything, cameras and lamps included. One with a density fills the density's box.
+    pub media: Vec<Volume>,
     /// Decoded images of the textures; shared images are decoded once.
     pub images: Vec<Arc<Bitmap>>,
     /// Point, spot and directional lights.

@@ -201,13 +201,8 @@ impl Material {
 /// Returns the interior of a transmitting material with a volume.
 fn interior(m: &description::Material, rebase: &Rebase) -> Option<Interior> {
     let (ior, volume) = m.model.inside()?;
-    // White light has the attenuation colour after the attenuation distance.
-    let distance = (volume.attenuation_distance * rebase.scale) as f32;
-    let absorption = if distance.is_finite() {
-        volume.attenuation_color.map(|c: f32| -c.clamp(f32::MIN_POSITIVE, 1.0).ln() / distance)
-    } else {
-        Spectrum::ZERO
-    };
-    let scattering = volume.scattering.map(|s: f32| (f64::from(s) / rebase.scale) as f32);
-    Some(Interior { medium: Homogeneous::new(absorption, scattering, volume.phase), ior, priority: m.priority })
+    let rebased = |coefficient: Spectrum| coefficient.map(|s: f32| (f64::from(s) / rebase.scale) as f32);
+    let medium = Homogeneous::new(rebased(volume.absorption), rebased(volume.scattering), volume.phase)
+        .emitting(rebased(volume.emission));
+    Some(Interior { medium, density: volume.density, albedo: volume.albedo, ior, priority: m.priority })
 }

@@ -60,7 +60,7 @@ impl SubpathSampler<'_, '_> {
     /// Traces the current edge of `walk` to its end.
     fn follow(&mut self, mut walk: RandomWalk) -> Option<RayEnd> {
         let mut sampler = IndependentSampler::new(self.numbers.address());
-        let end = if self.common.scene.features().scattering {
+        let end = if self.common.scene.features().flights() {
             walk.fly(&mut sampler, self.tally).end
         } else {
             walk.arrive(&mut sampler, self.tally).map(FlightEnd::Surface)

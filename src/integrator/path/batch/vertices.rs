@@ -418,7 +418,7 @@ impl<F: Float> Stage<'_, '_, F> {
         }
         let Some(point) = &mut point.filter(|_| walk.depth < tracer.max_depth) else { return };
         let shadows = &mut *self.shadows;
-        let push = |edge: &Edge, light, _: &mut _, _: &mut _| shadows.push(edge.ray(), light, pixel);
+        let push = |edge: &Edge, light, _: &mut _| shadows.push(edge.ray(), light, pixel);
         if tracer.leave(&mut walk, point, sampler, self.tally, push) {
             self.next.push(&walk, key, pixel);
         }

@@ -4,7 +4,8 @@ use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, m
 use etendue::accel::Backend;
 use etendue::medium::Phase;
 use etendue::scene::description::{
-    CameraDescription, Description, EnvironmentDescription, Lens, Material, PunctualKind, PunctualLight, Volume,
+    CameraDescription, DensityGrid, Description, EnvironmentDescription, Lens, Material, MaterialModel, PunctualKind,
+    PunctualLight, Volume,
 };
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Spectrum;
@@ -153,8 +154,7 @@ fn open() -> World {
 /// Coloured glass, rough and clear, and the same far away and large, as instances.
 fn tinted() -> World {
     let mut scene = room();
-    let volume =
-        Some(Volume { attenuation_distance: 0.3, attenuation_color: Spectrum([0.9, 0.4, 0.6]), ..Volume::CLEAR });
+    let volume = Some(Volume::absorbing(0.3, Spectrum([0.9, 0.4, 0.6])));
     Ball::new(3, 0.35).add(&mut scene, DVec3::new(-0.4, -0.6, -0.2), with_model(glass(0.0), |m| m.volume = volume));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.65, 0.1), with_model(glass(0.6), |m| m.volume = volume));
     Ball::new(2, 0.2).add(
@@ -182,8 +182,7 @@ fn nested() -> World {
     let inside = |ior, distance, color| {
         with_model(glass(0.0), |m| {
             m.ior = ior;
-            m.volume =
-                Some(Volume { attenuation_distance: distance, attenuation_color: Spectrum(color), ..Volume::CLEAR });
+            m.volume = Some(Volume::absorbing(distance, Spectrum(color)));
         })
     };
     add_box(&mut scene, Vec3::new(0.0, -0.3, 0.0), Vec3::new(0.9, 0.6, 0.9), inside(1.33, 2.0, [0.5, 0.8, 0.9]));
@@ -218,9 +217,8 @@ fn lens() -> World {
 fn foggy() -> World {
     let mut scene = room();
     let inside = |ior: f32, priority: i32, scattering: [f32; 3], phase: Phase| {
-        let color = Spectrum([0.8, 0.7, 0.5]);
-        let volume =
-            Volume { attenuation_distance: 2.0, attenuation_color: color, scattering: Spectrum(scattering), phase };
+        let (color, scattering) = (Spectrum([0.8, 0.7, 0.5]), Spectrum(scattering));
+        let volume = Volume { scattering, phase, ..Volume::absorbing(2.0, color) };
         let model = with_model(glass(0.0), |m| {
             m.ior = ior;
             m.volume = Some(volume);
@@ -229,13 +227,24 @@ fn foggy() -> World {
     };
     let fog = inside(1.0, 0, [0.3, 0.5, 0.8], Phase::HenyeyGreenstein(0.6));
     add_box(&mut scene, Vec3::ZERO, Vec3::splat(0.98), fog);
-    let smoke = inside(1.0, 1, [2.0, 1.0, 3.0], Phase::Mixture([0.7, -0.3], 0.6));
+    let mut smoke = inside(1.0, 1, [2.0, 1.0, 3.0], Phase::Mixture([0.7, -0.3], 0.6));
+    // Clouds of up to three times the density around the ball, with holes.
+    let densities = (0..60).map(|i: u16| f32::from(i * 7 % 11).max(2.0) * 0.3 - 0.6).collect();
+    let place = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(0.65),
+        glam::DQuat::from_rotation_y(0.5),
+        DVec3::new(-0.35, -0.3, -0.25),
+    );
+    scene.densities.push(DensityGrid::new([3, 4, 5], densities, place).expect("valid"));
+    if let MaterialModel::MetallicRoughness(model) = &mut smoke.model {
+        model.volume = model.volume.map(|volume| Volume { density: Some(0), ..volume });
+    }
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(-0.4, -0.5, -0.2), smoke);
     let milk = inside(1.5, 2, [4.0, 3.0, 2.0], Phase::Rayleigh);
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.55, 0.1), milk);
     Ball::new(2, 0.2).add(&mut scene, DVec3::new(0.1, 0.0, -0.5), metal(0.8, 0.0));
     scene.lights.push(point_light(DVec3::new(-0.3, 0.4, 0.2), 0.5));
-    World { fog: 5.0 / 0.3, ..build("foggy", 1.0, scene) }
+    World { fog: 15.0 / 0.3, ..build("foggy", 1.0, scene) }
 }
 
 /// Every world.
