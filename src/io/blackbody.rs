@@ -9,7 +9,8 @@ pub(crate) const TEMPERATURES: RangeInclusive<f64> = 500.0..=1e6;
 /// Second radiation constant, in nanometre kelvins.
 const C2: f64 = 1.438_776_877e7;
 
-/// Returns the colour of a black body at `kelvin` in linear Rec. 709, of luminance 1. Lanes outside the gamut are black.
+/// Returns the colour of a black body at `kelvin` in linear Rec. 709, of luminance 1. Lanes outside the gamut are
+/// black.
 pub(crate) fn color(kelvin: f64) -> Spectrum {
     let [x, y, z] = tristimulus(kelvin);
     let (x, z) = (x / y, z / y);
@@ -54,8 +55,8 @@ fn observer(nm: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Chromaticities of the Planckian locus, from the CIE's tables. The fit of the observer is good to 1 % of its peaks, which
-    /// is more of the deep red of cold bodies.
+    /// Chromaticities of the Planckian locus, from the CIE's tables. The fit of the observer is good to 1 % of its
+    /// peaks, which is more of the deep red of cold bodies.
     #[test]
     fn chromaticities_are_those_of_the_locus() {
         let locus = [

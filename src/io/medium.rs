@@ -1,12 +1,12 @@
 //! Media as tables of options, in materials of glTF files (`extras.etendue`) and in `render.toml` (`[media.NAME]`).
 //!
 //! `scattering` and `absorption` are coefficients per unit of length, a number or one for each of red, green and blue.
-//! In their place `albedo`, a colour, and `mean_free_path`, a length or three, tell what a deep body of the medium looks like
-//! under diffuse light: see [`crate::medium::inversion`]. `emission` is the emitted radiance per unit of length; with a
-//! `temperature` in kelvins it is the luminance, and the colour is that of a black body. `phase` tells how the medium scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and
-//! Greenstein, or `[g, g, share of the first]`. `density` names a grid that multiplies the coefficients: see
-//! [`super::volume`]. `albedo_grid` names one of one or three channels, which multiplies scattering; what it takes away is
-//! absorbed.
+//! In their place `albedo`, a colour, and `mean_free_path`, a length or three, tell what a deep body of the medium
+//! looks like under diffuse light: see [`crate::medium::inversion`]. `emission` is the emitted radiance per unit of
+//! length; with a `temperature` in kelvins it is the luminance, and the colour is that of a black body. `phase` tells
+//! how the medium scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and Greenstein, or
+//! `[g, g, share of the first]`. `density` names a grid that multiplies the coefficients: see [`super::volume`].
+//! `albedo_grid` names one of one or three channels, which multiplies scattering; what it takes away is absorbed.
 
 use super::blackbody;
 use super::volume::VolumeGrid;

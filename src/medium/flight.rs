@@ -42,17 +42,17 @@ pub struct Collision {
     pub factor: Spectrum,
 }
 
-/// Returns the density per length with which flights of the prior 1 along an edge collide where the medium has this `extinction`, or,
-/// for an extinction of 1, the probability with which they reach a surface there. `through` is the transmittance of the
-/// scattering media on the edge.
+/// Returns the density per length with which flights of the prior 1 along an edge collide where the medium has this
+/// `extinction`, or, for an extinction of 1, the probability with which they reach a surface there. `through` is the
+/// transmittance of the scattering media on the edge.
 #[inline]
 pub fn density(through: Spectrum, extinction: Spectrum) -> f32 {
     (through * extinction).mean()
 }
 
 impl Flight {
-    /// Begins a flight by u in [0, 1)²: of the lane, and of the length. `prior` has the density of the walk so far by each
-    /// lane over the mean of all lanes.
+    /// Begins a flight by u in [0, 1)²: of the lane, and of the length. `prior` has the density of the walk so far by
+    /// each lane over the mean of all lanes.
     #[inline]
     pub fn new(prior: Spectrum, [lane, u]: [f32; 2]) -> Self {
         let mut left = lane * LANES as f32;
@@ -64,8 +64,8 @@ impl Flight {
         Flight { prior, lane, left: -(-u).ln_1p(), through: Spectrum::ONE, absorbed: Spectrum::ONE }
     }
 
-    /// Crosses the segment of `length` from `origin` along the unit vector `w` in `medium`; returns the collision on the way,
-    /// if there is one.
+    /// Crosses the segment of `length` from `origin` along the unit vector `w` in `medium`; returns the collision on
+    /// the way, if there is one.
     #[inline]
     pub fn cross(&mut self, medium: &Medium, origin: Vec3, w: Vec3, length: f32) -> Option<Collision> {
         let unit = &medium.unit;

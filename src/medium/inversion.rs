@@ -1,16 +1,18 @@
 //! The artists' parameters of a medium: a colour and a mean free path, turned into coefficients.
 //!
-//! The colour is the reflectance of diffuse light by an infinitely deep, flat body of the medium without a boundary of its
-//! own: a wall of it under a cloudy sky has this colour. For isotropic scattering the relation to the single-scattering
-//! albedo ω is Chandrasekhar's; a rational function inverts it within 1.3e-5 A (1 − A). The fits in use are good to 0.4 %
-//! of ω above 0.7 and to 4 % below.
+//! The colour is the reflectance of diffuse light by an infinitely deep, flat body of the medium without a boundary of
+//! its own: a wall of it under a cloudy sky has this colour. For isotropic scattering the relation to the
+//! single-scattering albedo ω is Chandrasekhar's; a rational function inverts it within 1.3e-5 A (1 − A). The fits in
+//! use are good to 0.4 % of ω above 0.7 and to 4 % below.
 //!
-//! Limits: anisotropic scattering is inverted by similarity, equal σa and (1 − g) σs, which is exact only for light that has
-//! been scattered often. A boundary of another index reflects light back into the body and makes it darker than its colour.
+//! Limits: anisotropic scattering is inverted by similarity, equal σa and (1 − g) σs, which is exact only for light
+//! that has been scattered often. A boundary of another index reflects light back into the body and makes it darker
+//! than its colour.
 
 use crate::spectrum::Spectrum;
 
-/// Coefficients p₁, p₂, q₁, q₂ of √(1 − ω) = (1 − A) (1 + p₁ A + p₂ A²) / (1 + q₁ A + q₂ A²), fitted to 400 exact values.
+/// Coefficients p₁, p₂, q₁, q₂ of √(1 − ω) = (1 − A) (1 + p₁ A + p₂ A²) / (1 + q₁ A + q₂ A²), fitted to 400 exact
+/// values.
 const INVERSE: [f64; 4] = [1.024_976_5, 0.021_190_80, 2.469_116_0, 1.256_249_2];
 
 /// Absorption and scattering per unit of length.
@@ -22,8 +24,8 @@ pub struct Coefficients {
     pub scattering: Spectrum,
 }
 
-/// Returns √(1 − ω) for the single-scattering albedo ω of isotropic scattering by which a half-space reflects `color` of
-/// diffuse light. The root keeps its digits in bright media. The colour is clamped to [0, 1].
+/// Returns √(1 − ω) for the single-scattering albedo ω of isotropic scattering by which a half-space reflects `color`
+/// of diffuse light. The root keeps its digits in bright media. The colour is clamped to [0, 1].
 fn root_of_absorption(color: f64) -> f64 {
     let a = color.clamp(0.0, 1.0);
     let [p1, p2, q1, q2] = INVERSE;
@@ -44,8 +46,8 @@ pub fn invert(color: Spectrum, mean_free_path: Spectrum, g: f32) -> Coefficients
     Coefficients { absorption: Spectrum([a[0], b[0], c[0]]), scattering: Spectrum([a[1], b[1], c[1]]) }
 }
 
-/// Returns the single-scattering albedo for the colour `a` in [0, 1] by the approximation of [KullaConty17], which glTF's
-/// draft of scattering prescribes.
+/// Returns the single-scattering albedo for the colour `a` in [0, 1] by the approximation of [KullaConty17], which
+/// glTF's draft of scattering prescribes.
 pub fn kulla_conty(a: f32) -> f32 {
     let a = f64::from(a.clamp(0.0, 1.0));
     let s = 4.09712 + 4.20863 * a - (9.59217 + a * (41.6808 + 17.7126 * a)).sqrt();

@@ -3,7 +3,7 @@
 //! Phase functions follow the conventions of scattering functions: light arrives along `wi` and leaves along `wo`, and
 //! both point away from the vertex. Coefficients are per unit of length, one a lane.
 
-mod albedo_grid;
+mod albedos;
 mod blocks;
 mod flight;
 mod grid;
@@ -16,7 +16,7 @@ mod track;
 mod tracking;
 mod varying;
 
-pub use albedo_grid::{AlbedoGrid, Colors};
+pub use albedos::{Albedos, Colors};
 pub use blocks::Blocks;
 pub use flight::{Collision, Flight, density};
 pub use grid::Grid;

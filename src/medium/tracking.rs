@@ -1,9 +1,9 @@
 //! Null-collision methods: delta tracking, ratio tracking and residual ratio tracking with a majorant for each block.
 //!
 //! They estimate what regular tracking integrates, by lookups at tentative collisions, whose number is proportional to
-//! the optical depth of the majorant and not to the number of cells. No method uses them: a flight by delta tracking does not
-//! know its density, which MIS needs, and ratio tracking pays for its speed with variance (docs/measurements.md). They test
-//! regular tracking.
+//! the optical depth of the majorant and not to the number of cells. No method uses them: a flight by delta tracking
+//! does not know its density, which MIS needs, and ratio tracking pays for its speed with variance
+//! (docs/measurements.md). They test regular tracking.
 //!
 //! **Majorants.** Each block bounds all lookups in it: a lookup is a mean of eight of the corners whose extremes are
 //! the bounds, positions are clamped to the block, and the result to the bounds. So no majorant is ever exceeded,

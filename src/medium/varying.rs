@@ -1,7 +1,7 @@
 //! Media whose density may vary from place to place.
 
 use super::reach::Reach;
-use super::{AlbedoGrid, Grid, Homogeneous};
+use super::{Albedos, Grid, Homogeneous};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
@@ -13,7 +13,7 @@ pub struct Medium {
     /// The density; empty outside of its box.
     pub grid: Option<Grid>,
     /// The albedo, which multiplies scattering.
-    pub albedo: Option<AlbedoGrid>,
+    pub albedo: Option<Albedos>,
 }
 
 impl From<Homogeneous> for Medium {
@@ -41,8 +41,8 @@ impl Medium {
         self.albedo.as_ref().map_or(Spectrum::ONE, |grid| grid.at(p))
     }
 
-    /// Returns the radiance that the segment emits toward `origin`. All coefficients have the same density, so that it is
-    /// that of a homogeneous medium as long as the integral of the density.
+    /// Returns the radiance that the segment emits toward `origin`. All coefficients have the same density, so that it
+    /// is that of a homogeneous medium as long as the integral of the density.
     #[inline]
     pub fn emitted(&self, origin: Vec3, w: Vec3, length: f32) -> Spectrum {
         self.unit.emitted(self.depth(origin, w, length))

@@ -2,8 +2,8 @@
 //! computed from their definitions in f64. It is the reference for the recursive MIS weights, and the basis of methods
 //! that mutate paths.
 //!
-//! Visibility and transmittance of edges are left out; [`super::Content`] adds them. The path names its Dirac components. Their
-//! directions are taken from the path, and values and probabilities are those of the component (see
+//! Visibility and transmittance of edges are left out; [`super::Content`] adds them. The path names its Dirac
+//! components. Their directions are taken from the path, and values and probabilities are those of the component (see
 //! [`FullPath::steps`]).
 
 use super::mis::MisStrategy;

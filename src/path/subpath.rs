@@ -85,7 +85,8 @@ pub struct Subpath<'a> {
     weights: MisStrategy,
     /// The random walk.
     pub walk: RandomWalk<'a>,
-    /// What the media on the current edge emit toward its start, times the throughput there; black before its end is known.
+    /// What the media on the current edge emit toward its start, times the throughput there; black before its end is
+    /// known.
     pub emitted: Spectrum,
     link: MisEdge,
     start: Start,

@@ -16,7 +16,7 @@ use crate::bsdf::Lobes;
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::light::{BoundingSphere, Environment, Light, LightChoice, Lights};
-use crate::medium::{AlbedoGrid, Grid};
+use crate::medium::{Albedos, Grid};
 use glam::DAffine3;
 use std::sync::Arc;
 use std::time::Instant;
@@ -78,7 +78,7 @@ impl Scene {
             },
             |index, instance| {
                 let description::AlbedoGrid { colors, transform } = &description.albedos[index];
-                AlbedoGrid::new(Arc::clone(colors), &placed(instance, transform))
+                Albedos::new(Arc::clone(colors), &placed(instance, transform))
             },
         );
         let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);

@@ -1,7 +1,7 @@
 //! Media in the space around a scene: boxes of glass of index 1, in which everything else takes precedence.
 //!
-//! A medium without a density fills a box around everything, with a margin. So light from infinity crosses a finite part of
-//! it. One with a density fills the density's box.
+//! A medium without a density fills a box around everything, with a margin. So light from infinity crosses a finite
+//! part of it. One with a density fills the density's box.
 
 use super::description::{
     AlbedoGrid, DensityGrid, Description, Instance, Material, Mesh, MetallicRoughnessMaterial, Primitive, PunctualKind,

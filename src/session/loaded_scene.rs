@@ -34,8 +34,8 @@ pub struct LoadTimings {
 }
 
 impl LoadedScene {
-    /// Loads and builds the scene at `path`, at that `moment` of its animations, with these `overrides`. Must be called from outside the rayon pool. The caller has set up the pool with as
-    /// many threads as `options` say.
+    /// Loads and builds the scene at `path`, at that `moment` of its animations, with these `overrides`. Must be called
+    /// from outside the rayon pool. The caller has set up the pool with as many threads as `options` say.
     ///
     /// # Errors
     /// The scene, the environment or a medium cannot be read or is invalid.

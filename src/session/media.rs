@@ -1,8 +1,8 @@
 //! Media that a `render.toml` adds to a scene: `[media.NAME]`.
 //!
-//! A table has the keys of [`crate::io::medium`] and `fills`: `"scene"` (the default), the space around everything or the
-//! box of the density, or a list of materials, whose solids it fills. Paths in `density` and `albedo_grid` are relative to
-//! the file's folder.
+//! A table has the keys of [`crate::io::medium`] and `fills`: `"scene"` (the default), the space around everything or
+//! the box of the density, or a list of materials, whose solids it fills. Paths in `density` and `albedo_grid` are
+//! relative to the file's folder.
 
 use crate::error::{Error, Result};
 use crate::io::medium::{self, MediumOptions};

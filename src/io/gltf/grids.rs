@@ -16,8 +16,8 @@ pub(super) struct Grids {
     pub(super) albedos: Vec<AlbedoGrid>,
 }
 
-/// Reads the grids of `materials`, whose indices in the file are `order` (`None` is the default material), and stores in
-/// the materials which are theirs. A file that several materials name is read once.
+/// Reads the grids of `materials`, whose indices in the file are `order` (`None` is the default material), and stores
+/// in the materials which are theirs. A file that several materials name is read once.
 ///
 /// # Errors
 /// A scene error that names the material if a file cannot be read or has wrong values.

@@ -176,8 +176,8 @@ impl Source<'_> {
         Ok(solid.then_some(Volume::absorbing(distance, attenuation_color)))
     }
 
-    /// Returns `volume` with the scattering of the draft KHR_materials_volume_scatter, if it has any: the attenuation is
-    /// that of scattering and absorption together.
+    /// Returns `volume` with the scattering of the draft KHR_materials_volume_scatter, if it has any: the attenuation
+    /// is that of scattering and absorption together.
     fn scattering(&self, volume: Volume) -> Result<Volume> {
         let extension = &self.raw["extensions"][extensions::SCATTERING];
         if extension.is_null() {

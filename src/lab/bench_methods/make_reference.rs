@@ -72,24 +72,22 @@ fn suffices(field: &[BenchCase<'_>], rgb: &[f32], noise: f64, epsilon: f64) -> b
 }
 
 /// Returns the settings of all methods that can make a reference: those without blind spots whose pixels have errors of
-/// their own. Where pixels share their noise, the error estimate may be in doubt. Methods that find lamps or pixels by luck
-/// alone do it where no other can: pixels that nothing has met seem to have no error.
+/// their own. Where pixels share their noise, the error estimate may be in doubt. Methods that find lamps or pixels by
+/// luck alone do it where no other can: pixels that nothing has met seem to have no error.
 fn candidates(host: &BenchCase<'_>) -> Result<Vec<RenderSettings>> {
     let is_able = |m: Method| {
         let scene = &host.stage.scene;
-        m.independent() != Independent::Replicates
-            && integrator::refusal(m, scene).is_none()
-            && integrator::blind_spots(m, scene).is_empty()
+        m.independent() != Independent::Replicates && integrator::blind_spots(m, scene).is_empty()
     };
     let seed = contestant::seed(host.settings.seed, SEED);
     let settings = |&m: &Method| RenderSettings { method: m.into(), seed, aovs: Vec::new(), ..host.settings.clone() };
     let (by_luck, able): (Vec<Method>, Vec<Method>) =
         Method::all().iter().filter(|&&m| is_able(m)).partition(|m| matches!(m, Method::Light | Method::PathNaive));
-    match (able.is_empty(), by_luck.is_empty()) {
-        (true, true) => Err(Error::usage("no method sees all of the scene: give a --reference")),
-        (true, false) => Ok(by_luck.iter().map(settings).collect()),
-        (false, _) => Ok(able.iter().map(settings).collect()),
+    let makers = if able.is_empty() { by_luck } else { able };
+    if makers.is_empty() {
+        return Err(Error::usage("no method sees all of the scene: give a --reference"));
     }
+    Ok(makers.iter().map(settings).collect())
 }
 
 /// Chooses the fastest of `able`. A method that is not compared is preferred unless it takes [`WORTH`] times as long.

@@ -1,11 +1,11 @@
 //! MIS compensation of the density [Karlík19 §4].
 //!
-//! Scattered rays find the even part of an environment. Light samples are of use where radiance stands out. So a share of
-//! the mean radiance is taken from every texel before the tables are built. A fraction of each texel stays, so that the
-//! density is positive exactly where the radiance is, and every technique stays unbiased by itself.
+//! Scattered rays find the even part of an environment. Light samples are of use where radiance stands out. So a share
+//! of the mean radiance is taken from every texel before the tables are built. A fraction of each texel stays, so that
+//! the density is positive exactly where the radiance is, and every technique stays unbiased by itself.
 //!
-//! Limits: next-event estimation without the other technique (`path-nee`) loses where the sky is even. Its density there
-//! is down to [`LEAST`] of what it would be.
+//! Limits: next-event estimation without the other technique (`path-nee`) loses where the sky is even. Its density
+//! there is down to [`LEAST`] of what it would be.
 
 use etendue_lanes::Float;
 

@@ -7,11 +7,11 @@
 //!
 //! **Density.** The strips between rows of centres, cut at the columns of centres, are cells. Within each cell the
 //! density per solid angle is bilinear in azimuth and *height* cos θ between the shares of the four corner texels. The
-//! share of a texel is its lane mean after MIS compensation (`compensation`). But for that the density equals the lookup
-//! with height in place of angle within a strip: a factor between ⅔ and 2 next to the poles, and within 1 % 100 strips
-//! away. It is positive exactly where the lookup is. Its integral over a cell is the solid angle of the cell times the
-//! mean of its corners. The inverse has a closed form, monotone in each coordinate, with one random number each.
-//! Evaluation uses the same four texels. Nothing divides by the sine at a pole.
+//! share of a texel is its lane mean after MIS compensation (`compensation`). But for that the density equals the
+//! lookup with height in place of angle within a strip: a factor between ⅔ and 2 next to the poles, and within 1 % 100
+//! strips away. It is positive exactly where the lookup is. Its integral over a cell is the solid angle of the cell
+//! times the mean of its corners. The inverse has a closed form, monotone in each coordinate, with one random number
+//! each. Evaluation uses the same four texels. Nothing divides by the sine at a pole.
 //!
 //! Lookup and sampling are kernels over lanes: lanes search and fetch one stage after the other, so that their cache
 //! misses overlap. The functions for one direction are the kernels at one lane.

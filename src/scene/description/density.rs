@@ -17,17 +17,14 @@ pub struct DensityGrid {
 }
 
 impl DensityGrid {
-    /// Creates the grid of `values`, x first, then y, then z, in `size` cells. `transform` maps the unit cube that the cells
-    /// fill to the space of the mesh whose material has the medium: an instance takes its grid along.
+    /// Creates the grid of `values`, x first, then y, then z, in `size` cells. `transform` maps the unit cube that the
+    /// cells fill to the space of the mesh whose material has the medium: an instance takes its grid along.
     ///
     /// # Errors
     /// A scene error if the number of values is not that of the cells, a value is negative, NaN or above 1e12, or
     /// `transform` has no inverse.
     pub fn new(size: [usize; 3], values: Vec<f32>, transform: DAffine3) -> Result<DensityGrid> {
-        let cells = size.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
-        if cells != Some(values.len()) || values.is_empty() {
-            return Err(Error::scene(format!("a density grid of {size:?} cells has {} values", values.len())));
-        }
+        check_cells("a density grid", size, values.len())?;
         if let Some((index, value)) = values.iter().enumerate().find(|(_, value)| !(0.0..=MOST).contains(*value)) {
             return Err(Error::scene(format!("the density of cell {index} is {value}, not between 0 and {MOST:e}")));
         }
@@ -36,8 +33,8 @@ impl DensityGrid {
     }
 }
 
-/// Single-scattering albedos of a medium in cells that fill a box. They multiply its scattering, and what they take away is
-/// absorbed. Outside of the box they are those of its border.
+/// Single-scattering albedos of a medium in cells that fill a box. They multiply its scattering, and what they take
+/// away is absorbed. Outside of the box they are those of its border.
 #[derive(Debug, Clone)]
 pub struct AlbedoGrid {
     pub(in crate::scene) colors: Arc<Colors>,
@@ -49,13 +46,10 @@ impl AlbedoGrid {
     /// Creates the grid of `values`, as [`DensityGrid::new`].
     ///
     /// # Errors
-    /// A scene error if the number of values is not that of the cells, a value is not from 0 to 1, or `transform` has no
-    /// inverse.
+    /// A scene error if the number of values is not that of the cells, a value is not from 0 to 1, or `transform` has
+    /// no inverse.
     pub fn new(size: [usize; 3], values: Vec<[f32; 3]>, transform: DAffine3) -> Result<AlbedoGrid> {
-        let cells = size.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
-        if cells != Some(values.len()) || values.is_empty() {
-            return Err(Error::scene(format!("an albedo grid of {size:?} cells has {} values", values.len())));
-        }
+        check_cells("an albedo grid", size, values.len())?;
         let is_wrong = |value: &[f32; 3]| !value.iter().all(|lane| (0.0..=1.0).contains(lane));
         if let Some(index) = values.iter().position(is_wrong) {
             return Err(Error::scene(format!("the albedo of cell {index} is {:?}, not from 0 to 1", values[index])));
@@ -63,6 +57,15 @@ impl AlbedoGrid {
         check_transform(&transform)?;
         Ok(AlbedoGrid { colors: Arc::new(Colors::new(size, values)), transform })
     }
+}
+
+/// Checks that the number of `values` is that of the cells of `grid`, and not 0.
+fn check_cells(grid: &str, size: [usize; 3], values: usize) -> Result<()> {
+    let cells = size.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
+    if cells == Some(values) && values > 0 {
+        return Ok(());
+    }
+    Err(Error::scene(format!("{grid} of {size:?} cells has {values} values")))
 }
 
 fn check_transform(transform: &DAffine3) -> Result<()> {

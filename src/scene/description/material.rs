@@ -40,11 +40,11 @@ pub struct Volume {
     pub emission: Spectrum,
     /// How it scatters.
     pub phase: Phase,
-    /// Index into [`Description::densities`](super::Description::densities) of what multiplies its coefficients; `None` is
-    /// 1 everywhere.
+    /// Index into [`Description::densities`](super::Description::densities) of what multiplies its coefficients; `None`
+    /// is 1 everywhere.
     pub density: Option<usize>,
-    /// Index into [`Description::albedos`](super::Description::albedos) of what multiplies its scattering; what that takes
-    /// away is absorbed. `None` is 1 everywhere.
+    /// Index into [`Description::albedos`](super::Description::albedos) of what multiplies its scattering; what that
+    /// takes away is absorbed. `None` is 1 everywhere.
     pub albedo: Option<usize>,
 }
 

@@ -12,10 +12,10 @@ pub struct Colors {
     values: HugeVec<[f32; 3]>,
 }
 
-/// Albedos that multiply the scattering of a medium; what they take away is absorbed. Linear between the centres of cells,
-/// beyond which they are those of the border.
+/// Albedos that multiply the scattering of a medium; what they take away is absorbed. Linear between the centres of
+/// cells, beyond which they are those of the border.
 #[derive(Debug)]
-pub struct AlbedoGrid {
+pub struct Albedos {
     colors: Arc<Colors>,
     /// From the scene to cells: the centre of cell (x, y, z) is at (x, y, z).
     to_cells: DAffine3,
@@ -60,12 +60,12 @@ impl Colors {
     }
 }
 
-impl AlbedoGrid {
+impl Albedos {
     /// Places `colors`: `to_scene` maps the unit cube that their cells fill to the scene and has an inverse.
     pub fn new(colors: Arc<Colors>, to_scene: &DAffine3) -> Self {
         let scale = DAffine3::from_scale(DVec3::from(colors.cells().map(|n| n as f64)));
         let to_cells = DAffine3::from_translation(DVec3::splat(-0.5)) * scale * to_scene.inverse();
-        AlbedoGrid { colors, to_cells }
+        Albedos { colors, to_cells }
     }
 
     /// Returns the albedo at the point `p`.
@@ -90,7 +90,7 @@ mod tests {
             DQuat::from_rotation_y(0.6),
             DVec3::new(1.0, 2.0, 3.0),
         );
-        let grid = AlbedoGrid::new(Arc::new(Colors::new(size, values)), &place);
+        let grid = Albedos::new(Arc::new(Colors::new(size, values)), &place);
         for [x, y, z] in [[0.5, 0.5, 0.5], [1.25, 1.0, 2.75], [2.5, 1.5, 3.5], [-4.0, 0.7, 9.0]] {
             let p = place.transform_point3(DVec3::new(x / 3.0, y / 2.0, z / 4.0)).as_vec3();
             let inside = |x: f64, n: f64| (x - 0.5).clamp(0.0, n - 1.0) as f32;
