@@ -218,6 +218,34 @@ fn media_that_emit_and_absorb_glow_by_their_depth() {
     }
 }
 
+/// Light of a medium behind another that absorbs, exp(−1) ε, and behind one that scatters, which is the same without the
+/// light that has scattered.
+#[test]
+fn media_that_emit_are_seen_through_others() {
+    for albedo in [0.0, 1.0] {
+        let mut description = Description::default();
+        let front = Material { priority: 1, ..filled(1.0, albedo, Phase::Isotropic) };
+        add_box(&mut description, Vec3::Z, Vec3::splat(0.5), front);
+        let behind = with_model(filled(1.0, 0.0, Phase::Isotropic), |m| {
+            m.volume =
+                m.volume.map(|v| Volume { absorption: Spectrum::ZERO, emission: Spectrum([1.0, 2.0, 4.0]), ..v });
+        });
+        add_box(&mut description, Vec3::ZERO, Vec3::splat(0.5), behind);
+        description.cameras.push(narrow(camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO), 0.01));
+        let scene = scene(description);
+        for method in METHODS {
+            let found = render(&scene, Shot { depth: Some(0), ..Shot::new(method, 8, 1024) });
+            for (lane, emission) in [1.0f64, 2.0, 4.0].into_iter().enumerate() {
+                let estimate = found.blocks(1)[lane];
+                let (error, expected) = (estimate.variance.sqrt(), emission * (-1.0f64).exp());
+                println!("{albedo} {method:?} lane {lane}: {:.6} ± {error:.6}, {expected:.6}", estimate.mean);
+                // Six standard errors and roundings.
+                assert!((estimate.mean - expected).abs() < 6.0 * error + 1e-5, "{albedo} {method:?} {lane}");
+            }
+        }
+    }
+}
+
 /// Path lengths do not depend on what scatters [Blanco03]: a medium without absorption emits ε V into parallel rays. With an
 /// index η paths are η² times as long, and the radiance is η² times less outside.
 #[test]

@@ -110,25 +110,26 @@ impl<S: Strategy> PathTracer<'_, S> {
 mod tests {
     use super::*;
 
-    /// Distances follow their density, which integrates to 1, near and far from the light and on rays without end. The
-    /// bounds are of the midpoint rule and of rounding.
+    /// Distances follow their density, which integrates to 1, near and far from the light and on rays without end: between
+    /// neighbours of 1000 samples is a thousandth of it. The midpoint rule with 200 steps has errors of 1e-4 where the
+    /// density falls to a fifth in an interval; positions have roundings of 4e-7 beside distances of 1e-3.
     #[test]
     fn distances_follow_their_density() {
         for (length, light) in [
             (2.0, Vec3::new(0.5, 0.3, 0.0)),
-            (2.0, Vec3::new(1.0, 1e-3, 0.0)),
+            (2.0, Vec3::new(1.0, 1e-2, 0.0)),
             (5.0, Vec3::new(-3.0, 0.0, 1.0)),
             (f32::INFINITY, Vec3::new(2.0, 1.0, 1.0)),
         ] {
             let seen = Seen::new(Vec3::ZERO, Vec3::X, length, light).expect("beside the line");
-            let n = 4000;
+            let (n, steps) = (1000, 200);
             let mut last = seen.sample(0.0);
-            assert!(last.abs() < 1e-4, "begins at the start: {last}");
-            for i in 1..n {
+            assert!(last.abs() < 1e-5, "begins at the start: {last}");
+            for i in 1..n - 2 {
                 let t = seen.sample(i as f32 / n as f32);
-                let middle = seen.sample((i as f32 - 0.5) / n as f32);
-                let mass = seen.pdf(middle) * (t - last);
-                assert!((mass * n as f32 - 1.0).abs() < 0.02, "{length} {light}: {mass} at {t}");
+                let step = (t - last) / steps as f32;
+                let mass: f32 = (0..steps).map(|k| seen.pdf(last + (k as f32 + 0.5) * step) * step).sum();
+                assert!((mass * n as f32 - 1.0).abs() < 0.01, "{length} {light}: {mass} at {t}");
                 last = t;
             }
             assert!(last <= length);
