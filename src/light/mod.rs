@@ -152,6 +152,16 @@ pub enum Light {
 }
 
 impl Light {
+    /// Returns its position if it has no extent.
+    #[inline]
+    pub fn position(&self) -> Option<Vec3> {
+        match self {
+            Light::Point(point) => Some(point.position),
+            Light::Spot(spot) => Some(spot.position()),
+            Light::Directional(_) | Light::Area(_) | Light::Environment(_) => None,
+        }
+    }
+
     /// Samples a direction from `at` toward this light; `None` if the sample cannot illuminate `at`.
     #[inline]
     pub fn sample_li(&self, at: &LightSampleContext, u: [f32; 2]) -> Option<LightSample> {

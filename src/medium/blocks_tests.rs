@@ -14,6 +14,11 @@ fn sparse([a, b, c]: [usize; 3], random: &mut Random) -> Vec<f32> {
     (0..a * b * c).map(|i| value(i % a, random)).collect()
 }
 
+/// Values that differ by a fifth.
+fn nearly_even([a, b, c]: [usize; 3], random: &mut Random) -> Vec<f32> {
+    (0..a * b * c).map(|_| 0.8 + 0.2 * random.f32()).collect()
+}
+
 /// The interpolation in f64 by its definition.
 fn by_definition(cells: [usize; 3], values: &[f32], s: Vec3A) -> f64 {
     let mut sum = 0.0;
@@ -45,8 +50,8 @@ fn position(cells: [usize; 3], random: &mut Random) -> Vec3A {
 #[test]
 fn lookups_are_interpolations_between_the_bounds_of_their_blocks() {
     let mut random = Random::new(21);
-    for cells in SIZES {
-        let values = sparse(cells, &mut random);
+    for (cells, even) in SIZES.into_iter().flat_map(|cells| [(cells, false), (cells, true)]) {
+        let values = if even { nearly_even(cells, &mut random) } else { sparse(cells, &mut random) };
         let blocks = Blocks::new(cells, &values);
         assert_eq!(blocks.most(), values.iter().copied().fold(0.0, f32::max));
         for _ in 0..250_000 {

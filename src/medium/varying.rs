@@ -29,6 +29,12 @@ impl Medium {
         self.unit.transmittance(self.depth(origin, w, length))
     }
 
+    /// Returns the density at the point `p`.
+    #[inline]
+    pub fn density(&self, p: Vec3) -> f32 {
+        self.grid.as_ref().map_or(1.0, |grid| grid.density(p))
+    }
+
     /// Returns the factor of scattering at the point `p`.
     #[inline]
     pub fn albedo(&self, p: Vec3) -> Spectrum {

@@ -3,7 +3,7 @@
 use super::walk::{LONGEST, PreviousVertex, RandomWalk, TraceStats};
 use crate::geometry::{Ray, RayState, SurfacePoint};
 use crate::light::LightSampleContext;
-use crate::medium::{Collision, Flight, Homogeneous, Phase};
+use crate::medium::{Collision, Flight, Homogeneous, Medium, Phase, density};
 use crate::sampling::{Density, Sampler, Slot};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -49,17 +49,74 @@ impl From<&MediumPoint> for LightSampleContext {
     }
 }
 
-impl RandomWalk<'_> {
+/// A part of an edge in one medium, which a flight has reached.
+#[derive(Debug, Clone, Copy)]
+pub struct Stretch<'a> {
+    /// The medium.
+    pub medium: &'a Medium,
+    /// The ray from its start.
+    pub ray: Ray,
+    /// Its length, up to a surface; infinite without one.
+    pub length: f32,
+    /// Throughput of the walk at its start.
+    pub beta: Spectrum,
+    /// Density of the walk so far by each lane over the mean of all.
+    lanes: Spectrum,
+}
+
+impl Stretch<'_> {
+    /// Returns the density per length with which the flight collides at the distance `t` from its start, where the medium
+    /// has this `extinction`.
+    pub fn density(&self, t: f32, extinction: Spectrum) -> f32 {
+        density(self.lanes * self.medium.transmittance(self.ray.origin, self.ray.direction, t), extinction)
+    }
+
+    /// Returns the place at the distance `t` as a collision.
+    pub fn point(&self, t: f32) -> MediumPoint {
+        let p = self.ray.at(t);
+        let here = [Spectrum::splat(self.medium.density(p)), self.medium.albedo(p)];
+        MediumPoint::new(self.medium, p, here, self.ray.state)
+    }
+
+    /// Returns what it emits toward its start, times the throughput there.
+    fn emitted(&self) -> Spectrum {
+        if !self.medium.unit.emits() {
+            return Spectrum::ZERO;
+        }
+        self.beta * self.medium.emitted(self.ray.origin, self.ray.direction, self.length)
+    }
+}
+
+impl MediumPoint {
+    /// Returns the collision at `p` in `medium`, where it has this density and albedo.
+    fn new(medium: &Medium, p: Vec3, [density, albedo]: [Spectrum; 2], state: RayState) -> Self {
+        let &Homogeneous { extinction, scattering, phase, .. } = &medium.unit;
+        MediumPoint { p, phase, extinction: extinction * density, scattering: scattering * density * albedo, state }
+    }
+}
+
+impl<'a> RandomWalk<'a> {
     /// Does [`RandomWalk::arrive`] in a scene with media that scatter.
     pub fn fly(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> Flown {
+        self.fly_over(sampler, tally, |_, _, _, _| {})
+    }
+
+    /// Does [`RandomWalk::fly`] and shows `over` each stretch of the edge when the flight has reached it.
+    pub fn fly_over<S: Sampler>(
+        &mut self,
+        sampler: &mut S,
+        tally: &mut TraceStats,
+        mut over: impl FnMut(&Self, &Stretch<'a>, &mut S, &mut TraceStats),
+    ) -> Flown {
         let mut flight = Flight::new(self.lanes, sampler.u2(self.bounce, Slot::MediumDistance));
         let (mut u, mut emitted) = (None, Spectrum::ZERO);
         for _ in 0..LONGEST {
             let point = self.trace(tally);
             tally.bad_hits += u64::from(point.as_ref().is_some_and(|p| !p.consistent));
             let length = point.as_ref().map_or(f32::INFINITY, |point| point.t);
-            if self.scene.features().emission {
-                emitted += self.emission(&flight, length);
+            if let Some(stretch) = self.stretch(&flight, length) {
+                emitted += stretch.emitted();
+                over(self, &stretch, sampler, tally);
             }
             if let Some(collided) = self.collide(&mut flight, length) {
                 return Flown { end: Some(FlightEnd::Medium(collided)), through: flight.through(), emitted };
@@ -81,15 +138,16 @@ impl RandomWalk<'_> {
         Flown { end: None, through: Spectrum::ONE, emitted }
     }
 
-    /// Returns what `length` of the medium of the current edge emits toward its start, as far as `flight` has got,
-    /// times the throughput of the walk. The integral is over the whole length, wherever the flight ends.
-    #[cold]
-    fn emission(&self, flight: &Flight, length: f32) -> Spectrum {
-        let Some(medium) = self.scene.medium(self.ray.state.bodies) else { return Spectrum::ZERO };
-        if !medium.unit.emits() {
-            return Spectrum::ZERO;
+    /// Returns the stretch of `length` that `flight` has reached, if it is in a medium and of interest to anybody.
+    #[inline]
+    fn stretch(&self, flight: &Flight, length: f32) -> Option<Stretch<'a>> {
+        let features = self.scene.features();
+        if !(features.emission || features.dirac_lights) {
+            return None;
         }
-        self.beta * flight.factor() * medium.emitted(self.ray.origin, self.ray.direction, length)
+        let medium = self.scene.medium(self.ray.state.bodies)?;
+        let (beta, lanes) = (self.beta * flight.factor(), flight.posterior(Spectrum::ONE));
+        Some(Stretch { medium, ray: self.ray, length, beta, lanes })
     }
 
     /// Takes `flight` through `length` of the medium of the current edge.
@@ -101,9 +159,7 @@ impl RandomWalk<'_> {
         let albedo = medium.albedo(p);
         self.beta *= factor * albedo;
         self.lanes = flight.posterior(medium.unit.extinction);
-        let &Homogeneous { extinction, scattering, phase, .. } = &medium.unit;
-        let (extinction, scattering) = (extinction * at, scattering * at * albedo);
-        Some(MediumPoint { p, phase, extinction, scattering, state })
+        Some(MediumPoint::new(medium, p, [Spectrum::splat(at), albedo], state))
     }
 
     /// Leaves a collision along the unit vector `w`, sampled by its value, which is `density`.

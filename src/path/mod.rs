@@ -16,7 +16,7 @@ mod walk;
 pub use connect::{Connection, Splat, connect, next_event, splat};
 pub use content::Content;
 pub use emitter::Emitter;
-pub use fly::{FlightEnd, Flown, MediumPoint};
+pub use fly::{FlightEnd, Flown, MediumPoint, Stretch};
 pub use full::{Densities, FullPath, PathVertex, VertexPdfs, edge};
 pub use mis::{FlightPdfs, MisStrategy, PartialMis, Technique, Techniques};
 pub use scatterer::{PhaseAt, Scatterer};

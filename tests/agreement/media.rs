@@ -218,6 +218,34 @@ fn media_that_emit_and_absorb_glow_by_their_depth() {
     }
 }
 
+/// Light of a medium behind another that absorbs, exp(−1) ε, and behind one that scatters, which is the same without the
+/// light that has scattered.
+#[test]
+fn media_that_emit_are_seen_through_others() {
+    for albedo in [0.0, 1.0] {
+        let mut description = Description::default();
+        let front = Material { priority: 1, ..filled(1.0, albedo, Phase::Isotropic) };
+        add_box(&mut description, Vec3::Z, Vec3::splat(0.5), front);
+        let behind = with_model(filled(1.0, 0.0, Phase::Isotropic), |m| {
+            m.volume =
+                m.volume.map(|v| Volume { absorption: Spectrum::ZERO, emission: Spectrum([1.0, 2.0, 4.0]), ..v });
+        });
+        add_box(&mut description, Vec3::ZERO, Vec3::splat(0.5), behind);
+        description.cameras.push(narrow(camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO), 0.01));
+        let scene = scene(description);
+        for method in METHODS {
+            let found = render(&scene, Shot { depth: Some(0), ..Shot::new(method, 8, 1024) });
+            for (lane, emission) in [1.0f64, 2.0, 4.0].into_iter().enumerate() {
+                let estimate = found.blocks(1)[lane];
+                let (error, expected) = (estimate.variance.sqrt(), emission * (-1.0f64).exp());
+                println!("{albedo} {method:?} lane {lane}: {:.6} ± {error:.6}, {expected:.6}", estimate.mean);
+                // Six standard errors and roundings.
+                assert!((estimate.mean - expected).abs() < 6.0 * error + 1e-5, "{albedo} {method:?} {lane}");
+            }
+        }
+    }
+}
+
 /// Path lengths do not depend on what scatters [Blanco03]: a medium without absorption emits ε V into parallel rays. With an
 /// index η paths are η² times as long, and the radiance is η² times less outside.
 #[test]
@@ -283,31 +311,41 @@ fn a_medium_around_the_scene_is_around_the_camera() {
     }
 }
 
-/// A lamp in fog and its light that scatters once, against the integral along the view.
+/// A lamp in fog and its light that scatters once, against the integral along the view, far from it and beside it. By
+/// flights alone the standard error beside the lamp is ten times as large.
 #[test]
 fn light_of_a_point_that_scatters_once_is_its_integral() {
-    let phase = Phase::HenyeyGreenstein(0.4);
-    let lamp = DVec3::new(0.3, 0.8, 0.0);
-    let mut description = Description::default();
-    add_box(&mut description, Vec3::ZERO, Vec3::splat(2.0), filled(1.0, 0.7, phase));
-    description.lights.push(point_light(lamp, 3.0));
-    let eye = DVec3::new(0.0, 0.0, 1.0);
-    description.cameras.push(narrow(camera(eye, DVec3::ZERO), 0.01));
-    let steps = 200_000;
-    let length = 3.0;
-    let at = |k: i32| {
-        let t = length * (f64::from(k) + 0.5) / f64::from(steps);
-        let p = eye + DVec3::NEG_Z * t;
-        let to = lamp - p;
-        let (d, cos) = (to.length(), -(to.normalize().dot(DVec3::Z)));
-        let g = 0.4f64;
-        let value = (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * cos).powf(1.5));
-        0.7 * 3.0 * value * (-t - d).exp() / (d * d)
-    };
-    let expected: f64 = (0..steps).map(at).sum::<f64>() * length / f64::from(steps);
-    let shot = Shot { depth: Some(1), ..Shot::new(Method::Path, 8, 4096) };
-    let found = render(&scene(description), shot).overall();
-    let error = found.variance.sqrt();
-    println!("{:.6} ± {error:.6}, {expected:.6}", found.mean);
-    assert!((found.mean - expected).abs() < 6.0 * error + 1e-5, "{found:?} {expected}");
+    for (lamp, most) in [(DVec3::new(0.3, 0.8, 0.0), 2e-3), (DVec3::new(0.02, 0.0, -0.5), 2e-3)] {
+        let phase = Phase::HenyeyGreenstein(0.4);
+        let mut description = Description::default();
+        add_box(&mut description, Vec3::ZERO, Vec3::splat(2.0), filled(1.0, 0.7, phase));
+        description.lights.push(point_light(lamp, 3.0));
+        let eye = DVec3::new(0.0, 0.0, 1.0);
+        description.cameras.push(narrow(camera(eye, DVec3::ZERO), 1e-4));
+        let scene = scene(description);
+        let steps = 200_000;
+        let length = 3.0;
+        let at = |k: i32| {
+            let t = length * (f64::from(k) + 0.5) / f64::from(steps);
+            let p = eye + DVec3::NEG_Z * t;
+            let to = lamp - p;
+            let (d, cos) = (to.length(), -(to.normalize().dot(DVec3::Z)));
+            let g = 0.4f64;
+            let value = (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * cos).powf(1.5));
+            0.7 * 3.0 * value * (-t - d).exp() / (d * d)
+        };
+        let expected: f64 = (0..steps).map(at).sum::<f64>() * length / f64::from(steps);
+        for method in [Method::Path, Method::PathNee, Method::Bdpt] {
+            let shot = Shot { depth: Some(1), ..Shot::new(method, 8, 4096) };
+            let found = render(&scene, shot).overall();
+            let error = found.variance.sqrt();
+            println!("{lamp} {method:?}: {:.6} ± {error:.6}, {expected:.6}", found.mean);
+            // The midpoint rule beside the lamp, and the width of the view: 1e-4.
+            assert!(
+                (found.mean / expected - 1.0).abs() < 6.0 * error / expected + 1e-4,
+                "{method:?}: {found:?} {expected}"
+            );
+            assert!(method == Method::Bdpt || error < most * expected, "{method:?}: {error} {expected}");
+        }
+    }
 }

@@ -6,27 +6,32 @@ use crate::camera::CameraSample;
 use crate::geometry::SurfacePoint;
 use crate::light::{ChosenLight, EmitterPoint, LightSampleContext};
 use crate::medium::density;
-use crate::path::{FlightEnd, Flown, MediumPoint, PhaseAt, RandomWalk, Scatterer, TraceStats};
+use crate::path::{FlightEnd, Flown, MediumPoint, PhaseAt, RandomWalk, Scatterer, Stretch, TraceStats};
 use crate::sampling::{Density, Pdf, Sampler, Slot};
 use crate::scene::{Edge, EdgeEnd};
 use crate::spectrum::Spectrum;
 use crate::transport::TransportMode;
 use glam::Vec3;
 
-impl<S: Strategy> PathTracer<'_, S> {
+impl<'a, S: Strategy> PathTracer<'a, S> {
     /// Returns the radiance along the ray of `camera`.
-    pub(super) fn radiance_in_media(
+    pub(super) fn radiance_in_media<P: Sampler>(
         &self,
         camera: &CameraSample,
-        sampler: &mut impl Sampler,
+        sampler: &mut P,
         tally: &mut TraceStats,
     ) -> Spectrum {
         let mut walk = RandomWalk::from_camera(self.scene, camera);
         let mut total = Spectrum::ZERO;
         loop {
             let lanes = walk.lanes;
-            let Flown { end, through, emitted } = walk.fly(sampler, tally);
-            total += emitted;
+            let (mut last, mut scattered) = (None, Spectrum::ZERO);
+            let over = |walk: &RandomWalk, stretch: &Stretch<'a>, sampler: &mut P, tally: &mut TraceStats| {
+                scattered += self.equiangular(walk, stretch, sampler, tally);
+                last = Some(*stretch);
+            };
+            let Flown { end, through, emitted } = walk.fly_over(sampler, tally, over);
+            total += emitted + scattered;
             let chance = density(lanes * through, Spectrum::ONE);
             let Some(end) = end else { return total + self.background(&walk, chance, tally) };
             if let FlightEnd::Surface(point) = &end {
@@ -37,7 +42,7 @@ impl<S: Strategy> PathTracer<'_, S> {
             }
             let left = match end {
                 FlightEnd::Surface(mut point) => self.leave_surface(&mut walk, &mut point, sampler, tally),
-                FlightEnd::Medium(point) => Some(self.leave_medium(&mut walk, &point, sampler, tally)),
+                FlightEnd::Medium(point) => Some(self.leave_medium(&mut walk, (&point, last), sampler, tally)),
             };
             let Some(light) = left else { return total };
             total += light;
@@ -62,7 +67,7 @@ impl<S: Strategy> PathTracer<'_, S> {
         let edge = |w: Vec3, end| Edge::new(self.scene, point, state, w, EdgeEnd::Light(end));
         let mut light = Spectrum::ZERO;
         if shading.lobes().intersects(Lobes::SMOOTH) {
-            light = self.direct(walk, &Scatterer::Surface(shading), &receiver, edge, sampler, tally);
+            light = self.direct(walk, &Scatterer::Surface(shading), &receiver, edge, |_, _| 1.0, sampler, tally);
         }
         // Light that was sampled counts, also where the walk ends.
         match S::scatter(&shading, walk.scattering_numbers(&surface, sampler)) {
@@ -72,31 +77,35 @@ impl<S: Strategy> PathTracer<'_, S> {
         Some(light)
     }
 
-    /// Leaves a collision in a medium. Returns the light sampled there.
+    /// Leaves a collision in a medium, on a stretch that equiangular sampling has seen. Returns the light sampled there.
     fn leave_medium(
         &self,
         walk: &mut RandomWalk,
-        point: &MediumPoint,
+        (point, stretch): (&MediumPoint, Option<Stretch>),
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,
     ) -> Spectrum {
         let phase = PhaseAt::new(point, -walk.ray.direction);
+        let share =
+            |index: usize, pmf: f32| stretch.map_or(1.0, |stretch| self.weight_of_flight(&stretch, point, index, pmf));
         let edge = |w: Vec3, end| Edge::from_medium(point.p, point.state, w, EdgeEnd::Light(end));
         let light =
-            self.direct(walk, &Scatterer::Medium(phase), &LightSampleContext::from(point), edge, sampler, tally);
+            self.direct(walk, &Scatterer::Medium(phase), &LightSampleContext::from(point), edge, share, sampler, tally);
         let sample = phase.sample(sampler.u2(walk.bounce, Slot::Direction));
         walk.scatter_in_medium(point, sample.direction, Density::Smooth(sample.pdf));
         light
     }
 
     /// Next-event estimation at `receiver`. The probability that a walk in the direction of the light gets there is known
-    /// when the edge is traced.
+    /// when the edge is traced. `share` is the weight of this light sample among the techniques that place the receiver.
+    #[allow(clippy::too_many_arguments)]
     fn direct(
         &self,
         walk: &RandomWalk,
         scatterer: &Scatterer,
         receiver: &LightSampleContext,
         edge: impl FnOnce(Vec3, EmitterPoint) -> Edge,
+        share: impl FnOnce(usize, f32) -> f32,
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,
     ) -> Spectrum {
@@ -114,6 +123,6 @@ impl<S: Strategy> PathTracer<'_, S> {
         let clear = self.scene.clearance(&edge(sample.wi, sample.end), &mut tally.shadows);
         scattering.pdf = scattering.pdf.choose(Pdf::new(density(walk.lanes * clear.flight, Spectrum::ONE)));
         let weight = light_weight::<S>(&scattering, &sample, pmf);
-        walk.beta * scattering.f_cos * sample.radiance * clear.through * weight
+        walk.beta * scattering.f_cos * sample.radiance * clear.through * (weight * share(index, pmf.value()))
     }
 }

@@ -8,6 +8,7 @@
 //! Caustics from small lights and light through ajar doors converge slowly in all three.
 
 mod batch;
+mod equiangular;
 mod media;
 
 pub(super) use batch::{BatchedPath, knows};

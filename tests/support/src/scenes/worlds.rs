@@ -4,8 +4,8 @@ use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, m
 use etendue::accel::Backend;
 use etendue::medium::Phase;
 use etendue::scene::description::{
-    CameraDescription, DensityGrid, Description, EnvironmentDescription, Lens, Material, MaterialModel, PunctualKind,
-    PunctualLight, Volume,
+    AlbedoGrid, CameraDescription, DensityGrid, Description, EnvironmentDescription, Lens, Material, MaterialModel,
+    PunctualKind, PunctualLight, Volume,
 };
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Spectrum;
@@ -237,8 +237,10 @@ fn foggy() -> World {
     );
     scene.densities.push(DensityGrid::new([3, 4, 5], densities, place).expect("valid"));
     if let MaterialModel::MetallicRoughness(model) = &mut smoke.model {
-        model.volume = model.volume.map(|volume| Volume { density: Some(0), ..volume });
+        model.volume = model.volume.map(|volume| Volume { density: Some(0), albedo: Some(0), ..volume });
     }
+    let albedos = (0..12u8).map(|i| [i, 3 * i, 5 * i].map(|k| 0.4 + 0.05 * f32::from(k % 13))).collect();
+    scene.albedos.push(AlbedoGrid::new([2, 3, 2], albedos, place).expect("valid"));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(-0.4, -0.5, -0.2), smoke);
     let milk = inside(1.5, 2, [4.0, 3.0, 2.0], Phase::Rayleigh);
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.55, 0.1), milk);
