@@ -48,6 +48,7 @@ pub mod camera;
 pub mod film;
 pub mod light;
 pub mod medium;
+pub mod subsurface;
 // floor 6
 pub mod scene;
 // floor 7

@@ -77,6 +77,14 @@ impl MetalDielectric {
         matches!(self.transmission, Transmission::Solid(_))
     }
 
+    /// See [`super::Surface::transmission`].
+    pub(super) fn refracted(&self) -> Spectrum {
+        match self.transmission {
+            Transmission::Solid(glass) => glass.transmit,
+            Transmission::None | Transmission::Thin(_) => Spectrum::ZERO,
+        }
+    }
+
     /// See [`super::Surface::bound`].
     pub(super) fn bound(&self, known: Local) -> ScatteringBound {
         let scatters = !self.ggx.is_dirac();

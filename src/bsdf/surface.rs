@@ -77,6 +77,15 @@ impl Surface {
         }
     }
 
+    /// Returns the factor of light that is refracted into a solid or out of it.
+    pub fn transmission(&self) -> Spectrum {
+        match self {
+            Surface::Dielectric(b) => b.transmit,
+            Surface::MetalDielectric(b) => b.refracted(),
+            Surface::Black | Surface::Lambert(_) | Surface::Conductor(_) | Surface::Thin(_) => Spectrum::ZERO,
+        }
+    }
+
     /// Returns the colour of the surface for denoisers and previews, 0 to 1: the base colour where the model has one.
     pub fn reflectance(&self) -> Spectrum {
         match self {

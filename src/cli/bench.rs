@@ -1,5 +1,6 @@
 //! `etendue bench`: measurements, one file each.
 
+mod diffusion;
 mod methods;
 mod rays;
 
@@ -12,6 +13,8 @@ use std::path::PathBuf;
 pub(super) enum Command {
     /// Measure error against time, methods and backends side by side, and write a page about it
     Methods(Box<methods::Args>),
+    /// Measure the errors of the diffusion models of --subsurface in a medium, against a random walk
+    Diffusion(diffusion::Args),
     /// Measure ray throughput of backends and builds, raw, in packets and inside a render, and compare their hits
     Rays(Box<rays::Args>),
 }
@@ -20,6 +23,7 @@ pub(super) enum Command {
 pub(super) fn run(command: Command) -> Result<()> {
     match command {
         Command::Methods(args) => methods::run(&args),
+        Command::Diffusion(args) => diffusion::run(&args),
         Command::Rays(args) => rays::run(&args),
     }
 }

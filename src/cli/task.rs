@@ -103,8 +103,17 @@ pub(super) fn warnings(provenance: &Provenance) -> Vec<String> {
     let ignored = scene.ignored.iter().map(|text| format!("ignored: {text}"));
     let clamping = provenance.settings.clamping();
     let clamped = clamping.map(|(setting, limit)| format!("--{setting} {limit}: the image is biased, and says so"));
+    let approximate = provenance.settings.approximation();
+    let approximate = approximate.map(|text| format!("approximate: {text}, and the image says so"));
     let mut told = HashSet::new();
-    let all = scene.warnings.iter().cloned().chain(ignored).chain(scene.blind_spots.iter().cloned()).chain(clamped);
+    let all = scene
+        .warnings
+        .iter()
+        .cloned()
+        .chain(ignored)
+        .chain(scene.blind_spots.iter().cloned())
+        .chain(clamped)
+        .chain(approximate);
     all.filter(|text| told.insert(text.clone())).collect()
 }
 

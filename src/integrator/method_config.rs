@@ -4,6 +4,7 @@
 use super::{Method, Mutations};
 use crate::path::{Technique, Techniques};
 use crate::sampling::Heuristic;
+use crate::subsurface::DiffusionModel;
 use serde::{Deserialize, Serialize};
 
 /// A method with its parameters.
@@ -13,9 +14,9 @@ pub enum MethodConfig {
     /// [`Method::PathNaive`].
     PathNaive,
     /// [`Method::PathNee`].
-    PathNee,
+    PathNee(PathConfig),
     /// [`Method::Path`].
-    Path,
+    Path(PathConfig),
     /// [`Method::Light`].
     Light,
     /// [`Method::Bdpt`].
@@ -32,6 +33,15 @@ pub enum MethodConfig {
     Mmlt(MmltConfig),
     /// [`Method::Mlt`].
     Mlt(MltConfig),
+}
+
+/// Parameters of path tracing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct PathConfig {
+    /// Approximation of subsurface scattering; `None` for the random walk, which is exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub subsurface: Option<DiffusionModel>,
 }
 
 /// Parameters of bidirectional path tracing.
@@ -169,8 +179,8 @@ impl From<Method> for MethodConfig {
     fn from(method: Method) -> Self {
         match method {
             Method::PathNaive => MethodConfig::PathNaive,
-            Method::PathNee => MethodConfig::PathNee,
-            Method::Path => MethodConfig::Path,
+            Method::PathNee => MethodConfig::PathNee(PathConfig::default()),
+            Method::Path => MethodConfig::Path(PathConfig::default()),
             Method::Light => MethodConfig::Light,
             Method::Bdpt => MethodConfig::Bdpt(BdptConfig::default()),
             Method::Vpl => MethodConfig::Vpl(VirtualLightsConfig::default()),
@@ -196,8 +206,8 @@ impl MethodConfig {
     pub fn kind(&self) -> Method {
         match self {
             MethodConfig::PathNaive => Method::PathNaive,
-            MethodConfig::PathNee => Method::PathNee,
-            MethodConfig::Path => Method::Path,
+            MethodConfig::PathNee(_) => Method::PathNee,
+            MethodConfig::Path(_) => Method::Path,
             MethodConfig::Light => Method::Light,
             MethodConfig::Bdpt(_) => Method::Bdpt,
             MethodConfig::Vpl(_) => Method::Vpl,
@@ -218,11 +228,19 @@ impl MethodConfig {
             MethodConfig::Mlt(config) => config.bdpt,
             MethodConfig::Light => BdptConfig { techniques: Techniques::LIGHT, ..BdptConfig::default() },
             MethodConfig::PathNaive
-            | MethodConfig::PathNee
-            | MethodConfig::Path
+            | MethodConfig::PathNee(_)
+            | MethodConfig::Path(_)
             | MethodConfig::Vpl(_)
             | MethodConfig::Lightcuts(_)
             | MethodConfig::DeterministicLightcuts(_) => BdptConfig::default(),
+        }
+    }
+
+    /// Returns the diffusion model that replaces random walks in bodies, if any. The image is then approximate.
+    pub fn subsurface(&self) -> Option<DiffusionModel> {
+        match self {
+            MethodConfig::PathNee(config) | MethodConfig::Path(config) => config.subsurface,
+            _ => None,
         }
     }
 

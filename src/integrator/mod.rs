@@ -30,7 +30,7 @@ pub use many_lights::MOST_GROUPS;
 pub use method::Method;
 pub use method_config::{
     BdptConfig, ChainsConfig, DeterministicLightcutsConfig, LightcutsConfig, MethodConfig, MltConfig, MmltConfig,
-    PssmltConfig, VirtualLightsConfig,
+    PathConfig, PssmltConfig, VirtualLightsConfig,
 };
 pub use metropolis::{ChainDigest, ChainReport, Mutations, Normalisation, Tiles};
 pub use pilot::PilotEstimate;
@@ -109,15 +109,15 @@ pub fn build<'a>(
             let tracer = PathTracer::<Naive>::new(scene, depth, transparent);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
-        MethodConfig::PathNee => {
-            let tracer = PathTracer::<NextEvent>::new(scene, depth, transparent);
+        MethodConfig::PathNee(config) => {
+            let tracer = PathTracer::<NextEvent>::new(scene, depth, transparent).diffusing(config.subsurface);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
-        MethodConfig::Path if Execution::chosen(options.execution, scene) == Execution::Batched => {
+        MethodConfig::Path(_) if Execution::chosen(options.execution, scene) == Execution::Batched => {
             Box::new(BatchedPath::<Native>::new(scene, camera, options))
         }
-        MethodConfig::Path => {
-            let tracer = PathTracer::<Combined>::new(scene, depth, transparent);
+        MethodConfig::Path(config) => {
+            let tracer = PathTracer::<Combined>::new(scene, depth, transparent).diffusing(config.subsurface);
             Box::new(CameraPass::new(tracer, scene, camera, options))
         }
         MethodConfig::Light | MethodConfig::Bdpt(_) => {
@@ -140,7 +140,7 @@ pub fn pilot(scene: &Scene, camera: &Camera, options: &IntegratorConfig, layout:
     // The naive tracer is blind to some lights. The pilot uses a method without this limit, so that all methods get the
     // same units.
     PilotEstimate::new(scene, layout, options, camera, |camera, options| {
-        let options = IntegratorConfig { method: MethodConfig::Path, ..*options };
+        let options = IntegratorConfig { method: Method::Path.into(), ..*options };
         build(scene, camera, &options, &PilotEstimate::default())
     })
 }
@@ -187,6 +187,11 @@ pub fn blind_spots(method: Method, scene: &Scene) -> Vec<String> {
     }
     spots.extend(refusal(method, scene).map(String::from));
     spots
+}
+
+/// Returns the number of bodies in `scene` that diffusion models know: see [`MethodConfig::subsurface`].
+pub fn diffusing_bodies(scene: &Scene) -> usize {
+    path::known_solids(scene).count()
 }
 
 /// Returns the reason why `method` cannot render `scene` at all, as a sentence.

@@ -2,6 +2,7 @@
 //! hard cases for intersection, images by technique, error metrics of images, and the HTML pages that show the results.
 //! Rendering needs none of it.
 
+pub mod bench_diffusion;
 pub mod bench_methods;
 pub mod bench_rays;
 pub mod compare;

@@ -317,6 +317,15 @@ impl<'a> RandomWalk<'a> {
         self.ray = point.spawn(scatter.direction).carrying(state);
     }
 
+    /// Enters a body by a factor of the throughput, and leaves it elsewhere in the state of the current edge: two
+    /// scattering events, of which the second follows.
+    pub fn enter_and_leave(&mut self, factor: Spectrum) {
+        self.beta *= factor;
+        self.straight = false;
+        self.depth += 1;
+        self.bounce += 1;
+    }
+
     /// Russian roulette by relative throughput and by depth. Survivors are scaled by 1/q.
     #[inline]
     pub fn survives(&mut self, sampler: &mut impl Sampler, tally: &mut TraceStats) -> bool {

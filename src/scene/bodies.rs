@@ -19,7 +19,7 @@ use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, RayState, SurfacePoint, TriangleMesh};
 use crate::light::Light;
-use crate::medium::{Albedos, Grid, Medium};
+use crate::medium::{Albedos, Grid, Homogeneous, Medium};
 use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -306,7 +306,47 @@ impl AllBodies {
     }
 }
 
+/// A closed body full of one medium that scatters and does not emit, with another refractive index than its surroundings.
+#[derive(Debug, Clone, Copy)]
+pub struct Solid {
+    /// Its rank.
+    pub body: u32,
+    /// Its medium.
+    pub medium: Homogeneous,
+    /// Refractive index, above 1.
+    pub ior: f32,
+    /// Shortest edge of its bounding box.
+    pub thickness: f32,
+}
+
 impl Scene {
+    /// Returns all solids that scatter.
+    pub fn solids(&self) -> impl Iterator<Item = Solid> {
+        (0..).zip(&self.bodies.list).filter_map(|(rank, body)| {
+            let &Interior { medium, density, albedo, ior, .. } = &body.interior;
+            let is_even = density.is_none() && albedo.is_none();
+            (is_even && !body.is_open && ior > 1.0 && medium.scatters() && !medium.emits()).then(|| {
+                let thickness = (body.bounds.max - body.bounds.min).min_element();
+                Solid { body: rank, medium, ior, thickness }
+            })
+        })
+    }
+
+    /// Returns the body that a path in `bodies` enters at `point` along `w`, from surroundings of index 1.
+    #[inline]
+    pub fn entered(&self, point: &SurfacePoint, bodies: Bodies, w: Vec3) -> Option<u32> {
+        let object = &self.objects[point.hit.object as usize];
+        let is_entered = object.body != Bodies::NOBODY && w.dot(point.ng) < 0.0 && bodies.first() != Some(object.body);
+        (is_entered && self.outer_index(object, bodies) <= 1.0).then_some(object.body)
+    }
+
+    /// Returns whether two points are on the boundary of one body.
+    #[inline]
+    pub fn is_same_body(&self, a: &SurfacePoint, b: &SurfacePoint) -> bool {
+        let body = |point: &SurfacePoint| self.objects[point.hit.object as usize].body;
+        body(a) == body(b)
+    }
+
     /// Returns the bodies that contain the point `p`: those whose boundary is left more often than entered on the way
     /// out.
     #[inline]

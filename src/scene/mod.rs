@@ -22,6 +22,7 @@ mod touching;
 mod usage;
 mod view;
 
+pub use bodies::Solid;
 pub use build::BuildOptions;
 pub use edge::{Edge, EdgeEnd, EdgeThroughput, Passage};
 pub use info::SceneInfo;

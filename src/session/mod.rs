@@ -15,6 +15,7 @@ mod loaded_scene;
 pub mod machine;
 mod media;
 pub mod merge;
+mod method_settings;
 mod outputs;
 mod overrides;
 mod plan;

@@ -36,6 +36,8 @@ pub struct RenderReport {
     guards: Guards,
     chains: Option<ChainDigest>,
     clamp: Option<Clamp>,
+    /// See [`RenderSettings::approximation`].
+    approximate: Option<String>,
     invalid: Vec<Invalid>,
     pixel_hash: String,
 }
@@ -164,6 +166,7 @@ impl RenderReport {
                 .as_ref()
                 .map(|chains| chains.digest(mean_of(film) * film.layout().pixels() as f64)),
             clamp: settings.clamping().map(|clamping| clamp(clamping, provenance, film, error.as_ref())),
+            approximate: settings.approximation(),
             error,
             target: None,
             invalid: work.passes.invalid.iter().map(|&sample| Invalid { sample, replay: replay(sample) }).collect(),
@@ -204,7 +207,8 @@ impl RenderReport {
     /// Labels of an image format that has no room for the whole report.
     pub(super) fn labels(&self) -> Vec<(&'static str, &str)> {
         let identity = self.identity.as_deref().map(|identity| (IDENTITY, identity));
-        [("Software", "étendue")].into_iter().chain(identity).collect()
+        let approximate = self.approximate.as_deref().map(|text| ("Approximate", text));
+        [("Software", "étendue")].into_iter().chain(identity).chain(approximate).collect()
     }
 
     /// Returns the error of the image, if it has replicates to measure it between.

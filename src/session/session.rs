@@ -6,6 +6,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Kind, Result};
 use crate::film::Film;
 use crate::integrator::{self, FilmRenderer, Integrator, IntegratorConfig, PassReport, PilotEstimate, TechniqueImages};
+use crate::named::Named;
 use crate::parallel::Cancel;
 use crate::scene::Scene;
 use std::time::Duration;
@@ -41,6 +42,13 @@ impl<'a> Session<'a> {
         affordable("the film", Film::bytes_per_pixel(&layout, settings.replicates), layout.pixels())?;
         if let Some(refusal) = integrator::refusal(settings.method.kind(), &stage.scene) {
             return Err(Error::new(Kind::Usage, refusal));
+        }
+        if let Some(model) = settings.method.subsurface().filter(|_| integrator::diffusing_bodies(&stage.scene) == 0) {
+            return Err(Error::usage(format!(
+                "the scene has no body for --subsurface {}: closed, full of one medium that scatters, of an index above \
+                 1, and at least ten mean free paths thick",
+                model.name()
+            )));
         }
         let clock = Stopwatch::start();
         let camera = settings.camera_in(&stage.scene)?;

@@ -9,6 +9,7 @@ use crate::light::LightChoice;
 use crate::named::Named;
 use crate::path::Technique;
 use crate::sampling::{Heuristic, SamplerKind};
+use crate::subsurface::DiffusionModel;
 
 /// Form of a value on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +62,20 @@ macro_rules! named {
     };
 }
 
-named!(Aov, Backend, Build, Execution, Filter, Heuristic, LightChoice, Method, SamplerKind, Technique, ToneCurve);
+named!(
+    Aov,
+    Backend,
+    Build,
+    DiffusionModel,
+    Execution,
+    Filter,
+    Heuristic,
+    LightChoice,
+    Method,
+    SamplerKind,
+    Technique,
+    ToneCurve
+);
 
 /// Parses the name of a value.
 fn named<T: Named>(text: &str) -> Result<T, String> {

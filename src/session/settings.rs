@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::film::{Crop, Filter, Layout, Plane};
 use crate::integrator::{Execution, IntegratorConfig, MethodConfig};
 use crate::light::LightChoice;
+use crate::named::Named;
 use crate::sampling::SamplerKind;
 use crate::scene::description::Lens;
 use crate::scene::{BuildOptions, Scene};
@@ -84,6 +85,11 @@ impl RenderSettings {
         self.clamp.map(|limit| ("clamp", f64::from(limit))).or(virtual_lights)
     }
 
+    /// Returns the name of the approximation that the image is made with, if it is one.
+    pub fn approximation(&self) -> Option<String> {
+        self.method.subsurface().map(|model| format!("subsurface scattering by {}", model.name()))
+    }
+
     /// Returns the time and animation of the scene that are rendered.
     pub fn moment(&self) -> Moment {
         Moment { frame: self.frame, animation: self.animation.clone() }
@@ -133,10 +139,10 @@ impl RenderSettings {
 mod tests {
     use super::*;
     use crate::integrator::{Method, Mutations};
-    use crate::named::Named;
     use crate::path::Technique;
     use crate::sampling::Heuristic;
     use crate::session::SettingsPatch;
+    use crate::subsurface::DiffusionModel;
 
     fn settings() -> RenderSettings {
         SettingsPatch::default().settings(None).unwrap()
@@ -180,8 +186,9 @@ mod tests {
 
     /// Choices read by some methods only, each with those methods.
     const CHOICES: &[(&str, &[Method], Change)] = {
-        use Method::{Bdpt, DeterministicLightcuts, Lightcuts, Mlt, Mmlt, Pssmlt, Vpl};
+        use Method::{Bdpt, DeterministicLightcuts, Lightcuts, Mlt, Mmlt, Path, PathNee, Pssmlt, Vpl};
         &[
+            ("subsurface", &[Path, PathNee], |s| s.subsurface = Some(DiffusionModel::Burley)),
             ("heuristic", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.heuristic = Some(Heuristic::Power)),
             ("without", &[Bdpt, Pssmlt, Mmlt, Mlt], |s| s.without = Some(vec![Technique::Splat])),
             ("large-step", &[Pssmlt, Mmlt], |s| s.large_step = Some(0.5)),

@@ -10,14 +10,12 @@ use super::{
 use crate::accel::{Backend, Build};
 use crate::error::{Error, Result};
 use crate::film::{Crop, Filter};
-use crate::integrator::{
-    BdptConfig, ChainsConfig, DeterministicLightcutsConfig, Execution, LightcutsConfig, MOST_GROUPS, Method,
-    MethodConfig, MltConfig, MmltConfig, Mutations, PssmltConfig, VirtualLightsConfig,
-};
+use crate::integrator::{Execution, Method, Mutations};
 use crate::io::png::ToneCurve;
 use crate::light::LightChoice;
-use crate::path::{Technique, Techniques};
+use crate::path::Technique;
 use crate::sampling::{Heuristic, SamplerKind};
+use crate::subsurface::DiffusionModel;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -29,9 +27,6 @@ const DEFAULT_FPS: f64 = 24.0;
 
 /// Limit of samples per pixel if only an error target is given, so that a render that cannot reach it ends.
 const MOST_SPP_UNASKED: u32 = 1 << 16;
-
-/// Limit of the light subpaths with virtual lights: about 8 GB.
-const MOST_VIRTUAL_LIGHTS: u32 = 1 << 22;
 
 /// A render setting: the source of its `render.toml` key, its flag and its explanation.
 #[derive(Debug, Clone, Copy)]
@@ -189,6 +184,9 @@ settings! {
     /// Limit what a virtual light contributes to this multiple of the typical radiance: less noise, but the image is
     /// biased (darker in corners) [default: what the limit takes away is traced]
     "clamp-vpl" => clamp_vpl: f64 { value: "TIMES", example: r#"1.0"# }
+    /// Approximate subsurface scattering in thick bodies, for path and path-nee: fast, and the image says so [default:
+    /// the random walk, which is exact]
+    "subsurface" => subsurface: DiffusionModel { value: "MODEL", example: r#""photon-beam""# }
     /// Environment that replaces the scene's own: a radiance (one number or R,G,B), or a lat-long map (.exr, .hdr)
     "env" | "environment" => env: EnvironmentChoice { value: "RADIANCE|FILE", example: r#""sky.hdr""# }
     /// Turn the map about the up axis, counter-clockwise seen from above [default: 0]
@@ -310,72 +308,6 @@ impl SettingsPatch {
         Ok(self.frame.or(first).map(|number| FrameNumber { number, fps }))
     }
 
-    /// Resolves the method and its parameters.
-    ///
-    /// # Errors
-    /// A value is out of range, whether or not the method reads it, or contradicts the method.
-    pub fn method_config(&self) -> Result<MethodConfig> {
-        let method = self.method.unwrap_or_default();
-        let techniques = Techniques::without(self.without.as_deref().unwrap_or_default());
-        let bdpt = BdptConfig { techniques, heuristic: self.heuristic.unwrap_or_default() };
-        let chains = self.chains_config()?;
-        let (pssmlt, mmlt) = (PssmltConfig::default(), MmltConfig::default());
-        let large_step = self.large_step.unwrap_or(pssmlt.large_step);
-        if !(large_step > 0.0 && large_step <= 1.0) {
-            return Err(Error::usage(
-                "large-step must be above 0 and at most 1: small steps alone do not reach every path",
-            ));
-        }
-        let mmlt_depths = between("mmlt-depths", self.mmlt_depths.unwrap_or(mmlt.mmlt_depths), 2..=64)?;
-        let virtual_lights = self.virtual_lights_config()?;
-        let (lightcuts, bounded) = (LightcutsConfig::default(), DeterministicLightcutsConfig::default());
-        let cut_size = between("cut-size", self.cut_size.unwrap_or(lightcuts.cut_size), 1..=MOST_GROUPS)?;
-        let cut_error = self.cut_error.unwrap_or(bounded.cut_error);
-        if !(cut_error >= 0.0 && cut_error.is_finite()) {
-            return Err(Error::usage("cut-error must not be negative"));
-        }
-        if self.clamp.is_some() && method.has_chains() {
-            return Err(Error::usage(
-                "clamp does nothing sensible to chains, whose samples are all alike: leave it out",
-            ));
-        }
-        Ok(match MethodConfig::from(method) {
-            MethodConfig::Bdpt(_) => MethodConfig::Bdpt(bdpt),
-            MethodConfig::Vpl(_) => MethodConfig::Vpl(virtual_lights),
-            MethodConfig::Lightcuts(_) => MethodConfig::Lightcuts(LightcutsConfig { virtual_lights, cut_size }),
-            MethodConfig::DeterministicLightcuts(_) => {
-                MethodConfig::DeterministicLightcuts(DeterministicLightcutsConfig { virtual_lights, cut_error })
-            }
-            MethodConfig::Pssmlt(_) => MethodConfig::Pssmlt(PssmltConfig { bdpt, chains, large_step }),
-            MethodConfig::Mmlt(_) => MethodConfig::Mmlt(MmltConfig { bdpt, chains, large_step, mmlt_depths }),
-            MethodConfig::Mlt(_) => {
-                MethodConfig::Mlt(MltConfig { bdpt, chains, mutations: self.mutations.unwrap_or_default() })
-            }
-            plain => plain,
-        })
-    }
-
-    fn virtual_lights_config(&self) -> Result<VirtualLightsConfig> {
-        if self.clamp_vpl.is_some_and(|clamp| !(clamp > 0.0 && clamp.is_finite())) {
-            return Err(Error::usage("clamp-vpl must be above zero"));
-        }
-        let count = |count| in_range("virtual-lights", count, MOST_VIRTUAL_LIGHTS);
-        let virtual_lights = self.virtual_lights.map(count).transpose()?;
-        Ok(VirtualLightsConfig { virtual_lights, clamp_vpl: self.clamp_vpl })
-    }
-
-    fn chains_config(&self) -> Result<ChainsConfig> {
-        if self.chain_threshold.is_some_and(|threshold| !(threshold >= 0.0 && threshold.is_finite())) {
-            return Err(Error::usage("chain-threshold must not be negative"));
-        }
-        let chains = self.chains.map(|chains| in_range("chains", chains, 1 << 20)).transpose()?;
-        Ok(ChainsConfig {
-            chains,
-            chain_threshold: self.chain_threshold,
-            two_stage: self.two_stage.unwrap_or_default(),
-        })
-    }
-
     /// Returns the chosen environment and media, if any.
     ///
     /// # Errors
@@ -440,11 +372,11 @@ impl SettingsPatch {
     }
 }
 
-fn in_range(name: &str, value: u32, most: u32) -> Result<u32> {
+pub(super) fn in_range(name: &str, value: u32, most: u32) -> Result<u32> {
     between(name, value, 1..=most)
 }
 
-fn between(name: &str, value: u32, range: RangeInclusive<u32>) -> Result<u32> {
+pub(super) fn between(name: &str, value: u32, range: RangeInclusive<u32>) -> Result<u32> {
     let (least, most) = (range.start(), range.end());
     if range.contains(&value) { Ok(value) } else { Err(Error::usage(format!("{name} must be from {least} to {most}"))) }
 }

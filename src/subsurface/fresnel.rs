@@ -13,6 +13,18 @@ pub(super) fn internal_reflectance(mu: f64, eta: f64) -> f64 {
     reflectance(mu, (1.0 - sin2).sqrt(), eta)
 }
 
+/// Returns the reflectance of unpolarized light that meets the boundary from outside at the cosine `mu` in [0, 1].
+/// `eta` is the index inside over that outside, at least 1.
+pub fn external_reflectance(mu: f64, eta: f64) -> f64 {
+    reflectance((1.0 - (1.0 - mu * mu) / (eta * eta)).sqrt(), mu, eta)
+}
+
+/// Returns the share of diffuse light outside that passes the boundary: 1 − 2 ∫ F μ dμ from outside. By reciprocity it
+/// is that of diffuse light inside times η².
+pub fn exit_share(eta: f64) -> f64 {
+    eta * eta * (1.0 - moments(eta).first)
+}
+
 /// Returns the reflectance for the cosines `inside` and `outside` that Snell's law connects.
 fn reflectance(inside: f64, outside: f64, eta: f64) -> f64 {
     let perpendicular = (eta * inside - outside) / (eta * inside + outside);
@@ -62,6 +74,15 @@ mod tests {
             let fit = -1.440 / (eta * eta) + 0.710 / eta + 0.668 + 0.0636 * eta;
             let exact = moments(eta).first;
             assert!((exact - fit).abs() < 0.006, "{eta}: {exact} {fit}");
+        }
+    }
+
+    /// The bound is ten times the quadrature's error.
+    #[test]
+    fn what_passes_from_outside_is_what_passes_from_inside() {
+        for eta in [1.0, 1.3, 1.5, 2.5] {
+            let passes = 2.0 * integrate(0.0, 1.0, |mu| mu * (1.0 - external_reflectance(mu, eta)));
+            assert!((exit_share(eta) - passes).abs() < 1e-12, "{eta}: {passes}");
         }
     }
 

@@ -1,5 +1,8 @@
 //! The coefficients of one wavelength lane of a homogeneous medium.
 
+/// Scattering over absorption of the limit of media that do not scatter.
+const FAINT: f64 = 1e-9;
+
 /// One wavelength lane of a homogeneous medium with Henyey–Greenstein scattering and a smooth boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Medium {
@@ -31,9 +34,14 @@ impl Medium {
     }
 
     /// Returns the medium of isotropic scattering with the same diffusion, σs' = (1 − g) σs [Jensen01 §2.1]. The
-    /// similarity is exact only far from sources and boundaries. See [`super::inversion`] for measured errors.
+    /// similarity is exact only far from sources and boundaries.
     pub fn reduced(&self) -> Self {
         Medium { scattering: (1.0 - self.mean_cosine) * self.scattering, mean_cosine: 0.0, ..*self }
+    }
+
+    /// Returns a medium that scatters at least a little, whose profile has the shape of the limit.
+    pub(super) fn lit(&self) -> Self {
+        Medium { scattering: self.scattering.max(FAINT * self.absorption), ..*self }
     }
 
     /// Panics unless the coefficients are in their ranges and the extinction is positive.

@@ -64,7 +64,7 @@ pub(crate) fn image(scene: &Scene, camera: usize, how: &How, seed: u64) -> Vec<f
         filter: how.shot.filter,
         sampler: SamplerKind::Sobol,
         replicates: 1,
-        ..IntegratorConfig::new(how.chains.config(method, how.techniques), &layout)
+        ..IntegratorConfig::new(how.chains.config(method.kind(), how.techniques), &layout)
     };
     let camera = scene.camera(Some(&camera.to_string()), side, side).expect("a camera");
     let pilot = integrator::pilot(scene, &camera, &options, &layout);
@@ -85,7 +85,7 @@ pub(crate) fn runs(scene: &Scene, how: &How) -> Runs {
 
 /// So many of them, where each begins with a costly pilot.
 pub(crate) fn some_runs(scene: &Scene, how: &How, count: u64) -> Runs {
-    let images = (0..count).map(|run| image(scene, 0, how, 100 * (how.shot.method as u64 + 1) + run)).collect();
+    let images = (0..count).map(|run| image(scene, 0, how, 100 * (how.shot.method.kind() as u64 + 1) + run)).collect();
     let side = how.crop.map_or(how.shot.side, |crop| crop.x1 - crop.x0) as usize;
     Runs { side, images }
 }

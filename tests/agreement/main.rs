@@ -11,6 +11,7 @@ mod bodies;
 mod chains;
 mod closed_forms;
 mod coverage;
+mod diffusion;
 mod enclosures;
 mod environments;
 mod equilibrium;

@@ -2,7 +2,7 @@
 
 use etendue::accel::Backend;
 use etendue::film::{Filter, Layout, Plane};
-use etendue::integrator::{FilmRenderer, Guards, IntegratorConfig, Method};
+use etendue::integrator::{FilmRenderer, Guards, IntegratorConfig, MethodConfig};
 use etendue::light::LightChoice;
 use etendue::sampling::SamplerKind;
 use etendue::scene::description::Description;
@@ -31,7 +31,7 @@ pub(crate) struct Picture {
 /// What of [`IntegratorConfig`] the tests vary.
 #[derive(Clone, Copy)]
 pub(crate) struct Shot {
-    pub(crate) method: Method,
+    pub(crate) method: MethodConfig,
     pub(crate) side: u32,
     pub(crate) spp: u64,
     pub(crate) seed: u64,
@@ -41,8 +41,16 @@ pub(crate) struct Shot {
 }
 
 impl Shot {
-    pub(crate) fn new(method: Method, side: u32, spp: u64) -> Self {
-        Shot { method, side, spp, seed: 1, depth: None, sampler: SamplerKind::Sobol, filter: Filter::Box }
+    pub(crate) fn new(method: impl Into<MethodConfig>, side: u32, spp: u64) -> Self {
+        Shot {
+            method: method.into(),
+            side,
+            spp,
+            seed: 1,
+            depth: None,
+            sampler: SamplerKind::Sobol,
+            filter: Filter::Box,
+        }
     }
 }
 

@@ -16,7 +16,7 @@ const FLOORS: Floors<'static> = &[
     &["spectrum", "sampling", "stats"],
     &["mcmc", "geometry"],
     &["transport", "accel", "texture"],
-    &["bsdf", "light", "medium", "camera", "film"],
+    &["bsdf", "light", "medium", "subsurface", "camera", "film"],
     &["scene"],
     &["path"],
     &["integrator", "io"],

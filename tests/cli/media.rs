@@ -1,6 +1,6 @@
 //! `[media.NAME]` of render.toml: what it changes, what is refused, and that films remember it.
 
-use crate::run::Place;
+use crate::run::{Place, cornell_file};
 use etendue::io::exr;
 
 const LINE: &str = "render s/scene.gltf --size 8x8 --spp 8 --filter box --depth 4";
@@ -100,4 +100,55 @@ fn films_remember_their_media_and_refuse_others() {
     tell(&place, fog);
     place.report(&format!("{LINE} --shard 1/2 -o 1.film"));
     place.run("merge 0.film 1.film -o a.exr").fails(2, "scenes");
+}
+
+/// A tetrahedron of wax in a white environment.
+const WAX: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0},{"camera":0,"translation":[0.2,0.2,3]}],
+"extensionsUsed":["KHR_materials_transmission","KHR_materials_volume"],"materials":[{"pbrMetallicRoughness":
+{"metallicFactor":0,"roughnessFactor":0},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1},
+"KHR_materials_volume":{"thicknessFactor":1}},"extras":{"etendue":{"albedo":0.8,"mean_free_path":0.01}}}],
+"cameras":[{"type":"orthographic","orthographic":{"xmag":0.6,"ymag":0.6,"zfar":9,"znear":0.1}}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],"buffers":[{"byteLength":72,
+"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAACAAEAAAABAAMAAAADAAIAAQACAAMA"}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,
+"byteOffset":48,"byteLength":24}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",
+"min":[0,0,0],"max":[1,1,1]},{"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]}"#;
+
+/// A picture with a diffusion model is approximate, and says so in all that is written about it.
+#[test]
+fn diffusion_models_call_their_pictures_approximate() {
+    let place = place("");
+    std::fs::write(place.path("s/wax.gltf"), WAX).unwrap();
+    let line = "render s/wax.gltf --size 8x8 --spp 4 --subsurface burley";
+    let ran = place.run(&format!("{line} -o a.png"));
+    assert_eq!(ran.code(), 0, "{}", ran.stderr());
+    assert!(ran.stderr().contains("approximate: subsurface scattering by burley"), "{}", ran.stderr());
+    let png = std::fs::read(place.path("a.png")).unwrap();
+    assert!(png.windows(11).any(|text| text == b"Approximate"));
+    let report = place.report(&format!("{line} -o b.exr"));
+    assert_eq!(report["approximate"], "subsurface scattering by burley");
+    assert_eq!(report["settings"]["subsurface"], "burley");
+    // The walk is not, nor is another method with the same option.
+    for other in ["--subsurface burley --method bdpt", ""] {
+        let line = format!("render s/wax.gltf --size 8x8 --spp 4 {other} -o c.exr");
+        assert!(place.report(&line)["approximate"].is_null(), "{other}");
+    }
+    place
+        .run(&format!("render {} --subsurface dipole -o d.png", cornell_file()))
+        .fails(2, "the scene has no body for --subsurface dipole");
+    place.run(&format!("{line}x -o e.png")).fails(2, "burleyx");
+}
+
+/// The tables that a user asks for have the medium's row, and what makes no sense is refused.
+#[test]
+fn bench_diffusion_prints_tables() {
+    let place = Place::new();
+    let ran = place.run("bench diffusion --albedos 0.8 --paths 2000 --index 1.3");
+    let text = ran.stdout();
+    assert!(
+        text.contains("photon-beam") && text.lines().filter(|line| line.starts_with("| 0.8 |")).count() == 2,
+        "{text}"
+    );
+    place.run("bench diffusion --albedos 1.5").fails(2, "albedos must be above 0 and below 1");
+    place.run("bench diffusion --mean-cosine -0.99").fails(2, "mean-cosine must be");
+    place.run("bench diffusion --index 0.5").fails(2, "index must be from 1 to 3");
 }

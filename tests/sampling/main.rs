@@ -23,4 +23,5 @@ mod shading;
 mod textbook;
 mod textured;
 mod triangles;
+mod walks;
 mod warps;

@@ -1,12 +1,12 @@
 //! Paths through media that scatter, one after the other.
 
 use super::{PathTracer, Strategy, light_weight};
-use crate::bsdf::{Lobes, Shading};
+use crate::bsdf::{Lobes, Scattering, Shading};
 use crate::camera::CameraSample;
 use crate::geometry::SurfacePoint;
 use crate::light::{ChosenLight, EmitterPoint, LightSampleContext};
 use crate::medium::density;
-use crate::path::{FlightEnd, Flown, MediumPoint, PhaseAt, RandomWalk, Scatterer, Stretch, TraceStats};
+use crate::path::{FlightEnd, Flown, MediumPoint, PhaseAt, RandomWalk, Stretch, TraceStats};
 use crate::sampling::{Density, Pdf, Sampler, Slot};
 use crate::scene::{Edge, EdgeEnd};
 use crate::spectrum::Spectrum;
@@ -67,11 +67,14 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let edge = |w: Vec3, end| Edge::new(self.scene, point, state, w, EdgeEnd::Light(end));
         let mut light = Spectrum::ZERO;
         if shading.lobes().intersects(Lobes::SMOOTH) {
-            light = self.direct(walk, &Scatterer::Surface(shading), &receiver, edge, |_, _| 1.0, sampler, tally);
+            light = self.direct(walk, |w| shading.scattering(w), &receiver, edge, |_, _| 1.0, sampler, tally);
         }
         // Light that was sampled counts, also where the walk ends.
         match S::scatter(&shading, walk.scattering_numbers(&surface, sampler)) {
-            Some(scatter) => walk.depart(point, receiver, &scatter),
+            Some(scatter) => match self.entered(walk, point, &scatter) {
+                Some(body) => light += self.diffuse(walk, body, (point, &scatter), sampler, tally),
+                None => walk.depart(point, receiver, &scatter),
+            },
             None => walk.beta = Spectrum::ZERO,
         }
         Some(light)
@@ -89,20 +92,20 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let share =
             |index: usize, pmf: f32| stretch.map_or(1.0, |stretch| self.weight_of_flight(&stretch, point, index, pmf));
         let edge = |w: Vec3, end| Edge::from_medium(point.p, point.state, w, EdgeEnd::Light(end));
-        let light =
-            self.direct(walk, &Scatterer::Medium(phase), &LightSampleContext::from(point), edge, share, sampler, tally);
+        let (receiver, scattering) = (LightSampleContext::from(point), |w| Some(phase.scattering(w)));
+        let light = self.direct(walk, scattering, &receiver, edge, share, sampler, tally);
         let sample = phase.sample(sampler.u2(walk.bounce, Slot::Direction));
         walk.scatter_in_medium(point, sample.direction, Density::Smooth(sample.pdf));
         light
     }
 
-    /// Next-event estimation at `receiver`. The probability that a walk in the direction of the light gets there is known
+    /// Next-event estimation at `receiver`, where light is scattered by `scattering`. The probability that a walk in the direction of the light gets there is known
     /// when the edge is traced. `share` is the weight of this light sample among the techniques that place the receiver.
     #[allow(clippy::too_many_arguments)]
-    fn direct(
+    pub(super) fn direct(
         &self,
         walk: &RandomWalk,
-        scatterer: &Scatterer,
+        scattering: impl FnOnce(Vec3) -> Option<Scattering>,
         receiver: &LightSampleContext,
         edge: impl FnOnce(Vec3, EmitterPoint) -> Edge,
         share: impl FnOnce(usize, f32) -> f32,
@@ -119,7 +122,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
             return Spectrum::ZERO;
         };
         let Some(sample) = lights.all()[index].sample_li(receiver, u) else { return Spectrum::ZERO };
-        let Some(mut scattering) = scatterer.scattering(sample.wi) else { return Spectrum::ZERO };
+        let Some(mut scattering) = scattering(sample.wi) else { return Spectrum::ZERO };
         let clear = self.scene.clearance(&edge(sample.wi, sample.end), &mut tally.shadows);
         scattering.pdf = scattering.pdf.choose(Pdf::new(density(walk.lanes * clear.flight, Spectrum::ONE)));
         let weight = light_weight::<S>(&scattering, &sample, pmf);

@@ -8,10 +8,12 @@
 //! Caustics from small lights and light through ajar doors converge slowly in all three.
 
 mod batch;
+mod diffusion;
 mod equiangular;
 mod media;
 
 pub(super) use batch::{BatchedPath, knows};
+pub(super) use diffusion::known_solids;
 
 use super::camera_pass::Radiance;
 use crate::bsdf::{Lobes, Scattering, Shading, ShadingSample};
@@ -22,7 +24,9 @@ use crate::path::{PreviousVertex, RandomWalk, TraceStats};
 use crate::sampling::{Density, Discrete, Pdf, Sampler, Slot, power, warp};
 use crate::scene::{Edge, EdgeEnd, Scene};
 use crate::spectrum::Spectrum;
+use crate::subsurface::DiffusionModel;
 use crate::transport::TransportMode;
+use diffusion::DiffusionBodies;
 use glam::Vec3;
 
 /// Sampling of directions and lights in a path tracer, and the MIS weights of both techniques.
@@ -101,13 +105,20 @@ pub(super) struct PathTracer<'a, S: Strategy> {
     max_depth: u32,
     /// Whether the directly visible environment is left out.
     transparent: bool,
+    /// Bodies in which a diffusion model replaces the walk.
+    diffusion: Option<DiffusionBodies>,
     strategy: std::marker::PhantomData<S>,
 }
 
 impl<'a, S: Strategy> PathTracer<'a, S> {
     pub(super) fn new(scene: &'a Scene, max_depth: Option<u32>, transparent: bool) -> Self {
         let max_depth = max_depth.unwrap_or(u32::MAX);
-        PathTracer { scene, max_depth, transparent, strategy: std::marker::PhantomData }
+        PathTracer { scene, max_depth, transparent, diffusion: None, strategy: std::marker::PhantomData }
+    }
+
+    /// Replaces walks in bodies by `model`, if there is one.
+    pub(super) fn diffusing(self, model: Option<DiffusionModel>) -> Self {
+        PathTracer { diffusion: model.map(|model| DiffusionBodies::new(self.scene, model)), ..self }
     }
 
     /// Returns the MIS weight of emission hit by BSDF sampling. `pdf` is the light sampling density of the direction,

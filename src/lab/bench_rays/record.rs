@@ -49,7 +49,7 @@ impl View {
 
     /// Returns the execution of passes by `path`, which orders their rays; `None` for other methods.
     pub(super) fn execution(&self, scene: &Scene) -> Option<Execution> {
-        let is_path = matches!(self.settings.method, MethodConfig::Path);
+        let is_path = matches!(self.settings.method, MethodConfig::Path(_));
         is_path.then(|| Execution::chosen(self.settings.execution, scene))
     }
 

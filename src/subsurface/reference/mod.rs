@@ -6,14 +6,13 @@
 mod bins;
 mod walk;
 
+use crate::sampling::mix64;
+
 pub use bins::{Bins, Estimate};
 pub use walk::{Incidence, Reflectance, Walk};
 
-/// Advances the state and returns a uniform variate in [0, 1) of 53 bits: SplitMix64 [Steele14].
+/// Advances the state and returns a uniform variate in [0, 1) of 53 bits.
 pub(super) fn split_mix(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
+    (mix64(*state) >> 11) as f64 * 2f64.powi(-53)
 }

@@ -1,14 +1,11 @@
 //! Photon beam diffusion: dipoles integrated along the beam that enters, and exact single scattering [Habel13].
 
-use super::super::Medium;
-use super::super::fresnel::internal_reflectance;
-use super::super::numeric::integrate_to_infinity;
+use super::Medium;
 use super::Tabulated;
 use super::dipole::Boundary;
+use super::fresnel::internal_reflectance;
+use super::numeric::integrate_to_infinity;
 use std::f64::consts::PI;
-
-/// Nodes of the table.
-const NODES: usize = 512;
 
 /// Returns the profile of light at normal incidence: multiple and single scattering [Habel13].
 ///
@@ -23,9 +20,7 @@ const NODES: usize = 512;
 /// Unless `medium` is in the ranges its fields state, with positive extinction.
 pub fn profile(medium: &Medium) -> Tabulated {
     let model = Beam::new(medium);
-    let path = 1.0 / model.reduced.extinction();
-    let last = (40.0 / model.boundary.decay).clamp(40.0 * path, 1e5 * path);
-    model.tabulate(medium, last, |r| model.multiple(r) + model.single(r))
+    Tabulated::of_medium(medium, model.boundary.decay, |r| model.multiple(r) + model.single(r))
 }
 
 /// Returns the profile of light at normal incidence that is scattered exactly once [Habel13], by the table of
@@ -36,7 +31,7 @@ pub fn profile(medium: &Medium) -> Tabulated {
 /// Unless `medium` is in the ranges its fields state, with positive extinction.
 pub fn single_scattering(medium: &Medium) -> Tabulated {
     let model = Beam::new(medium);
-    model.tabulate(medium, 40.0 / model.medium.extinction(), |r| model.single(r))
+    Tabulated::of_medium(medium, model.medium.extinction(), |r| model.single(r))
 }
 
 /// The integrands of the model.
@@ -50,15 +45,9 @@ impl Beam {
     /// A medium without scattering is replaced by one with little, whose shape is that of the limit.
     pub(super) fn new(medium: &Medium) -> Self {
         medium.check();
-        let medium = Medium { scattering: medium.scattering.max(1e-9 * medium.absorption), ..*medium };
+        let medium = medium.lit();
         let reduced = medium.reduced();
         Beam { medium, reduced, boundary: Boundary::better(&reduced) }
-    }
-
-    /// Tabulates `value` from 1e-4 mean free paths to `last`, with a total of 0 if `medium` does not scatter.
-    fn tabulate(&self, medium: &Medium, last: f64, value: impl Fn(f64) -> f64) -> Tabulated {
-        let table = Tabulated::new(1e-4 / self.medium.extinction(), last, NODES, value);
-        if medium.scattering > 0.0 { table } else { table.with_total(0.0) }
     }
 
     /// Returns light scattered twice or more: the better dipole with sources along the beam, each damped close to

@@ -1,7 +1,13 @@
 //! Profiles by table.
 
-use super::RadialProfile;
+use super::{Medium, RadialProfile};
 use std::f64::consts::TAU;
+
+/// Radius of the first node in mean free paths.
+const NEAREST: f64 = 1e-4;
+
+/// Slopes below this are 0: their square rounds to 0 beside 1.
+const FLAT: f64 = 1e-12;
 
 /// A radial profile through nodes at equal ratios of radii, a power of the radius between two of them. It falls like
 /// 1 / r below the first node, as single scattering does, and is 0 beyond the last one.
@@ -45,6 +51,19 @@ impl Tabulated {
         Tabulated { first: first.ln(), step, density, tails, total }
     }
 
+    /// Tabulates the profile `value` of `medium` at 512 radii, from 1e-4 mean free paths to where e^−40 of the light is
+    /// left by the coefficient `decay`, at most 1e5 mean free paths. The total is 0 if the medium does not scatter.
+    ///
+    /// # Panics
+    /// Unless `medium` has a positive extinction, and the values are positive and finite or round to 0.
+    pub(super) fn of_medium(medium: &Medium, decay: f64, value: impl Fn(f64) -> f64) -> Self {
+        let path = 1.0 / medium.reduced().extinction();
+        let last = (40.0 / decay).clamp(40.0 * path, 1e5 * path);
+        let table =
+            Tabulated::new(NEAREST / medium.extinction(), last, 512, |r| value(r).max(f64::MIN_POSITIVE / (r * r)));
+        if medium.scattering > 0.0 { table } else { table.with_total(0.0) }
+    }
+
     /// Returns the same shape with another total, in [0, 1].
     pub fn with_total(self, total: f64) -> Self {
         Tabulated { total, ..self }
@@ -60,7 +79,7 @@ impl Tabulated {
 /// Returns ∫ f dx over the length `x` below the upper end of a segment, with f = `upper` there and f falling by e^λ over
 /// the `x`.
 fn mass(upper: f64, lambda: f64, x: f64) -> f64 {
-    let share = if lambda.abs() < 1e-12 { 1.0 } else { -(-lambda).exp_m1() / lambda };
+    let share = if lambda.abs() < FLAT { 1.0 } else { -(-lambda).exp_m1() / lambda };
     upper * x * share
 }
 
@@ -107,7 +126,7 @@ impl RadialProfile for Tabulated {
         let (upper, lambda) = self.segment(end - 1);
         // The inverse of [`mass`] in the share of the segment.
         let linear = (tail - self.tails[end]) / (upper * self.step);
-        let above = if lambda.abs() < 1e-12 { linear } else { -(-lambda * linear).ln_1p() / lambda };
+        let above = if lambda.abs() < FLAT { linear } else { -(-lambda * linear).ln_1p() / lambda };
         (self.first + self.step * (end as f64 - above.clamp(0.0, 1.0))).exp()
     }
 }

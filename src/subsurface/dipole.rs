@@ -1,9 +1,9 @@
 //! Dipoles: a point source below the surface, and its mirror image that holds the boundary condition.
 
-use super::super::Medium;
-use super::super::fresnel::moments;
-use super::super::numeric::increasing_root;
+use super::Medium;
 use super::RadialProfile;
+use super::fresnel::moments;
+use super::numeric::increasing_root;
 use std::f64::consts::PI;
 
 /// The boundary's part in a dipole.
