@@ -11,15 +11,16 @@
 //! multiplies by the Fresnel transmittance of entry, and gives what leaves its directions. Lengths have any one unit, and
 //! coefficients its reciprocal.
 //!
-//! All models are approximations. Errors of the profile at normal incidence, against the random walk in media of
-//! isotropic scattering with ω from 0.2 to 0.99 (mean over 0.1 to 10 mean free paths, weighted by r R_d):
+//! All models are approximations. Errors of the profile under diffuse light, against the random walk in media of isotropic
+//! scattering with ω from 0.2 to 0.99 (mean over 0.1 to 10 mean free paths, weighted by r R_d; docs/diffusion-table.md
+//! has more media):
 //!
-//! | model | index 1 | index 1.4 | total, index 1 |
+//! | model | index 1 | index 1.4 | total, index 1.4 |
 //! |---|---|---|---|
-//! | classical dipole | 28–57 % | 20–156 % | −32 to −1 % |
-//! | better dipole with single scattering | 8–25 % | 12–20 % | +3 to +18 % |
-//! | photon beam diffusion with the exact total | 3–6 % | 1–7 % | exact |
-//! | normalized diffusion | 2–5 % | 13–41 % | exact |
+//! | classical dipole | 26–42 % | 18–123 % | −3 to +31 % |
+//! | better dipole with single scattering | 14–25 % | 10–13 % | −4 to +5 % |
+//! | photon beam diffusion with the exact total | 2–9 % | 2–7 % | exact |
+//! | normalized diffusion | 2–4 % | 8–44 % | exact |
 //!
 //! Their common limits: the body is flat and deep as far as light gets in it, its medium is the same everywhere, and
 //! nothing is inside. Thin parts are too bright or too dark, and light that comes in from behind them is missed.

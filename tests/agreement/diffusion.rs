@@ -58,7 +58,7 @@ fn judge(description: Description, model: DiffusionModel, expected: impl Fn(usiz
     let scene = scene(description);
     let profiles = profiles(model);
     for method in methods(model) {
-        let found = render(&scene, Shot::new(method, 16, if deep() { 1 << 14 } else { 1 << 8 })).blocks(1);
+        let found = render(&scene, Shot::new(method, 16, if deep() { 1 << 14 } else { 1 << 7 })).blocks(1);
         for lane in 0..LANES {
             let (noise, expected) = (found[lane].variance.sqrt(), expected(lane, &profiles[lane]));
             println!("{method:?} lane {lane}: {:.6} ± {noise:.6}, {expected:.6}", found[lane].mean);
