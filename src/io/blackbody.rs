@@ -24,6 +24,47 @@ pub(crate) fn color(kelvin: f64) -> Spectrum {
     Spectrum(rgb.map(|lane| (lane / luminance) as f32))
 }
 
+/// Colours of black bodies up to a temperature, whose luminance there is 1.
+pub(crate) struct Ramp {
+    /// Colours at equal ratios of temperatures.
+    colors: Vec<Spectrum>,
+    /// Steps between two of them for each unit of the logarithm.
+    steps: f64,
+}
+
+impl Ramp {
+    /// Number of colours: their mean error is far below that of the fits of the observer.
+    const COLORS: usize = 4096;
+
+    /// Computes the colours up to `hottest` kelvins, or up to the least of [`TEMPERATURES`].
+    pub(crate) fn up_to(hottest: f64) -> Ramp {
+        let least = *TEMPERATURES.start();
+        let range = (hottest / least).ln().max(f64::MIN_POSITIVE);
+        // Y is relative to the radiance at 560 nm, by Planck's law.
+        let log_luminance = |kelvin: f64| {
+            let x = C2 / (560.0 * kelvin);
+            tristimulus(kelvin)[1].ln() - x - (-(-x).exp()).ln_1p()
+        };
+        let last = Ramp::COLORS - 1;
+        let hot = log_luminance(least * range.exp());
+        let color = |k: usize| {
+            let kelvin = least * (range * k as f64 / last as f64).exp();
+            color(kelvin) * (log_luminance(kelvin) - hot).exp() as f32
+        };
+        Ramp { colors: (0..Ramp::COLORS).map(color).collect(), steps: last as f64 / range }
+    }
+
+    /// Returns the colour at `kelvin`; black below the least of [`TEMPERATURES`].
+    pub(crate) fn at(&self, kelvin: f64) -> Spectrum {
+        let place = (kelvin / TEMPERATURES.start()).ln() * self.steps;
+        if place.is_nan() || place < 0.0 {
+            return Spectrum::ZERO;
+        }
+        let low = (place as usize).min(self.colors.len() - 2);
+        self.colors[low].lerp(self.colors[low + 1], (place - low as f64).min(1.0) as f32)
+    }
+}
+
 /// Returns X, Y and Z up to a common factor: Planck's law times the fits of the CIE 1931 observer in [Wyman13].
 fn tristimulus(kelvin: f64) -> [f64; 3] {
     let mut sums = [0.0; 3];
@@ -70,6 +111,25 @@ mod tests {
             let (x, y) = (a / (a + b + c) - x, b / (a + b + c) - y);
             assert!(x.abs() < error && y.abs() < error, "{kelvin}: {x} {y}");
         }
+    }
+
+    /// Stefan and Boltzmann's law holds for all wavelengths; at 560 nm luminance grows by exp(c₂ / λ (1/T − 1/T')) where
+    /// bodies are cold. The eye's mean wavelength is some per cent off, so the bound is loose, but not by the power of
+    /// another temperature. At the top luminance is 1, and between two colours they are mixed.
+    #[test]
+    fn ramps_have_the_luminance_of_black_bodies() {
+        let luminance = |Spectrum([r, g, b]): Spectrum| 0.212_639 * r + 0.715_168_7 * g + 0.072_192_3 * b;
+        let ramp = Ramp::up_to(2000.0);
+        assert!((luminance(ramp.at(2000.0)) - 1.0).abs() < 1e-5);
+        assert!(ramp.at(499.0).is_black() && ramp.at(0.0).is_black() && ramp.at(f64::NAN).is_black());
+        for kelvin in [800.0, 1000.0, 1500.0] {
+            // Cold bodies are seen by their red light.
+            let found = f64::from(luminance(ramp.at(kelvin))).ln() / (1.0 / 2000.0 - 1.0 / kelvin);
+            let nanometres = C2 / found;
+            assert!((570.0..625.0).contains(&nanometres), "{kelvin}: {nanometres}");
+        }
+        let single = Ramp::up_to(100.0);
+        assert!(single.at(100.0).is_black());
     }
 
     #[test]

@@ -7,13 +7,15 @@
 //! how the medium scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and Greenstein, or
 //! `[g, g, share of the first]`. `density` names a grid that multiplies the coefficients: see [`super::volume`].
 //! `albedo_grid` names one of one or three channels, which multiplies scattering; what it takes away is absorbed.
+//! `emission_grid` names one that multiplies emission, `temperature_grid` one of kelvins: emission is then the luminance
+//! of the hottest cell, and the others are as much dimmer as black bodies are.
 
 use super::blackbody;
 use super::volume::VolumeGrid;
 use crate::error::{Error, Result};
 use crate::medium::Phase;
 use crate::medium::inversion::invert;
-use crate::scene::description::{AlbedoGrid, DensityGrid, Volume};
+use crate::scene::description::{ColorGrid, DensityGrid, Volume};
 use crate::spectrum::Spectrum;
 use serde_json::{Map, Value};
 use std::ops::RangeInclusive;
@@ -35,12 +37,18 @@ pub(crate) struct MediumOptions {
     pub(crate) density: Option<String>,
     /// The same of its albedo.
     pub(crate) albedo_grid: Option<String>,
+    /// The same of what multiplies its emission.
+    pub(crate) emission_grid: Option<String>,
+    /// The same of its temperature, in place of that.
+    pub(crate) temperature_grid: Option<String>,
 }
 
 impl MediumOptions {
     /// Keys of the options; a table may have others, which are not read.
-    pub(crate) const KEYS: [&str; 9] = [
+    pub(crate) const KEYS: [&str; 11] = [
         "albedo_grid",
+        "emission_grid",
+        "temperature_grid",
         "scattering",
         "absorption",
         "albedo",
@@ -91,9 +99,16 @@ impl MediumOptions {
             phase,
             density: text("density")?,
             albedo_grid: text("albedo_grid")?,
+            emission_grid: text("emission_grid")?,
+            temperature_grid: text("temperature_grid")?,
         };
-        if read("temperature").is_some() && options.emission.is_none() {
-            return Err(Error::scene(format!("{place} has a temperature, but no emission")));
+        let colors = ["temperature", "temperature_grid", "emission_grid"];
+        let given: Vec<&str> = colors.into_iter().filter(|key| read(key).is_some()).collect();
+        if let (&[key, ..], None) = (given.as_slice(), options.emission) {
+            return Err(Error::scene(format!("{place} has the key {key}, but no emission")));
+        }
+        if given.len() > 1 {
+            return Err(Error::scene(format!("{place} has more than one of {}", colors.join(", "))));
         }
         if options.phase.is_some() && options.scattering.is_none() {
             return Err(Error::scene(format!("{place} has a phase, but no scattering")));
@@ -115,6 +130,7 @@ impl MediumOptions {
             phase: self.phase.unwrap_or(volume.phase),
             density: volume.density,
             albedo: volume.albedo,
+            emission_grid: volume.emission_grid,
         }
     }
 }
@@ -134,10 +150,43 @@ pub(crate) fn density(grid: VolumeGrid) -> Result<DensityGrid> {
 ///
 /// # Errors
 /// A scene error if a value is above 1.
-pub(crate) fn albedo(grid: VolumeGrid) -> Result<AlbedoGrid> {
+pub(crate) fn albedo(grid: VolumeGrid) -> Result<ColorGrid> {
+    ColorGrid::albedos(grid.size, colors(&grid), grid.transform)
+}
+
+/// Returns the cells of a file as factors of emission.
+///
+/// # Errors
+/// A scene error if a value is negative.
+pub(crate) fn emission(grid: VolumeGrid) -> Result<ColorGrid> {
+    ColorGrid::emission(grid.size, colors(&grid), grid.transform)
+}
+
+/// Returns the cells of a file, in kelvins, as factors of emission: the colours of black bodies, of which the hottest
+/// has the luminance 1.
+///
+/// # Errors
+/// A scene error if it has several channels, or a value is negative or above 1e6.
+pub(crate) fn temperatures(grid: VolumeGrid) -> Result<ColorGrid> {
+    if grid.channels != 1 {
+        return Err(Error::scene(format!("a temperature grid has {} channels and not one", grid.channels)));
+    }
+    let most = *blackbody::TEMPERATURES.end();
+    let is_wrong = |kelvin: &f32| !(0.0..=most).contains(&f64::from(*kelvin));
+    if let Some(index) = grid.values.iter().position(is_wrong) {
+        let kelvin = grid.values[index];
+        return Err(Error::scene(format!("the temperature of cell {index} is {kelvin}, not from 0 to {most:e}")));
+    }
+    let hottest = grid.values.iter().fold(0.0f32, |most, &kelvin| most.max(kelvin));
+    let ramp = blackbody::Ramp::up_to(hottest.into());
+    let values = grid.values.iter().map(|&kelvin| ramp.at(kelvin.into()).0).collect();
+    ColorGrid::emission(grid.size, values, grid.transform)
+}
+
+/// Returns cells of one channel or three as colours.
+fn colors(grid: &VolumeGrid) -> Vec<[f32; 3]> {
     let color = |cell: &[f32]| [cell[0], cell[cell.len() / 2], cell[cell.len() - 1]];
-    let values = grid.values.chunks_exact(grid.channels).map(color).collect();
-    AlbedoGrid::new(grid.size, values, grid.transform)
+    grid.values.chunks_exact(grid.channels).map(color).collect()
 }
 
 /// Reads one number for all lanes, or three; or says what they should be.

@@ -14,6 +14,7 @@
 
 use super::Medium;
 use super::reach::Reach;
+use crate::numeric::BELOW_ONE;
 use crate::spectrum::{LANES, Spectrum};
 use glam::Vec3;
 
@@ -23,6 +24,8 @@ pub struct Flight {
     /// Density of the walk so far by each lane over the mean.
     prior: Spectrum,
     lane: usize,
+    /// What the selection of the lane left of its number, uniform in [0, 1).
+    rest: f32,
     /// Optical depth in that lane until the collision.
     left: f32,
     /// Transmittance of the scattering media that it has crossed.
@@ -61,7 +64,16 @@ impl Flight {
             left >= 0.0
         });
         let lane = passed.count();
-        Flight { prior, lane, left: -(-u).ln_1p(), through: Spectrum::ONE, absorbed: Spectrum::ONE }
+        let share = prior.0[lane];
+        let rest = (if left < 0.0 { left + share } else { left }) / share;
+        let rest = if rest >= 0.0 { rest.min(BELOW_ONE) } else { 0.0 };
+        Flight { prior, lane, rest, left: -(-u).ln_1p(), through: Spectrum::ONE, absorbed: Spectrum::ONE }
+    }
+
+    /// Returns a number in [0, 1) that is independent of how far it flies.
+    #[inline]
+    pub fn rest(&self) -> f32 {
+        self.rest
     }
 
     /// Crosses the segment of `length` from `origin` along the unit vector `w` in `medium`; returns the collision on

@@ -3,8 +3,8 @@
 //! Phase functions follow the conventions of scattering functions: light arrives along `wi` and leaves along `wo`, and
 //! both point away from the vertex. Coefficients are per unit of length, one a lane.
 
-mod albedos;
 mod blocks;
+mod colors;
 mod flight;
 mod grid;
 mod homogeneous;
@@ -16,8 +16,8 @@ mod track;
 mod tracking;
 mod varying;
 
-pub use albedos::{Albedos, Colors};
 pub use blocks::Blocks;
+pub use colors::{ColorCells, Colors};
 pub use flight::{Collision, Flight, density};
 pub use grid::Grid;
 pub use homogeneous::Homogeneous;

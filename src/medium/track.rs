@@ -66,7 +66,7 @@ impl Track {
 }
 
 /// Returns the parameters of the part up to `length` in the box of `cells`.
-fn clip(cells: [usize; 3], p: DVec3, d: DVec3, length: f64) -> Option<[f64; 2]> {
+pub(super) fn clip(cells: [usize; 3], p: DVec3, d: DVec3, length: f64) -> Option<[f64; 2]> {
     let (mut from, mut to) = (0.0f64, length);
     for axis in 0..3 {
         let (p, d, n) = (p[axis], d[axis], cells[axis] as f64);

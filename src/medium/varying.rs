@@ -1,7 +1,7 @@
 //! Media whose density may vary from place to place.
 
 use super::reach::Reach;
-use super::{Albedos, Grid, Homogeneous};
+use super::{Colors, Grid, Homogeneous};
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
@@ -13,12 +13,17 @@ pub struct Medium {
     /// The density; empty outside of its box.
     pub grid: Option<Grid>,
     /// The albedo, which multiplies scattering.
-    pub albedo: Option<Albedos>,
+    pub albedo: Option<Colors>,
+    /// What multiplies emission; empty outside of its box.
+    pub emission: Option<Colors>,
 }
+
+/// Largest number of steps through a grid of emission.
+const MOST_STEPS: f32 = 1024.0;
 
 impl From<Homogeneous> for Medium {
     fn from(unit: Homogeneous) -> Self {
-        Medium { unit, grid: None, albedo: None }
+        Medium { unit, grid: None, albedo: None, emission: None }
     }
 }
 
@@ -41,11 +46,32 @@ impl Medium {
         self.albedo.as_ref().map_or(Spectrum::ONE, |grid| grid.at(p))
     }
 
-    /// Returns the radiance that the segment emits toward `origin`. All coefficients have the same density, so that it
-    /// is that of a homogeneous medium as long as the integral of the density.
+    /// Returns the radiance that the segment emits toward `origin`, or an unbiased estimate by `u` in [0, 1) where a grid
+    /// multiplies the emission. Without such a grid all coefficients have the same density, so that it is that of a
+    /// homogeneous medium as long as the integral of the density.
     #[inline]
-    pub fn emitted(&self, origin: Vec3, w: Vec3, length: f32) -> Spectrum {
-        self.unit.emitted(self.depth(origin, w, length))
+    pub fn emitted(&self, origin: Vec3, w: Vec3, length: f32, u: f32) -> Spectrum {
+        match &self.emission {
+            None => self.unit.emitted(self.depth(origin, w, length)),
+            Some(emission) => self.emitted_in_steps(emission, [origin, w], length, u),
+        }
+    }
+
+    /// Estimates the integral of emission times transmittance in steps of a cell at most, as far as [`MOST_STEPS`] reach,
+    /// with a point at the same place `u` of each.
+    fn emitted_in_steps(&self, emission: &Colors, [origin, w]: [Vec3; 2], length: f32, u: f32) -> Spectrum {
+        let Some(([from, to], cells)) = emission.crossed(origin, w, length) else { return Spectrum::ZERO };
+        let steps = cells.ceil().clamp(1.0, MOST_STEPS);
+        let step = (to - from) / steps;
+        let (mut sum, mut depth, mut last) = (Spectrum::ZERO, 0.0, 0.0);
+        for k in 0..steps as u32 {
+            let t = from + (k as f32 + u) * step;
+            depth += self.depth(origin + w * last, w, t - last);
+            last = t;
+            let p = origin + w * t;
+            sum += self.unit.transmittance(depth) * emission.at(p) * self.density(p);
+        }
+        self.unit.emission * sum * step
     }
 
     /// Returns the integral of the density over the segment.

@@ -62,6 +62,8 @@ pub struct Stretch<'a> {
     pub beta: Spectrum,
     /// Density of the walk so far by each lane over the mean of all.
     lanes: Spectrum,
+    /// See [`Flight::rest`].
+    u: f32,
 }
 
 impl Stretch<'_> {
@@ -83,7 +85,7 @@ impl Stretch<'_> {
         if !self.medium.unit.emits() {
             return Spectrum::ZERO;
         }
-        self.beta * self.medium.emitted(self.ray.origin, self.ray.direction, self.length)
+        self.beta * self.medium.emitted(self.ray.origin, self.ray.direction, self.length, self.u)
     }
 }
 
@@ -147,7 +149,7 @@ impl<'a> RandomWalk<'a> {
         }
         let medium = self.scene.medium(self.ray.state.bodies)?;
         let (beta, lanes) = (self.beta * flight.factor(), flight.posterior(Spectrum::ONE));
-        Some(Stretch { medium, ray: self.ray, length, beta, lanes })
+        Some(Stretch { medium, ray: self.ray, length, beta, lanes, u: flight.rest() })
     }
 
     /// Takes `flight` through `length` of the medium of the current edge.

@@ -19,7 +19,7 @@ use super::material::Material;
 use super::{ObjectInfo, Scene};
 use crate::geometry::{Bodies, Bounded, Bounds, BoxTree, Geometry, Ray, RayState, SurfacePoint, TriangleMesh};
 use crate::light::Light;
-use crate::medium::{Albedos, Grid, Homogeneous, Medium};
+use crate::medium::{Colors, Grid, Homogeneous, Medium};
 use crate::sampling::mix64;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
@@ -150,11 +150,16 @@ impl AllBodies {
         bodies
     }
 
-    /// Gives the media that vary their densities and albedos: those of an index, in the place of an instance.
-    pub(super) fn place_grids(&mut self, density: impl Fn(usize, u32) -> Grid, albedo: impl Fn(usize, u32) -> Albedos) {
+    /// Gives the media that vary their densities, albedos and emission: those of an index, in the place of an instance.
+    pub(super) fn place_grids(
+        &mut self,
+        density: impl Fn(usize, u32) -> Grid,
+        [albedo, emission]: [impl Fn(usize, u32) -> Colors; 2],
+    ) {
         for (body, medium) in self.list.iter().zip(&mut self.media) {
             medium.grid = body.interior.density.map(|index| density(index, body.instance));
             medium.albedo = body.interior.albedo.map(|index| albedo(index, body.instance));
+            medium.emission = body.interior.emission_grid.map(|index| emission(index, body.instance));
         }
     }
 

@@ -7,6 +7,7 @@ fn boxes(places: &[(f32, f32)]) -> AllBodies {
         medium: Homogeneous::new(Spectrum::ZERO, Spectrum::ZERO, Phase::Isotropic),
         density: None,
         albedo: None,
+        emission_grid: None,
         ior: 1.5,
         priority: 0,
     };

@@ -3,7 +3,7 @@
 use super::assemble::assemble;
 use super::bodies::AllBodies;
 use super::contact::Contacts;
-use super::description::{self, DensityGrid, Description};
+use super::description::{self, ColorGrid, DensityGrid, Description};
 use super::extent::Extent;
 use super::lights::{area_lights, check_emission, punctual_lights};
 use super::material::{Material, settle};
@@ -16,7 +16,7 @@ use crate::bsdf::Lobes;
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::light::{BoundingSphere, Environment, Light, LightChoice, Lights};
-use crate::medium::{Albedos, Grid};
+use crate::medium::{Colors, Grid};
 use glam::DAffine3;
 use std::sync::Arc;
 use std::time::Instant;
@@ -76,10 +76,12 @@ impl Scene {
                 let DensityGrid { blocks, transform } = &description.densities[index];
                 Grid::new(Arc::clone(blocks), &placed(instance, transform))
             },
-            |index, instance| {
-                let description::AlbedoGrid { colors, transform } = &description.albedos[index];
-                Albedos::new(Arc::clone(colors), &placed(instance, transform))
-            },
+            [&description.albedos, &description.emissions].map(|grids| {
+                |index: usize, instance| {
+                    let ColorGrid { cells, transform } = &grids[index];
+                    Colors::new(Arc::clone(cells), &placed(instance, transform))
+                }
+            }),
         );
         let contacts = contacts(&mut geometry, &objects, &materials, &description.cameras, &rebase, &mut warnings);
         let mut lights = area_lights(&geometry, &mut objects, &materials, contacts.as_deref());

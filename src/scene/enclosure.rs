@@ -4,7 +4,7 @@
 //! part of it. One with a density fills the density's box.
 
 use super::description::{
-    AlbedoGrid, DensityGrid, Description, Instance, Material, Mesh, MetallicRoughnessMaterial, Primitive, PunctualKind,
+    ColorGrid, DensityGrid, Description, Instance, Material, Mesh, MetallicRoughnessMaterial, Primitive, PunctualKind,
     Volume,
 };
 use super::extent::world_box;
@@ -64,13 +64,15 @@ fn around(description: &Description, [mut min, mut max]: [DVec3; 2]) -> Result<D
 /// Adds the image of the unit cube under `transform`, filled with `medium`.
 fn add_box(description: &mut Description, medium: Volume, transform: DAffine3) {
     let name = format!("medium {}", description.materials.len());
-    // The box takes the albedo along.
-    let albedo = medium.albedo.map(|index| {
-        let grid = description.albedos[index].clone();
-        description.albedos.push(AlbedoGrid { transform: transform.inverse() * grid.transform, ..grid });
-        description.albedos.len() - 1
-    });
-    let medium = Volume { albedo, ..medium };
+    // The box takes the colours along.
+    let along = |grids: &mut Vec<ColorGrid>, index: usize| {
+        let grid = grids[index].clone();
+        grids.push(ColorGrid { transform: transform.inverse() * grid.transform, ..grid });
+        grids.len() - 1
+    };
+    let albedo = medium.albedo.map(|index| along(&mut description.albedos, index));
+    let emission_grid = medium.emission_grid.map(|index| along(&mut description.emissions, index));
+    let medium = Volume { albedo, emission_grid, ..medium };
     let model = MetallicRoughnessMaterial {
         metallic: 0.0,
         roughness: 0.0,

@@ -11,6 +11,8 @@ pub(super) struct Interior {
     pub(super) density: Option<usize>,
     /// Index of its albedo, if it varies.
     pub(super) albedo: Option<usize>,
+    /// Index of what multiplies its emission, if that varies.
+    pub(super) emission_grid: Option<usize>,
     /// Refractive index.
     pub(super) ior: f32,
     /// Precedence: see `bodies`.
@@ -19,10 +21,10 @@ pub(super) struct Interior {
 
 impl Interior {
     /// Returns a key that is equal for equal interiors.
-    pub(super) fn key(&self) -> ([u32; 14], [Option<usize>; 2], i32) {
+    pub(super) fn key(&self) -> ([u32; 14], [Option<usize>; 3], i32) {
         let mut bits = [0; 14];
         let numbers = self.medium.numbers().into_iter().chain([self.ior]);
         bits.iter_mut().zip(numbers).for_each(|(bits, number)| *bits = number.to_bits());
-        (bits, [self.density, self.albedo], self.priority)
+        (bits, [self.density, self.albedo, self.emission_grid], self.priority)
     }
 }

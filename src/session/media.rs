@@ -1,8 +1,8 @@
 //! Media that a `render.toml` adds to a scene: `[media.NAME]`.
 //!
 //! A table has the keys of [`crate::io::medium`] and `fills`: `"scene"` (the default), the space around everything or
-//! the box of the density, or a list of materials, whose solids it fills. Paths in `density` and `albedo_grid` are
-//! relative to the file's folder.
+//! the box of the density, or a list of materials, whose solids it fills. Paths of grids are relative to the
+//! file's folder.
 
 use crate::error::{Error, Result};
 use crate::io::medium::{self, MediumOptions};
@@ -42,8 +42,8 @@ impl Media {
     fn with_paths(&self, moved: impl Fn(&str) -> String) -> Media {
         let mut media = self.clone();
         for table in media.0.values_mut() {
-            for key in ["density", "albedo_grid", "albedo-grid"] {
-                if let Some(Value::String(path)) = table.get_mut(key) {
+            for (key, value) in table.iter_mut() {
+                if let (true, Value::String(path)) = (is_path(key), value) {
                     *path = moved(path);
                 }
             }
@@ -77,22 +77,39 @@ impl Media {
             if let Some(path) = &options.albedo_grid {
                 description.albedos.push(read(path).and_then(medium::albedo).map_err(named)?);
             }
+            let emission = match (&options.emission_grid, &options.temperature_grid) {
+                (Some(path), _) => Some(read(path).and_then(medium::emission)),
+                (None, Some(path)) => Some(read(path).and_then(medium::temperatures)),
+                (None, None) => None,
+            };
+            description.emissions.extend(emission.transpose().map_err(named)?);
+            let glows = options.emission_grid.is_some() || options.temperature_grid.is_some();
+            let glow = glows.then(|| description.emissions.len() - 1);
             let density = options.density.as_ref().map(|_| description.densities.len() - 1);
             let albedo = options.albedo_grid.as_ref().map(|_| description.albedos.len() - 1);
             match fills {
-                Fills::Scene => description.media.push(Volume { density, albedo, ..options.fill(Volume::CLEAR) }),
+                Fills::Scene => {
+                    let filled = options.fill(Volume::CLEAR);
+                    description.media.push(Volume { density, albedo, emission_grid: glow, ..filled });
+                }
                 Fills::Materials(materials) => {
                     for wanted in materials {
                         let volume = volume_of(&mut description.materials, &wanted)
                             .map_err(|error| error.context(place(name)))?;
                         let (density, albedo) = (density.or(volume.density), albedo.or(volume.albedo));
-                        *volume = Volume { density, albedo, ..options.fill(*volume) };
+                        let emission_grid = glow.or(volume.emission_grid);
+                        *volume = Volume { density, albedo, emission_grid, ..options.fill(*volume) };
                     }
                 }
             }
         }
         Ok(())
     }
+}
+
+/// Whether the value of a key is a path.
+fn is_path(key: &str) -> bool {
+    ["density", "albedo_grid", "emission_grid", "temperature_grid"].contains(&key.replace('-', "_").as_str())
 }
 
 fn place(name: &str) -> String {

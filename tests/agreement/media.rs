@@ -4,7 +4,7 @@ use crate::picture::{Shot, render, scene};
 use etendue::integrator::Method;
 use etendue::medium::Phase;
 use etendue::scene::description::{
-    AlbedoGrid, DensityGrid, Description, EnvironmentDescription, Material, MaterialModel, Projection, Volume,
+    ColorGrid, DensityGrid, Description, EnvironmentDescription, Material, MaterialModel, Projection, Volume,
 };
 use etendue::spectrum::Spectrum;
 use etendue_testing::deep;
@@ -25,6 +25,7 @@ fn filled(ior: f32, albedo: f32, phase: Phase) -> Material {
             phase,
             density: None,
             albedo: None,
+            emission_grid: None,
         });
     })
 }
@@ -115,7 +116,7 @@ fn a_grid_of_one_density_is_a_homogeneous_medium() {
 fn a_grid_of_one_albedo_is_absorption() {
     let (albedo, depth, reflected, transmitted) = (0.9f32, 1.0f32, 0.267410, 0.223746);
     let mut description = slab(1.0, Phase::Isotropic, depth);
-    description.albedos.push(AlbedoGrid::new([2, 1, 3], vec![[albedo; 3]; 6], DAffine3::IDENTITY).expect("valid"));
+    description.albedos.push(ColorGrid::albedos([2, 1, 3], vec![[albedo; 3]; 6], DAffine3::IDENTITY).expect("valid"));
     change(&mut description, |volume| Volume { albedo: Some(0), ..volume });
     let scene = scene(description);
     let expected = reflected + transmitted + f64::from((-depth).exp());
@@ -214,6 +215,66 @@ fn media_that_emit_and_absorb_glow_by_their_depth() {
             let found = render(&scene, Shot::new(method, 8, 16)).overall();
             let expected = 2.0 * (1.0 - (-1.0f64).exp());
             assert!((found.mean - expected).abs() < 1e-5, "{grid} {method:?}: {found:?}, {expected}");
+        }
+    }
+}
+
+/// A grid of emission in a medium that absorbs, whose density another grid varies: the integral along the view, with the
+/// emission linear between the centres of its cells and 0 beyond its box.
+#[test]
+fn grids_of_emission_glow_by_their_integral() {
+    let glow = [0.5, 4.0, 0.0, 2.0f32];
+    let mut description = Description::default();
+    add_box(&mut description, Vec3::ZERO, Vec3::splat(0.5), filled(1.0, 0.0, Phase::Isotropic));
+    description.cameras.push(narrow(camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO), 0.01));
+    let place = DAffine3::from_translation(DVec3::splat(-0.5));
+    description.densities.push(DensityGrid::new([1, 1, 3], vec![0.0, 2.0, 1.0], place).expect("valid"));
+    // Four tenths of the box, in its middle.
+    let part = DAffine3::from_scale_rotation_translation(
+        DVec3::new(2.0, 2.0, 0.4),
+        DQuat::IDENTITY,
+        DVec3::new(-1.0, -1.0, -0.2),
+    );
+    let values = glow.iter().map(|&x| [x, 2.0 * x, 0.25 * x]).collect();
+    description.emissions.push(ColorGrid::emission([1, 1, 4], values, part).expect("valid"));
+    change(&mut description, |volume| Volume {
+        absorption: Spectrum([1.0, 4.0, 0.0]),
+        emission: Spectrum::splat(2.0),
+        density: Some(0),
+        emission_grid: Some(0),
+        ..volume
+    });
+    let linear = |values: &[f32], x: f64| {
+        let x = (x * values.len() as f64 - 0.5).clamp(0.0, (values.len() - 1) as f64);
+        let (low, share) = (x as usize, x.fract());
+        let high = (low + 1).min(values.len() - 1);
+        f64::from(values[low]) * (1.0 - share) + f64::from(values[high]) * share
+    };
+    let expected = |sigma: f64| {
+        let steps = 100_000;
+        let (mut depth, mut sum) = (0.0, 0.0);
+        for k in 0..steps {
+            let t = (f64::from(k) + 0.5) / f64::from(steps);
+            // From the near face at z = 0.5 on; cells are counted from below.
+            let density = linear(&[0.0, 2.0, 1.0], 1.0 - t);
+            let inside = (0.3..0.7).contains(&t);
+            let half = 0.5 * sigma * density / f64::from(steps);
+            depth += half;
+            if inside {
+                sum += f64::exp(-depth) * density * linear(&glow, (0.7 - t) / 0.4) * 2.0 / f64::from(steps);
+            }
+            depth += half;
+        }
+        sum
+    };
+    let scene = scene(description);
+    for method in METHODS.into_iter().chain([Method::Pssmlt, Method::Mmlt]) {
+        let found = render(&scene, Shot::new(method, 8, 512)).blocks(1);
+        for (lane, (factor, sigma)) in [(1.0, 1.0), (2.0, 4.0), (0.25, 0.0f64)].into_iter().enumerate() {
+            let (error, expected) = (found[lane].variance.sqrt(), factor * expected(sigma));
+            println!("{method:?} lane {lane}: {:.6} ± {error:.6}, {expected:.6}", found[lane].mean);
+            // Six standard errors, and roundings.
+            assert!((found[lane].mean - expected).abs() < 6.0 * error + 1e-4 * expected, "{method:?} {lane}");
         }
     }
 }

@@ -8,6 +8,23 @@ use glam::{DVec3, Vec3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::{PI, TAU};
 
+/// What the selection of a lane leaves of its number is uniform, whatever the shares: χ² of 32 cells in each part of the
+/// number, at the level 1e-6.
+#[test]
+fn flights_leave_a_uniform_number() {
+    for prior in [[1.0, 1.0, 1.0], [0.1, 0.0, 2.9], [2.0, 0.7, 0.3], [0.0, 0.0, 3.0f32]] {
+        let mut random = Random::new(31);
+        let (n, mut cells) = (64_000, [0u32; 32]);
+        for _ in 0..n {
+            let rest = Flight::new(Spectrum(prior), random.cube()).rest();
+            cells[(rest * 32.0) as usize] += 1;
+        }
+        let expected = f64::from(n) / 32.0;
+        let chi2: f64 = cells.iter().map(|&count| (f64::from(count) - expected).powi(2) / expected).sum();
+        assert!(ChiSquared::new(31.0).expect("positive").sf(chi2) > 1e-6, "{prior:?}: {cells:?}");
+    }
+}
+
 const PHASES: [Phase; 11] = [
     Phase::Isotropic,
     Phase::Rayleigh,

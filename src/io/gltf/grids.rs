@@ -1,4 +1,4 @@
-//! Grids of media: files that `extras.etendue.density` and `albedo_grid` of materials name.
+//! Grids of media: files that `extras.etendue` of materials names.
 
 use super::document::{Document, name_or};
 use super::extras;
@@ -6,14 +6,15 @@ use super::resource::read_uri;
 use crate::error::{Error, Result};
 use crate::io::medium;
 use crate::io::volume::{self, VolumeGrid, VolumeOptions};
-use crate::scene::description::{AlbedoGrid, DensityGrid, Material, MaterialModel, Volume};
+use crate::scene::description::{ColorGrid, DensityGrid, Material, MaterialModel, Volume};
 use std::collections::HashMap;
 
 /// The grids of a file's media.
 #[derive(Default)]
 pub(super) struct Grids {
     pub(super) densities: Vec<DensityGrid>,
-    pub(super) albedos: Vec<AlbedoGrid>,
+    pub(super) albedos: Vec<ColorGrid>,
+    pub(super) emissions: Vec<ColorGrid>,
 }
 
 /// Reads the grids of `materials`, whose indices in the file are `order` (`None` is the default material), and stores
@@ -24,6 +25,7 @@ pub(super) struct Grids {
 pub(super) fn load(document: &Document, order: &[Option<usize>], materials: &mut [Material]) -> Result<Grids> {
     let mut grids = Grids::default();
     let (mut densities, mut albedos) = (HashMap::new(), HashMap::new());
+    let (mut emissions, mut temperatures) = (HashMap::new(), HashMap::new());
     for (material, index) in materials.iter_mut().zip(order) {
         let Some(json) = index.map(|index| &document.root.materials[index]) else { continue };
         let named = |error: Error| {
@@ -40,8 +42,15 @@ pub(super) fn load(document: &Document, order: &[Option<usize>], materials: &mut
             .map(|uri| place(document, uri, &mut albedos, &mut grids.albedos, medium::albedo))
             .transpose()
             .map_err(named)?;
+        let glow = &mut grids.emissions;
+        let emission_grid = match (asked.emission_grid, asked.temperature_grid) {
+            (Some(uri), _) => Some(place(document, uri, &mut emissions, glow, medium::emission)),
+            (None, Some(uri)) => Some(place(document, uri, &mut temperatures, glow, medium::temperatures)),
+            (None, None) => None,
+        };
+        let emission_grid = emission_grid.transpose().map_err(named)?;
         let MaterialModel::MetallicRoughness(model) = &mut material.model else { continue };
-        model.volume = model.volume.map(|volume| Volume { density, albedo, ..volume });
+        model.volume = model.volume.map(|volume| Volume { density, albedo, emission_grid, ..volume });
     }
     Ok(grids)
 }

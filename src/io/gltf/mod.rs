@@ -73,9 +73,9 @@ fn describe(document: &Document, options: &ReadOptions) -> Result<Description> {
         loader.place(&placement, &mut out)?;
     }
     let (mut materials, images) = material::load(document, &loader.materials.order, &mut loader.notes)?;
-    let Grids { densities, albedos } = grids::load(document, &loader.materials.order, &mut materials)?;
+    let Grids { densities, albedos, emissions } = grids::load(document, &loader.materials.order, &mut materials)?;
     lamps::afford(&out, &materials, options.memory)?;
-    Ok(Description { materials, densities, albedos, images, ignored: loader.notes.into_sentences(), ..out })
+    Ok(Description { materials, densities, albedos, emissions, images, ignored: loader.notes.into_sentences(), ..out })
 }
 
 /// Returns the animated node values at the given time; none without a time.

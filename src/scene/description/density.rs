@@ -1,7 +1,7 @@
-//! Densities and albedos on grids as loaded.
+//! Densities, albedos and emission on grids as loaded.
 
 use crate::error::{Error, Result};
-use crate::medium::{Blocks, Colors};
+use crate::medium::{Blocks, ColorCells};
 use glam::DAffine3;
 use std::sync::Arc;
 
@@ -33,29 +33,49 @@ impl DensityGrid {
     }
 }
 
-/// Single-scattering albedos of a medium in cells that fill a box. They multiply its scattering, and what they take
-/// away is absorbed. Outside of the box they are those of its border.
+/// Colours in cells that fill a box: albedos, which multiply the scattering of a medium, or what multiplies its emission.
 #[derive(Debug, Clone)]
-pub struct AlbedoGrid {
-    pub(in crate::scene) colors: Arc<Colors>,
+pub struct ColorGrid {
+    pub(in crate::scene) cells: Arc<ColorCells>,
     /// From the unit cube that the cells fill to the space of the meshes that the medium fills.
     pub(in crate::scene) transform: DAffine3,
 }
 
-impl AlbedoGrid {
-    /// Creates the grid of `values`, as [`DensityGrid::new`].
+impl ColorGrid {
+    /// Creates a grid of albedos, as [`DensityGrid::new`]. What they take away of scattering is absorbed. Outside of the
+    /// box they are those of its border.
     ///
     /// # Errors
     /// A scene error if the number of values is not that of the cells, a value is not from 0 to 1, or `transform` has
     /// no inverse.
-    pub fn new(size: [usize; 3], values: Vec<[f32; 3]>, transform: DAffine3) -> Result<AlbedoGrid> {
-        check_cells("an albedo grid", size, values.len())?;
-        let is_wrong = |value: &[f32; 3]| !value.iter().all(|lane| (0.0..=1.0).contains(lane));
+    pub fn albedos(size: [usize; 3], values: Vec<[f32; 3]>, transform: DAffine3) -> Result<ColorGrid> {
+        ColorGrid::within("albedo", 1.0, size, values, transform)
+    }
+
+    /// Creates a grid of what multiplies emission, as [`DensityGrid::new`]. Outside of the box there is none.
+    ///
+    /// # Errors
+    /// A scene error if the number of values is not that of the cells, a value is negative, NaN or above 1e12, or
+    /// `transform` has no inverse.
+    pub fn emission(size: [usize; 3], values: Vec<[f32; 3]>, transform: DAffine3) -> Result<ColorGrid> {
+        ColorGrid::within("emission", MOST, size, values, transform)
+    }
+
+    fn within(
+        what: &str,
+        most: f32,
+        size: [usize; 3],
+        values: Vec<[f32; 3]>,
+        transform: DAffine3,
+    ) -> Result<ColorGrid> {
+        check_cells(&format!("the {what} grid"), size, values.len())?;
+        let is_wrong = |value: &[f32; 3]| !value.iter().all(|lane| (0.0..=most).contains(lane));
         if let Some(index) = values.iter().position(is_wrong) {
-            return Err(Error::scene(format!("the albedo of cell {index} is {:?}, not from 0 to 1", values[index])));
+            let value = values[index];
+            return Err(Error::scene(format!("the {what} of cell {index} is {value:?}, not from 0 to {most:?}")));
         }
         check_transform(&transform)?;
-        Ok(AlbedoGrid { colors: Arc::new(Colors::new(size, values)), transform })
+        Ok(ColorGrid { cells: Arc::new(ColorCells::new(size, values)), transform })
     }
 }
 

@@ -5,7 +5,7 @@
 //! `field.feed(bytes)`, or `field: _` if no image depends on it, such as names that nothing is selected by.
 
 use super::{
-    AlbedoGrid, AlphaMode, CameraDescription, DensityGrid, Description, DiffuseMaterial, EnvironmentDescription,
+    AlphaMode, CameraDescription, ColorGrid, DensityGrid, Description, DiffuseMaterial, EnvironmentDescription,
     Instance, Lens, Material, MaterialModel, Mesh, MetalFresnel, MetallicRoughnessMaterial, Primitive, Projection,
     PunctualKind, PunctualLight, Volume,
 };
@@ -38,6 +38,7 @@ impl Content for Description {
             materials,
             densities,
             albedos,
+            emissions,
             media,
             images: _,
             lights,
@@ -66,17 +67,20 @@ impl Content for Description {
         if !albedos.is_empty() {
             albedos.feed(bytes);
         }
+        if !emissions.is_empty() {
+            emissions.feed(bytes);
+        }
         if !media.is_empty() {
             media.feed(bytes);
         }
     }
 }
 
-impl Content for AlbedoGrid {
+impl Content for ColorGrid {
     fn feed(&self, bytes: &mut Bytes) {
-        let AlbedoGrid { colors, transform } = self;
-        colors.cells().iter().for_each(|n| n.feed(bytes));
-        bytes.update(bytemuck::cast_slice(colors.values()));
+        let ColorGrid { cells, transform } = self;
+        cells.cells().iter().for_each(|n| n.feed(bytes));
+        bytes.update(bytemuck::cast_slice(cells.values()));
         transform.feed(bytes);
     }
 }
@@ -248,13 +252,14 @@ impl Content for MetalFresnel {
 
 impl Content for Volume {
     fn feed(&self, bytes: &mut Bytes) {
-        let Volume { absorption, scattering, emission, phase, density, albedo } = self;
+        let Volume { absorption, scattering, emission, phase, density, albedo, emission_grid } = self;
         absorption.feed(bytes);
         scattering.feed(bytes);
         emission.feed(bytes);
         phase.numbers().feed(bytes);
         density.feed(bytes);
         albedo.feed(bytes);
+        emission_grid.feed(bytes);
     }
 }
 

@@ -46,6 +46,9 @@ pub struct Volume {
     /// Index into [`Description::albedos`](super::Description::albedos) of what multiplies its scattering; what that
     /// takes away is absorbed. `None` is 1 everywhere.
     pub albedo: Option<usize>,
+    /// Index into [`Description::emissions`](super::Description::emissions) of what multiplies its emission; `None` is 1
+    /// everywhere.
+    pub emission_grid: Option<usize>,
 }
 
 impl Volume {
@@ -57,6 +60,7 @@ impl Volume {
         phase: Phase::Isotropic,
         density: None,
         albedo: None,
+        emission_grid: None,
     };
 
     /// Returns the medium in which white light takes `color` (0 to 1) by absorption after `distance` in file units.

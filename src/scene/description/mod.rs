@@ -4,7 +4,7 @@ mod density;
 pub(in crate::scene) mod hash;
 mod material;
 
-pub use density::{AlbedoGrid, DensityGrid};
+pub use density::{ColorGrid, DensityGrid};
 pub use material::{
     AlphaMode, DiffuseMaterial, Material, MaterialModel, MetalFresnel, MetallicRoughnessMaterial, Volume,
 };
@@ -26,7 +26,9 @@ pub struct Description {
     /// Densities of media.
     pub densities: Vec<DensityGrid>,
     /// Albedos of media.
-    pub albedos: Vec<AlbedoGrid>,
+    pub albedos: Vec<ColorGrid>,
+    /// What multiplies the emission of media.
+    pub emissions: Vec<ColorGrid>,
     /// Media in the space around everything, cameras and lamps included. One with a density fills the density's box.
     pub media: Vec<Volume>,
     /// Decoded images of the textures; shared images are decoded once.

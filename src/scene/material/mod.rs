@@ -204,5 +204,6 @@ fn interior(m: &description::Material, rebase: &Rebase) -> Option<Interior> {
     let rebased = |coefficient: Spectrum| coefficient.map(|s: f32| (f64::from(s) / rebase.scale) as f32);
     let medium = Homogeneous::new(rebased(volume.absorption), rebased(volume.scattering), volume.phase)
         .emitting(rebased(volume.emission));
-    Some(Interior { medium, density: volume.density, albedo: volume.albedo, ior, priority: m.priority })
+    let &description::Volume { density, albedo, emission_grid, .. } = volume;
+    Some(Interior { medium, density, albedo, emission_grid, ior, priority: m.priority })
 }

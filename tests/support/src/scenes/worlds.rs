@@ -4,7 +4,7 @@ use super::studio::{Ball, add_box, add_room, add_square, camera, glass, matte, m
 use etendue::accel::Backend;
 use etendue::medium::Phase;
 use etendue::scene::description::{
-    AlbedoGrid, CameraDescription, DensityGrid, Description, EnvironmentDescription, Lens, Material, MaterialModel,
+    CameraDescription, ColorGrid, DensityGrid, Description, EnvironmentDescription, Lens, Material, MaterialModel,
     PunctualKind, PunctualLight, Volume,
 };
 use etendue::scene::{BuildOptions, Scene};
@@ -240,7 +240,7 @@ fn foggy() -> World {
         model.volume = model.volume.map(|volume| Volume { density: Some(0), albedo: Some(0), ..volume });
     }
     let albedos = (0..12u8).map(|i| [i, 3 * i, 5 * i].map(|k| 0.4 + 0.05 * f32::from(k % 13))).collect();
-    scene.albedos.push(AlbedoGrid::new([2, 3, 2], albedos, place).expect("valid"));
+    scene.albedos.push(ColorGrid::albedos([2, 3, 2], albedos, place).expect("valid"));
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(-0.4, -0.5, -0.2), smoke);
     let milk = inside(1.5, 2, [4.0, 3.0, 2.0], Phase::Rayleigh);
     Ball::new(2, 0.3).add(&mut scene, DVec3::new(0.4, -0.55, 0.1), milk);

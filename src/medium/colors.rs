@@ -1,5 +1,6 @@
-//! Single-scattering albedos on a grid of cells.
+//! Colours on a grid of cells: single-scattering albedos, or what multiplies emission.
 
+use super::track::clip;
 use crate::huge_vec::HugeVec;
 use crate::spectrum::Spectrum;
 use glam::{DAffine3, DVec3, Vec3};
@@ -7,21 +8,20 @@ use std::sync::Arc;
 
 /// Colours in cells, without a place in the scene.
 #[derive(Debug)]
-pub struct Colors {
+pub struct ColorCells {
     size: [usize; 3],
     values: HugeVec<[f32; 3]>,
 }
 
-/// Albedos that multiply the scattering of a medium; what they take away is absorbed. Linear between the centres of
-/// cells, beyond which they are those of the border.
+/// Colours in a box of the scene, linear between the centres of cells.
 #[derive(Debug)]
-pub struct Albedos {
-    colors: Arc<Colors>,
+pub struct Colors {
+    cells: Arc<ColorCells>,
     /// From the scene to cells: the centre of cell (x, y, z) is at (x, y, z).
     to_cells: DAffine3,
 }
 
-impl Colors {
+impl ColorCells {
     /// Creates the colours of cells, x first, then y, then z.
     ///
     /// # Panics
@@ -29,7 +29,7 @@ impl Colors {
     pub fn new(size: [usize; 3], values: Vec<[f32; 3]>) -> Self {
         let count = size.iter().product::<usize>();
         assert!(!values.is_empty() && values.len() == count, "{} values for {size:?}", values.len());
-        Colors { size, values: values.into() }
+        ColorCells { size, values: values.into() }
     }
 
     /// Returns the number of cells on each axis.
@@ -60,17 +60,26 @@ impl Colors {
     }
 }
 
-impl Albedos {
-    /// Places `colors`: `to_scene` maps the unit cube that their cells fill to the scene and has an inverse.
-    pub fn new(colors: Arc<Colors>, to_scene: &DAffine3) -> Self {
-        let scale = DAffine3::from_scale(DVec3::from(colors.cells().map(|n| n as f64)));
+impl Colors {
+    /// Places `cells`: `to_scene` maps the unit cube that their cells fill to the scene and has an inverse.
+    pub fn new(cells: Arc<ColorCells>, to_scene: &DAffine3) -> Self {
+        let scale = DAffine3::from_scale(DVec3::from(cells.cells().map(|n| n as f64)));
         let to_cells = DAffine3::from_translation(DVec3::splat(-0.5)) * scale * to_scene.inverse();
-        Albedos { colors, to_cells }
+        Colors { cells, to_cells }
     }
 
-    /// Returns the albedo at the point `p`.
+    /// Returns the colour at the point `p`; beyond the box it is that of the border.
     pub fn at(&self, p: Vec3) -> Spectrum {
-        self.colors.lookup(self.to_cells.transform_point3(p.as_dvec3()).as_vec3())
+        self.cells.lookup(self.to_cells.transform_point3(p.as_dvec3()).as_vec3())
+    }
+
+    /// Returns the part in the box of the segment of `length` from `origin` along the unit vector `w`: distances of its
+    /// ends, and how many cells it crosses on the axis where it crosses most.
+    pub(super) fn crossed(&self, origin: Vec3, w: Vec3, length: f32) -> Option<([f32; 2], f32)> {
+        let p = self.to_cells.transform_point3(origin.as_dvec3()) + 0.5;
+        let d = self.to_cells.transform_vector3(w.as_dvec3());
+        let [from, to] = clip(self.cells.cells(), p, d, length.into())?;
+        Some(([from as f32, to as f32], ((to - from) * d.abs().max_element()) as f32))
     }
 }
 
@@ -90,7 +99,7 @@ mod tests {
             DQuat::from_rotation_y(0.6),
             DVec3::new(1.0, 2.0, 3.0),
         );
-        let grid = Albedos::new(Arc::new(Colors::new(size, values)), &place);
+        let grid = Colors::new(Arc::new(ColorCells::new(size, values)), &place);
         for [x, y, z] in [[0.5, 0.5, 0.5], [1.25, 1.0, 2.75], [2.5, 1.5, 3.5], [-4.0, 0.7, 9.0]] {
             let p = place.transform_point3(DVec3::new(x / 3.0, y / 2.0, z / 4.0)).as_vec3();
             let inside = |x: f64, n: f64| (x - 0.5).clamp(0.0, n - 1.0) as f32;
