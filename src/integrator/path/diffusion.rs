@@ -10,6 +10,7 @@
 //! an index of 1 and not matched to it, and at least [`THICK`] mean free paths thick. All others are walked.
 
 use super::{PathTracer, Strategy};
+use crate::accel::RayClass;
 use crate::bsdf::{Lambert, Scattering, Shading, ShadingSample, Surface};
 use crate::geometry::{Frame, Ray, SurfacePoint};
 use crate::path::{RandomWalk, TraceStats};
@@ -19,7 +20,9 @@ use crate::spectrum::{LANES, Spectrum};
 use crate::subsurface::{DiffusionModel, Medium, ProfileLanes, exit_share, external_reflectance};
 use crate::transport::TransportMode;
 use glam::Vec3;
+use std::collections::HashMap;
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
 /// First address of the random numbers of probes.
 const PROBE: u32 = 1 << 27;
@@ -36,8 +39,8 @@ const MOST_CROSSED: u32 = 256;
 /// Probabilities of the axes: the normal, and two tangents.
 const AXES: [f32; 3] = [0.5, 0.25, 0.25];
 
-/// The bodies that a model knows, by rank.
-pub(super) struct DiffusionBodies(Vec<Option<DiffusionBody>>);
+/// The bodies that a model knows, by rank. Bodies of one medium share a profile.
+pub(super) struct DiffusionBodies(Vec<Option<Arc<DiffusionBody>>>);
 
 /// A body with a profile.
 pub(super) struct DiffusionBody {
@@ -72,11 +75,13 @@ fn media_of(solid: &Solid) -> [Medium; LANES] {
 impl DiffusionBodies {
     /// Makes the profiles of the solids in `scene`.
     pub(super) fn new(scene: &Scene, model: DiffusionModel) -> Self {
-        let mut bodies = Vec::new();
+        let (mut bodies, mut known) = (Vec::new(), HashMap::new());
         for solid in known_solids(scene) {
+            let key = (solid.medium.numbers().map(f32::to_bits), solid.ior.to_bits());
+            let body = known.entry(key).or_insert_with(|| Arc::new(DiffusionBody::new(&solid, model)));
             let rank = solid.body as usize;
             bodies.resize_with(bodies.len().max(rank + 1), || None);
-            bodies[rank] = Some(DiffusionBody::new(&solid, model));
+            bodies[rank] = Some(Arc::clone(body));
         }
         DiffusionBodies(bodies)
     }
@@ -143,7 +148,7 @@ impl<S: Strategy> PathTracer<'_, S> {
     ) -> Option<&DiffusionBody> {
         let bodies = self.diffusion.as_ref()?;
         let rank = self.scene.entered(point, walk.ray.state.bodies, scatter.direction)?;
-        bodies.0.get(rank as usize)?.as_ref()
+        bodies.0.get(rank as usize)?.as_deref()
     }
 
     /// Takes `walk` through `body`, which it enters at `point` by `scatter`, and away from where it leaves. Returns the
@@ -171,6 +176,7 @@ impl<S: Strategy> PathTracer<'_, S> {
             return Spectrum::ZERO;
         };
         if walk.depth >= self.max_depth {
+            walk.beta = Spectrum::ZERO;
             return Spectrum::ZERO;
         }
         let (receiver, leaving) = (self.receiver(&lobe), DiffuseExit { lobe, eta: body.eta });
@@ -231,6 +237,7 @@ impl<S: Strategy> PathTracer<'_, S> {
                 choice = (choice - chance) / (1.0 - chance);
             }
         };
+        self.scene.accel().announce(RayClass::Bounce(walk.depth));
         self.along_probe(Ray::new(start, along), 2.0 * half, entry, tally, &mut visit);
         found.map(|(point, factor)| Exit { point, factor: factor * sum })
     }
