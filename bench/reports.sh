@@ -44,6 +44,7 @@ BUDGET=${BUDGET:-25s} with_chains caustic-pool
 for scene in many-lights street hall; do
   BUDGET=${BUDGET:-12s} with_reference "$scene" 8192 --methods path,bdpt,vpl,lightcuts --backends embree
 done
+BUDGET=${BUDGET:-20s} with_reference foggy-box 4096 --methods path,bdpt,mmlt,mlt --backends embree
 BUDGET=${BUDGET:-7s} page spheres sphere-lamp sphere-cap -- --size 48x48
 
 "$etendue" bench rays scenes/{cornell-box,modified-cornell,landscape}/scene.gltf --size 256x256 --filter box --depth 64 \
