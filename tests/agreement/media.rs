@@ -269,7 +269,7 @@ fn grids_of_emission_glow_by_their_integral() {
     };
     let scene = scene(description);
     for method in METHODS.into_iter().chain([Method::Pssmlt, Method::Mmlt]) {
-        let found = render(&scene, Shot::new(method, 8, 512)).blocks(1);
+        let found = render(&scene, Shot::new(method, 8, if deep() { 1 << 14 } else { 512 })).blocks(1);
         for (lane, (factor, sigma)) in [(1.0, 1.0), (2.0, 4.0), (0.25, 0.0f64)].into_iter().enumerate() {
             let (error, expected) = (found[lane].variance.sqrt(), factor * expected(sigma));
             println!("{method:?} lane {lane}: {:.6} ± {error:.6}, {expected:.6}", found[lane].mean);

@@ -64,6 +64,7 @@ fn media_fill_the_scene_the_box_of_a_density_and_solids() {
 fn media_that_make_no_sense_are_refused() {
     let place = place("");
     write_volume(&place, "s/fog.vol", -2.0);
+    write_volume(&place, "s/hot.vol", 2e6);
     for (toml, code, what) in [
         ("absorbtion = 1", 2, "[media.fog] has the unknown key 'absorbtion'"),
         ("absorption = -1", 2, "[media.fog].absorption is neither"),
@@ -76,8 +77,7 @@ fn media_that_make_no_sense_are_refused() {
         ("absorption = 1\ndensity = \"none.vol\"", 3, "none.vol"),
         ("absorption = 1\ndensity = \"fog.vol\"", 3, "fog.vol"),
         ("emission-grid = \"fog.vol\"", 2, "[media.fog] has the key emission_grid, but no emission"),
-        ("emission = 1\ntemperature-grid = \"fog.vol\"", 3, "the temperature of cell 0 is -2"),
-        ("emission = 1\nemission_grid = \"fog.vol\"", 3, "the emission of cell 0 is"),
+        ("emission = 1\ntemperature-grid = \"hot.vol\"", 3, "the temperature of cell 0 is 2000000"),
         (
             "emission = 1\ntemperature = 900\ntemperature-grid = \"fog.vol\"",
             2,
