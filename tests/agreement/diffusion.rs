@@ -79,6 +79,18 @@ fn a_flat_body_reflects_the_total_of_its_profile() {
     }
 }
 
+/// Probes through a plate find both of its faces, of which a black floor leaves one without light.
+#[test]
+fn a_plate_over_a_black_floor_is_lit_from_above() {
+    let mut description = Description::default();
+    add_box(&mut description, Vec3::ZERO, Vec3::new(1.0, 0.125, 1.0), wax());
+    add_square(&mut description, Vec3::NEG_Y * 0.2, Vec3::X * 40.0, Vec3::NEG_Z * 40.0, matte(0.0, 0.0));
+    description.cameras.push(narrow(camera(DVec3::new(0.0, 3.0, 1e-4), DVec3::ZERO), 1e-5));
+    description.environment = Some(EnvironmentDescription::Uniform(Spectrum::ONE));
+    let reflected = dielectric(1.0f64, INDEX.into());
+    judge(description, DiffusionModel::Burley, |_, profile| reflected + (1.0 - reflected) * profile.total(), 1e-5);
+}
+
 /// Beside an edge light leaves through both faces: the profile at the distance through the body, integrated over them.
 #[test]
 fn light_leaves_around_an_edge() {

@@ -142,6 +142,7 @@ pub(crate) const KILLERS: &[Killer] = &[
     of("agreement", "media::slabs_reflect_and_transmit_as_the_tables_say"),
     of("agreement", "diffusion::a_flat_body_reflects_the_total_of_its_profile"),
     of("agreement", "diffusion::light_leaves_around_an_edge"),
+    of("agreement", "diffusion::a_plate_over_a_black_floor_is_lit_from_above"),
     of("agreement", "diffusion::light_enters_by_its_angle"),
     of("lib", "subsurface::tests::the_tail_is_the_integral_of_the_density"),
     of("sampling", "textured::points_on_a_textured_triangle_follow_their_density"),
