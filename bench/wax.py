@@ -141,7 +141,7 @@ def render_etendue(arguments, name, options, seed):
     out.unlink(missing_ok=True)
     size = f"{arguments.size}x{arguments.size}"
     subprocess.run([arguments.etendue, "render", WAX / "scene.gltf", *options, "--size", size, "--filter", "box", "--spp", str(arguments.spp),
-                    "--replicates", "1", "--seed", str(seed), "-o", out, "--report", report, "--quiet"], check=True)
+                    "--replicates", "1", "--seed", str(seed), "-o", out, "--report", report, "--quiet"], check=True, capture_output=True)
     return read_exr(out), json.loads(report.read_text())["render"]["cpu_seconds"]
 
 
