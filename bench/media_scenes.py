@@ -262,6 +262,19 @@ def read_exr(path):
     return np.stack([channels[name].pixels for name in "RGB"], -1).astype(float)
 
 
+def cycles_layer(path):
+    """The combined layer of a picture by Cycles."""
+    with OpenEXR.File(str(path)) as file:
+        for part in file.parts:
+            for name, channel in part.channels.items():
+                if name.endswith("Combined") or name in ("RGBA", "RGB"):
+                    return np.asarray(channel.pixels[..., :3], float)
+            found = {name.rsplit(".", 1)[-1]: channel.pixels for name, channel in part.channels.items() if "Combined" in name}
+            if {"R", "G", "B"} <= found.keys():
+                return np.stack([np.asarray(found[c], float) for c in "RGB"], -1)
+    raise SystemExit(f"{path}: no layer Combined")
+
+
 def sky(w):
     """A smooth radiance without any symmetry in the unit direction `w`: three lobes of light over a gradient."""
     radiance = 0.3 + 0.2 * (w[..., 1:2] + 1) * np.array([0.6, 0.8, 1.2])

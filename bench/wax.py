@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from media_scenes import read_exr
+from media_scenes import cycles_layer, read_exr
 
 ROOT = Path(__file__).resolve().parent.parent
 WAX = ROOT / "scenes" / "wax"
@@ -143,20 +143,6 @@ def render_etendue(arguments, name, options, seed):
     subprocess.run([arguments.etendue, "render", WAX / "scene.gltf", *options, "--size", size, "--filter", "box", "--spp", str(arguments.spp),
                     "--replicates", "1", "--seed", str(seed), "-o", out, "--report", report, "--quiet"], check=True, capture_output=True)
     return read_exr(out), json.loads(report.read_text())["render"]["cpu_seconds"]
-
-
-def cycles_layer(path):
-    """The combined layer, bottom up turned top down as OpenEXR gives it."""
-    import OpenEXR
-    with OpenEXR.File(str(path)) as file:
-        for part in file.parts:
-            for name, channel in part.channels.items():
-                if name.endswith("Combined") or name in ("RGBA", "RGB"):
-                    return np.asarray(channel.pixels[..., :3], float)
-            found = {name.rsplit(".", 1)[-1]: channel.pixels for name, channel in part.channels.items() if "Combined" in name}
-            if {"R", "G", "B"} <= found.keys():
-                return np.stack([np.asarray(found[c], float) for c in "RGB"], -1)
-    raise SystemExit(f"{path}: no layer Combined")
 
 
 def main():
