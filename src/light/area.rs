@@ -13,6 +13,9 @@ use etendue_lanes::{self as lanes, Float, ROW};
 use glam::Vec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+/// Longest edge of a small triangle, in radii of the scene.
+const SMALL: f32 = 0.05;
+
 /// An emitting triangle. It emits from the front (counter-clockwise winding), and also
 /// from the back if its material is double-sided.
 #[derive(Debug)]
@@ -163,6 +166,13 @@ impl AreaLight {
         let cos = f64::from(w.dot(self.ng));
         let cos = if self.emission.two_sided { 0.5 * cos.abs() } else { cos.max(0.0) };
         cos / PI
+    }
+
+    /// See [`super::Light::pivot`].
+    pub(super) fn pivot(&self) -> Option<Vec3> {
+        let [a, b, c] = self.triangle.vertices;
+        let edge2 = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        (edge2 < SMALL * SMALL && !self.emission.only_seen).then_some((a + b + c) / 3.0)
     }
 
     /// Returns the radiance factor, mean over lanes. Textures only reduce it.

@@ -152,13 +152,15 @@ pub enum Light {
 }
 
 impl Light {
-    /// Returns its position if it has no extent.
+    /// Returns the point around which its light falls off like 1/d²; `None` at infinity, for a light that does not
+    /// illuminate, and for a triangle with edges longer than a twentieth of the scene's radius.
     #[inline]
-    pub fn position(&self) -> Option<Vec3> {
+    pub fn pivot(&self) -> Option<Vec3> {
         match self {
             Light::Point(point) => Some(point.position),
             Light::Spot(spot) => Some(spot.position()),
-            Light::Directional(_) | Light::Area(_) | Light::Environment(_) => None,
+            Light::Area(light) => light.pivot(),
+            Light::Directional(_) | Light::Environment(_) => None,
         }
     }
 

@@ -70,7 +70,14 @@ impl Stretch<'_> {
     /// Returns the density per length with which the flight collides at the distance `t` from its start, where the medium
     /// has this `extinction`.
     pub fn density(&self, t: f32, extinction: Spectrum) -> f32 {
-        density(self.lanes * self.medium.transmittance(self.ray.origin, self.ray.direction, t), extinction)
+        self.density_beyond(t, extinction, Spectrum::ONE)
+    }
+
+    /// Returns the same times the probability with which a walk that collides there gets through `beyond`, the
+    /// transmittance of scattering media on the edge that follows.
+    pub fn density_beyond(&self, t: f32, extinction: Spectrum, beyond: Spectrum) -> f32 {
+        let through = self.medium.transmittance(self.ray.origin, self.ray.direction, t);
+        density(self.lanes * through * beyond, extinction)
     }
 
     /// Returns the place at the distance `t` as a collision.
@@ -144,7 +151,7 @@ impl<'a> RandomWalk<'a> {
     #[inline]
     fn stretch(&self, flight: &Flight, length: f32) -> Option<Stretch<'a>> {
         let features = self.scene.features();
-        if !(features.emission || features.dirac_lights) {
+        if !(features.emission || features.small_lights) {
             return None;
         }
         let medium = self.scene.medium(self.ray.state.bodies)?;

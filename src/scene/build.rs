@@ -196,6 +196,7 @@ fn features(
         refraction: used(&Material::refracts),
         instances: geometry.objects.iter().any(|o| o.placement.is_some()),
         dirac_lights: lights.iter().any(Light::is_dirac),
+        small_lights: lights.iter().any(|light| light.pivot().is_some()),
         contacts: false,
     }
 }

@@ -90,6 +90,8 @@ pub struct Features {
     pub instances: bool,
     /// Some light is a Dirac light (a light without extent).
     pub dirac_lights: bool,
+    /// Some light falls off like 1/d² around a point: see [`Light::pivot`](crate::light::Light::pivot).
+    pub small_lights: bool,
     /// Some surface that transmits light touches another.
     pub contacts: bool,
 }
@@ -125,6 +127,7 @@ impl Features {
             ("refraction", self.refraction),
             ("instances", self.instances),
             ("dirac-lights", self.dirac_lights),
+            ("small-lights", self.small_lights),
             ("contacts", self.contacts),
         ]
         .into_iter()

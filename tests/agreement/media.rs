@@ -410,3 +410,48 @@ fn light_of_a_point_that_scatters_once_is_its_integral() {
         }
     }
 }
+
+/// The same beside small lamps, at whose distance a direction by chance seldom or often hits them.
+#[test]
+fn light_of_a_small_lamp_that_scatters_once_is_its_integral() {
+    for (beside, edge, most) in [(0.02, 0.004, 3e-3), (0.03, 0.05, 3e-3)] {
+        let phase = Phase::HenyeyGreenstein(0.4);
+        let mut description = Description::default();
+        add_box(&mut description, Vec3::ZERO, Vec3::splat(2.0), filled(1.0, 0.7, phase));
+        let middle = DVec3::new(beside, 0.0, -0.5);
+        // It faces the view.
+        let half = 0.5 * edge as f32;
+        let lamp = Material { double_sided: false, ..matte(0.0, 40.0) };
+        add_square(&mut description, middle.as_vec3(), Vec3::Z * half, Vec3::Y * half, lamp);
+        let eye = DVec3::new(0.0, 0.0, 1.0);
+        description.cameras.push(narrow(camera(eye, DVec3::ZERO), 1e-4));
+        let scene = scene(description);
+        let (steps, cells, length) = (20_000, 16, 3.0);
+        let (step, cell) = (length / f64::from(steps), edge / f64::from(cells));
+        let part = |k: i32| (f64::from(k) + 0.5) * cell - 0.5 * edge;
+        let mut expected = 0.0;
+        for k in 0..steps {
+            let t = step * (f64::from(k) + 0.5);
+            let p = eye + DVec3::NEG_Z * t;
+            for (i, j) in (0..cells).flat_map(|i| (0..cells).map(move |j| (i, j))) {
+                let to = middle + DVec3::new(0.0, part(i), part(j)) - p;
+                let (d, g) = (to.length(), 0.4f64);
+                let (cos, turn) = (to.x / d, -to.z / d);
+                let value = (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * turn).powf(1.5));
+                expected += 0.7 * 40.0 * value * (-t - d).exp() * cos / (d * d) * step * cell * cell;
+            }
+        }
+        for method in [Method::Path, Method::PathNee, Method::Bdpt] {
+            let shot = Shot { depth: Some(1), ..Shot::new(method, 8, if deep() { 1 << 16 } else { 4096 }) };
+            let found = render(&scene, shot).overall();
+            let error = found.variance.sqrt();
+            println!("{beside} {edge} {method:?}: {:.6} ± {error:.6}, {expected:.6}", found.mean);
+            // The midpoint rule over the lamp, a sixteenth of its distance at most, and the width of the view.
+            assert!(
+                (found.mean / expected - 1.0).abs() < 6.0 * error / expected + 1e-3,
+                "{method:?}: {found:?} {expected}"
+            );
+            assert!(method == Method::Bdpt || error < most * expected, "{method:?}: {error} {expected}");
+        }
+    }
+}

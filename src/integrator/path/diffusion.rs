@@ -54,7 +54,7 @@ pub(super) struct DiffusionBody {
     passing: f32,
 }
 
-/// Returns the solids of `scene` that `model` knows.
+/// Returns the solids of `scene` that models know.
 pub(in crate::integrator) fn known_solids(scene: &Scene) -> impl Iterator<Item = Solid> {
     scene.solids().filter(|solid| {
         let reduced = media_of(solid).map(|medium| medium.reduced().extinction());
@@ -181,7 +181,7 @@ impl<S: Strategy> PathTracer<'_, S> {
         }
         let (receiver, leaving) = (self.receiver(&lobe), DiffuseExit { lobe, eta: body.eta });
         let edge = |w: Vec3, end| Edge::new(self.scene, &exit, state, w, EdgeEnd::Light(end));
-        let light = self.direct(walk, |w| leaving.scattering(w), &receiver, edge, |_, _| 1.0, sampler, tally);
+        let light = self.direct(walk, |w| leaving.scattering(w), &receiver, edge, |_, _, _| 1.0, sampler, tally);
         let [u, v] = sampler.u2(walk.bounce, Slot::Direction);
         match leaving.sample([0.0, u, v]) {
             Some(sample) => walk.depart(&exit, receiver, &sample),

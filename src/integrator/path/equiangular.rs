@@ -1,19 +1,21 @@
-//! Equiangular sampling of collisions with light of points and spots [KullaFajardo12].
+//! Equiangular sampling of collisions with light of points, spots and small lamps [KullaFajardo12].
 //!
 //! Flights find the air around a lamp by chance, where its light is strongest: 1/d² has no finite variance there. Here a
-//! collision is placed on a stretch of an edge in one medium with a density proportional to 1/d² for one light, as if the
-//! angle seen from it were uniform. Its light is weighted against that of flights (power heuristic). Lights with an area
-//! are left to flights: their 1/d² is bounded by what their solid angle covers.
+//! collision is placed on a stretch of an edge in one medium with a density proportional to 1/d² from the middle of one
+//! light, as if the angle seen from it were uniform. From there the light is sampled as at any collision. The same path
+//! has up to two other techniques: a flight and a light sample, and a flight and a direction that hits the lamp. All
+//! three are weighted by the power heuristic. Large lamps are left to flights: their 1/d² is bounded.
 
 use super::{PathTracer, Strategy};
-use crate::light::LightSampleContext;
-use crate::path::{MediumPoint, PhaseAt, RandomWalk, Stretch, TraceStats};
+use crate::geometry::SurfacePoint;
+use crate::light::{Light, LightSample, LightSampleContext};
+use crate::path::{MediumPoint, PhaseAt, PreviousVertex, RandomWalk, Stretch, TraceStats};
 use crate::sampling::{Density, Sampler, Slot, power};
 use crate::scene::EdgeEnd;
 use crate::spectrum::Spectrum;
 use glam::Vec3;
 
-/// First address of the random numbers: of the light, and of the place.
+/// First address of the random numbers: of the light, of the place, and of the point on the light.
 const EQUIANGULAR: u32 = 1 << 26;
 
 /// A stretch seen from a light: angles from the perpendicular.
@@ -53,20 +55,93 @@ impl Seen {
     }
 }
 
-impl<S: Strategy> PathTracer<'_, S> {
-    /// Returns the weight of light of number `index`, selected with the probability `pmf`, at the collision at `point` of a
-    /// flight through `stretch`.
-    pub(super) fn weight_of_flight(&self, stretch: &Stretch, point: &MediumPoint, index: usize, pmf: f32) -> f32 {
-        let lights = self.scene.lights();
-        let seen = lights.all()[index]
-            .position()
-            .and_then(|light| Seen::new(stretch.ray.origin, stretch.ray.direction, stretch.length, light));
-        let Some(seen) = seen else { return 1.0 };
-        let t = (point.p - stretch.ray.origin).dot(stretch.ray.direction);
-        power(stretch.density(t, point.extinction) * pmf, lights.emitter_pmf(index).value() * seen.pdf(t))
+/// A collision of a flight, and the stretch that it was on.
+pub(super) type Collided<'a> = (Stretch<'a>, MediumPoint);
+
+/// Densities of the three techniques for one path, in one measure.
+struct Densities {
+    equiangular: f32,
+    /// Flight and light sample.
+    sampled: f32,
+    /// Flight and direction that hits the light.
+    hit: f32,
+}
+
+impl Densities {
+    fn weight_of_equiangular(&self) -> f32 {
+        power(self.equiangular, self.sampled.hypot(self.hit))
     }
 
-    /// Returns the weighted light of a point or spot that scatters once on `stretch` toward its start.
+    /// Returns the weight of both other techniques, as a factor of their weights beside each other.
+    fn share_of_flights(&self) -> f32 {
+        power(self.sampled.hypot(self.hit), self.equiangular)
+    }
+}
+
+impl<S: Strategy> PathTracer<'_, S> {
+    /// Returns the density with which equiangular sampling selects light of number `index` and the distance `t` on
+    /// `stretch`; 0 if it never does.
+    fn equiangular_density(&self, stretch: &Stretch, t: f32, index: usize) -> f32 {
+        let lights = self.scene.lights();
+        let seen = lights.all()[index]
+            .pivot()
+            .and_then(|pivot| Seen::new(stretch.ray.origin, stretch.ray.direction, stretch.length, pivot));
+        seen.map_or(0.0, |seen| lights.emitter_pmf(index).value() * seen.pdf(t))
+    }
+
+    /// Returns the factor of the weight of `sample`, of light of number `index`, selected with the probability `pmf`, at a
+    /// collision. `scattering` is the density with which its direction is scattered to the light.
+    pub(super) fn share_of_sample(
+        &self,
+        (stretch, point): &Collided,
+        (index, pmf): (usize, f32),
+        sample: &LightSample,
+        scattering: f32,
+    ) -> f32 {
+        let t = distance(stretch, point);
+        let equiangular = self.equiangular_density(stretch, t, index);
+        if equiangular <= 0.0 {
+            return 1.0;
+        }
+        let flown = stretch.density(t, point.extinction);
+        let (on_light, hit) = match sample.density {
+            Density::Delta(probability) => (probability, 0.0),
+            Density::Smooth(pdf) => (pdf.value(), if S::HITS_LIGHTS { scattering } else { 0.0 }),
+        };
+        let (equiangular, sampled) = (equiangular * on_light, pmf * on_light * flown);
+        Densities { equiangular, sampled, hit: hit * flown }.share_of_flights()
+    }
+
+    /// Returns the factor of the weight of the light at `hit`, which `walk` reaches from a collision through media with
+    /// the probability `chance`.
+    pub(super) fn share_of_hit(
+        &self,
+        walk: &RandomWalk,
+        (stretch, point): &Collided,
+        hit: &SurfacePoint,
+        chance: f32,
+        tally: &mut TraceStats,
+    ) -> f32 {
+        let (Some((index, Light::Area(light))), PreviousVertex::Scattered(from, Density::Smooth(scattering))) =
+            (self.scene.light_at(hit), &walk.departure)
+        else {
+            return 1.0;
+        };
+        let t = distance(stretch, point);
+        let equiangular = self.equiangular_density(stretch, t, index);
+        if !S::SAMPLES_LIGHTS || equiangular <= 0.0 {
+            return 1.0;
+        }
+        let lights = self.scene.lights();
+        let flown = stretch.density(t, point.extinction);
+        let on_light = light.pdf_li(from.p, hit.p, walk.ray.direction).value();
+        let pmf = tally.selection.time_of(lights, || lights.pmf(from, index)).value();
+        let hit = scattering.value() * chance * flown;
+        let sampled = pmf * on_light * flown;
+        Densities { equiangular: equiangular * on_light, sampled, hit }.share_of_flights()
+    }
+
+    /// Returns the weighted light of a point, spot or small lamp that scatters once on `stretch` toward its start.
     pub(super) fn equiangular(
         &self,
         walk: &RandomWalk,
@@ -82,7 +157,7 @@ impl<S: Strategy> PathTracer<'_, S> {
         let [pick, u] = sampler.u2(EQUIANGULAR + walk.bounce, Slot::MediumDistance);
         let Some((index, chosen)) = lights.choose_emitter(pick) else { return Spectrum::ZERO };
         let light = &lights.all()[index];
-        let seen = light.position().and_then(|light| Seen::new(ray.origin, ray.direction, length, light));
+        let seen = light.pivot().and_then(|pivot| Seen::new(ray.origin, ray.direction, length, pivot));
         let Some(seen) = seen else { return Spectrum::ZERO };
         let t = seen.sample(u);
         // Rounding may lead out of the stretch.
@@ -91,19 +166,35 @@ impl<S: Strategy> PathTracer<'_, S> {
         }
         let point = stretch.point(t);
         let receiver = LightSampleContext::from(&point);
-        let Some(sample) = light.sample_li(&receiver, [0.5; 2]) else { return Spectrum::ZERO };
-        let Density::Delta(probability) = sample.density else { return Spectrum::ZERO };
-        let flown = stretch.density(t, point.extinction);
-        let pmf = tally.selection.time_of(lights, || lights.pmf(&receiver, index)).value();
-        let made = chosen.value() * seen.pdf(t);
+        let on_light = sampler.u2(EQUIANGULAR + walk.bounce, Slot::LightPoint);
+        let Some(sample) = light.sample_li(&receiver, on_light) else { return Spectrum::ZERO };
         let phase = PhaseAt::new(&point, -ray.direction);
         let edge = phase.edge_to(sample.wi, EdgeEnd::Light(sample.end));
-        let clear = self.scene.transmittance(&edge, &mut tally.shadows);
-        let scattered = phase.scattering(sample.wi).f_cos * point.scattering;
-        let weight = power(made, flown * pmf) / (made * probability);
+        let clear = self.scene.clearance(&edge, &mut tally.shadows);
+        if clear.through.is_black() {
+            return Spectrum::ZERO;
+        }
+        let scattering = phase.scattering(sample.wi);
+        let (on_light, hit) = match sample.density {
+            Density::Delta(probability) => (probability, 0.0),
+            Density::Smooth(pdf) if S::HITS_LIGHTS => {
+                (pdf.value(), scattering.pdf.value() * stretch.density_beyond(t, point.extinction, clear.flight))
+            }
+            Density::Smooth(pdf) => (pdf.value(), 0.0),
+        };
+        let made = chosen.value() * seen.pdf(t) * on_light;
+        let pmf = tally.selection.time_of(lights, || lights.pmf(&receiver, index)).value();
+        let sampled = pmf * on_light * stretch.density(t, point.extinction);
+        let weight = Densities { equiangular: made, sampled, hit }.weight_of_equiangular() / made;
+        let scattered = scattering.f_cos * point.scattering;
         let through = medium.transmittance(ray.origin, ray.direction, t);
-        beta * through * scattered * sample.radiance * clear * weight
+        beta * through * scattered * sample.radiance * clear.through * weight
     }
+}
+
+/// Returns the distance of `point` from the start of `stretch`.
+fn distance(stretch: &Stretch, point: &MediumPoint) -> f32 {
+    (point.p - stretch.ray.origin).dot(stretch.ray.direction)
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! Paths through media that scatter, one after the other.
 
+use super::equiangular::Collided;
 use super::{PathTracer, Strategy, light_weight};
 use crate::bsdf::{Lobes, Scattering, Shading};
 use crate::camera::CameraSample;
 use crate::geometry::SurfacePoint;
-use crate::light::{ChosenLight, EmitterPoint, LightSampleContext};
+use crate::light::{ChosenLight, EmitterPoint, LightSample, LightSampleContext};
 use crate::medium::density;
 use crate::path::{FlightEnd, Flown, MediumPoint, PhaseAt, RandomWalk, Stretch, TraceStats};
 use crate::sampling::{Density, Pdf, Sampler, Slot};
@@ -22,7 +23,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         tally: &mut TraceStats,
     ) -> Spectrum {
         let mut walk = RandomWalk::from_camera(self.scene, camera);
-        let mut total = Spectrum::ZERO;
+        let (mut total, mut collided) = (Spectrum::ZERO, None::<Collided>);
         loop {
             let lanes = walk.lanes;
             let (mut last, mut scattered) = (None, Spectrum::ZERO);
@@ -35,14 +36,24 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
             let chance = density(lanes * through, Spectrum::ONE);
             let Some(end) = end else { return total + self.background(&walk, chance, tally) };
             if let FlightEnd::Surface(point) = &end {
-                total += self.emitted(&walk, point.hit, point.p, point.barycentric, chance, tally);
+                let light = self.emitted(&walk, point.hit, point.p, point.barycentric, chance, tally);
+                total += match &collided {
+                    Some(collided) if !light.is_black() => {
+                        light * self.share_of_hit(&walk, collided, point, chance, tally)
+                    }
+                    _ => light,
+                };
             }
             if walk.depth >= self.max_depth {
                 return total;
             }
+            collided = None;
             let left = match end {
                 FlightEnd::Surface(mut point) => self.leave_surface(&mut walk, &mut point, sampler, tally),
-                FlightEnd::Medium(point) => Some(self.leave_medium(&mut walk, (&point, last), sampler, tally)),
+                FlightEnd::Medium(point) => {
+                    collided = last.map(|stretch| (stretch, point));
+                    Some(self.leave_medium(&mut walk, &point, collided.as_ref(), sampler, tally))
+                }
             };
             let Some(light) = left else { return total };
             total += light;
@@ -67,7 +78,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let edge = |w: Vec3, end| Edge::new(self.scene, point, state, w, EdgeEnd::Light(end));
         let mut light = Spectrum::ZERO;
         if shading.lobes().intersects(Lobes::SMOOTH) {
-            light = self.direct(walk, |w| shading.scattering(w), &receiver, edge, |_, _| 1.0, sampler, tally);
+            light = self.direct(walk, |w| shading.scattering(w), &receiver, edge, |_, _, _| 1.0, sampler, tally);
         }
         // Light that was sampled counts, also where the walk ends.
         match S::scatter(&shading, walk.scattering_numbers(&surface, sampler)) {
@@ -84,13 +95,15 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
     fn leave_medium(
         &self,
         walk: &mut RandomWalk,
-        (point, stretch): (&MediumPoint, Option<Stretch>),
+        point: &MediumPoint,
+        collided: Option<&Collided>,
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,
     ) -> Spectrum {
         let phase = PhaseAt::new(point, -walk.ray.direction);
-        let share =
-            |index: usize, pmf: f32| stretch.map_or(1.0, |stretch| self.weight_of_flight(&stretch, point, index, pmf));
+        let share = |light, sample: &LightSample, scattering| {
+            collided.map_or(1.0, |collided| self.share_of_sample(collided, light, sample, scattering))
+        };
         let edge = |w: Vec3, end| Edge::from_medium(point.p, point.state, w, EdgeEnd::Light(end));
         let (receiver, scattering) = (LightSampleContext::from(point), |w| Some(phase.scattering(w)));
         let light = self.direct(walk, scattering, &receiver, edge, share, sampler, tally);
@@ -109,7 +122,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         scattering: impl FnOnce(Vec3) -> Option<Scattering>,
         receiver: &LightSampleContext,
         edge: impl FnOnce(Vec3, EmitterPoint) -> Edge,
-        share: impl FnOnce(usize, f32) -> f32,
+        share: impl FnOnce((usize, f32), &LightSample, f32) -> f32,
         sampler: &mut impl Sampler,
         tally: &mut TraceStats,
     ) -> Spectrum {
@@ -127,6 +140,7 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         let clear = self.scene.clearance(&edge(sample.wi, sample.end), &mut tally.shadows);
         scattering.pdf = scattering.pdf.choose(Pdf::new(density(walk.lanes * clear.flight, Spectrum::ONE)));
         let weight = light_weight::<S>(&scattering, &sample, pmf);
-        walk.beta * scattering.f_cos * sample.radiance * clear.through * (weight * share(index, pmf.value()))
+        let share = share((index, pmf.value()), &sample, scattering.pdf.value());
+        walk.beta * scattering.f_cos * sample.radiance * clear.through * weight * share
     }
 }

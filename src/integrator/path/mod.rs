@@ -33,6 +33,8 @@ use glam::Vec3;
 pub(super) trait Strategy: Send + Sync {
     /// Whether lights are sampled at all.
     const SAMPLES_LIGHTS: bool = true;
+    /// Whether lights that are sampled also count where scattering hits them.
+    const HITS_LIGHTS: bool = false;
     /// Samples a direction, by default from the BSDF.
     #[inline]
     fn scatter(shading: &Shading, u: [f32; 3]) -> Option<ShadingSample> {
@@ -86,6 +88,7 @@ impl Strategy for NextEvent {
 }
 
 impl Strategy for Combined {
+    const HITS_LIGHTS: bool = true;
     #[inline]
     fn mis_weight_light(light: f32, scattering: f32) -> f32 {
         power(light, scattering)
