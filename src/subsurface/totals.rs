@@ -7,7 +7,7 @@
 //! the odd Legendre moments of the phase function, and B the even ones. In a half-space D = Z S at every depth. So Z A
 //! Z = B, and Z is the geometric mean of A⁻¹ and B [Bhatia07 ch. 4]: L⁻ᵀ U Σ Uᵀ L⁻¹ with A = L Lᵀ, B = K Kᵀ and Lᵀ K =
 //! U Σ Vᵀ. By reciprocity the share that is absorbed of the light that enters in each direction is 2 [T + Z (2 − T)]⁻¹
-//! Z 1, where T is the transmittance of the boundary. The moments from [`NODES`] on are those of a peak, forwards or
+//! Z 1, where T is the transmittance of the boundary. The moments from `NODES` on are those of a peak, forwards or
 //! backwards with the sign of g [Wiscombe77]. The row sums of B are imposed, which conserves energy to rounding.
 //!
 //! For g in [−0.9, 0.95], indices up to 2.5 and any albedo, twice the nodes change the result by less than 6e-8 for
