@@ -79,11 +79,11 @@ fn a_flat_body_reflects_the_total_of_its_profile() {
     }
 }
 
-/// Probes through a plate find both of its faces, of which a black floor leaves one without light.
+/// Probes through a plate of ten mean free paths find both of its faces, of which a black floor leaves one without light.
 #[test]
 fn a_plate_over_a_black_floor_is_lit_from_above() {
     let mut description = Description::default();
-    add_box(&mut description, Vec3::ZERO, Vec3::new(1.0, 0.125, 1.0), wax());
+    add_box(&mut description, Vec3::ZERO, Vec3::new(1.0, 0.105, 1.0), wax());
     add_square(&mut description, Vec3::NEG_Y * 0.2, Vec3::X * 40.0, Vec3::NEG_Z * 40.0, matte(0.0, 0.0));
     description.cameras.push(narrow(camera(DVec3::new(0.0, 3.0, 1e-4), DVec3::ZERO), 1e-5));
     description.environment = Some(EnvironmentDescription::Uniform(Spectrum::ONE));
