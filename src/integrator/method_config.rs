@@ -60,8 +60,8 @@ pub struct BdptConfig {
 pub struct VirtualLightsConfig {
     /// Light subpaths of a pass; `None` for the default of the method.
     pub virtual_lights: Option<u32>,
-    /// Limit of the contribution of a virtual light, as a multiple of the typical radiance, without compensation; `None`
-    /// for none.
+    /// Limit of the contribution of a virtual light, as a multiple of the typical radiance, without compensation;
+    /// `None` for none.
     pub clamp_vpl: Option<f64>,
 }
 

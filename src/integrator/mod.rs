@@ -47,7 +47,8 @@ use camera_pass::CameraPass;
 use etendue_lanes::Native;
 use path::{BatchedPath, Combined, Naive, NextEvent, PathTracer};
 
-/// Parameters of an integrator. All of them but the execution change pixels, so that they are part of the settings hash.
+/// Parameters of an integrator. All of them but the execution change pixels, so that they are part of the settings
+/// hash.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntegratorConfig {
     /// The method with its own parameters.

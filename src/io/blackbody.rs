@@ -113,9 +113,9 @@ mod tests {
         }
     }
 
-    /// Stefan and Boltzmann's law holds for all wavelengths; at 560 nm luminance grows by exp(c₂ / λ (1/T − 1/T')) where
-    /// bodies are cold. The eye's mean wavelength is some per cent off, so the bound is loose, but not by the power of
-    /// another temperature. At the top luminance is 1, and between two colours they are mixed.
+    /// Stefan and Boltzmann's law holds for all wavelengths; at 560 nm luminance grows by exp(c₂ / λ (1/T − 1/T'))
+    /// where bodies are cold. The eye's mean wavelength is some per cent off, so the bound is loose, but not by the
+    /// power of another temperature. At the top luminance is 1, and between two colours they are mixed.
     #[test]
     fn ramps_have_the_luminance_of_black_bodies() {
         let luminance = |Spectrum([r, g, b]): Spectrum| 0.212_639 * r + 0.715_168_7 * g + 0.072_192_3 * b;

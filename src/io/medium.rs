@@ -7,8 +7,8 @@
 //! how the medium scatters: `"isotropic"` (the default), `"rayleigh"`, the mean cosine g of Henyey and Greenstein, or
 //! `[g, g, share of the first]`. `density` names a grid that multiplies the coefficients: see [`super::volume`].
 //! `albedo_grid` names one of one or three channels, which multiplies scattering; what it takes away is absorbed.
-//! `emission_grid` names one that multiplies emission, `temperature_grid` one of kelvins: emission is then the luminance
-//! of the hottest cell, and the others are as much dimmer as black bodies are.
+//! `emission_grid` names one that multiplies emission, `temperature_grid` one of kelvins: emission is then the
+//! luminance of the hottest cell, and the others are as much dimmer as black bodies are.
 
 use super::blackbody;
 use super::volume::VolumeGrid;

@@ -1,8 +1,9 @@
 //! Errors of the diffusion models in a medium, against the random walk in a half-space.
 
 use crate::named::Named;
-use crate::subsurface::reference::{Bins, Estimate, Incidence, Reflectance, Walk};
-use crate::subsurface::{DiffusionModel, Medium, RadialProfile, Tabulated, totals};
+use crate::stats::Estimate;
+use crate::subsurface::reference::{Bins, Incidence, Reflectance, Walk};
+use crate::subsurface::{DiffusionModel, MediumLane, RadialProfile, Tabulated, totals};
 use rayon::prelude::*;
 use std::fmt::Write;
 
@@ -28,7 +29,7 @@ pub struct DiffusionBench {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiffusionErrors {
     /// The medium, with a mean free path of 1.
-    pub medium: Medium,
+    pub medium: MediumLane,
     /// The exact total reflectance of diffuse light that has entered.
     pub exact: f64,
     /// The total by the walk.
@@ -56,7 +57,7 @@ impl DiffusionBench {
 
     fn measure(&self, albedo: f64) -> DiffusionErrors {
         let &DiffusionBench { mean_cosine, eta, paths, seed, .. } = self;
-        let medium = Medium { absorption: 1.0 - albedo, scattering: albedo, mean_cosine, eta };
+        let medium = MediumLane { absorption: 1.0 - albedo, scattering: albedo, mean_cosine, eta };
         let (depth, incidence) = (f64::INFINITY, Incidence::Diffuse);
         let walk = Walk { albedos: vec![albedo], mean_cosine, eta, depth, incidence, bins: RINGS };
         let found = walk.run(paths, seed).remove(0);
@@ -80,7 +81,7 @@ fn errors(profile: &Tabulated, exact: f64, walk: &Reflectance) -> ModelErrors {
 pub fn table(results: &[DiffusionErrors]) -> String {
     let mut text = String::from("Error of the total reflectance of diffuse light, %\n\n");
     rows(&mut text, &["exact", "walk"], results, |result| {
-        let Estimate { value, standard_error } = result.walk;
+        let Estimate { value, standard_error, .. } = result.walk;
         let known = [format!("{:.6}", result.exact), format!("{value:.5} ± {standard_error:.5}")];
         let errors = result.models.iter().map(|model| format!("{:+.1}", 100.0 * model.total));
         known.into_iter().chain(errors).collect()

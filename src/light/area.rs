@@ -52,8 +52,8 @@ impl AreaLight {
         if self.emission.two_sided || wo.dot(self.ng) > 0.0 { self.emission.at(barycentric) } else { Spectrum::ZERO }
     }
 
-    /// Returns the density per solid angle of [`AreaLight::sample_li`] from `p` for the point `q` of the light, in the unit
-    /// direction `wi`.
+    /// Returns the density per solid angle of [`AreaLight::sample_li`] from `p` for the point `q` of the light, in the
+    /// unit direction `wi`.
     #[inline]
     pub fn pdf_li(&self, p: Vec3, q: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
         self.pdf_seen(&self.seen(p), q, (q - p).length_squared(), wi)
@@ -169,7 +169,7 @@ impl AreaLight {
     }
 
     /// See [`super::Light::pivot`].
-    pub(super) fn pivot(&self) -> Option<Vec3> {
+    pub fn pivot(&self) -> Option<Vec3> {
         let [a, b, c] = self.triangle.vertices;
         let edge2 = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
         (edge2 < SMALL * SMALL && !self.emission.only_seen).then_some((a + b + c) / 3.0)

@@ -207,8 +207,8 @@ impl Light {
         }
     }
 
-    /// Returns the irradiance (mean over lanes) of light from infinity on a surface that faces it; `None` for lights with
-    /// a place.
+    /// Returns the irradiance (mean over lanes) of light from infinity on a surface that faces it; `None` for lights
+    /// with a place.
     fn distant_irradiance(&self) -> Option<f64> {
         match self {
             Light::Directional(light) => Some(light.power(1.0) / PI),

@@ -46,9 +46,9 @@ impl Medium {
         self.albedo.as_ref().map_or(Spectrum::ONE, |grid| grid.at(p))
     }
 
-    /// Returns the radiance that the segment emits toward `origin`, or an unbiased estimate by `u` in [0, 1) where a grid
-    /// multiplies the emission. Without such a grid all coefficients have the same density, so that it is that of a
-    /// homogeneous medium as long as the integral of the density.
+    /// Returns the radiance that the segment emits toward `origin`, or an unbiased estimate by `u` in [0, 1) where a
+    /// grid multiplies the emission. Without such a grid all coefficients have the same density, so that it is that of
+    /// a homogeneous medium as long as the integral of the density.
     #[inline]
     pub fn emitted(&self, origin: Vec3, w: Vec3, length: f32, u: f32) -> Spectrum {
         match &self.emission {
@@ -57,8 +57,8 @@ impl Medium {
         }
     }
 
-    /// Estimates the integral of emission times transmittance in steps of a cell at most, as far as [`MOST_STEPS`] reach,
-    /// with a point at the same place `u` of each.
+    /// Estimates the integral of emission times transmittance in steps of a cell at most, as far as [`MOST_STEPS`]
+    /// reach, with a point at the same place `u` of each.
     fn emitted_in_steps(&self, emission: &Colors, [origin, w]: [Vec3; 2], length: f32, u: f32) -> Spectrum {
         let Some(([from, to], cells)) = emission.crossed(origin, w, length) else { return Spectrum::ZERO };
         let steps = cells.ceil().clamp(1.0, MOST_STEPS);

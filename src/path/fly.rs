@@ -67,17 +67,16 @@ pub struct Stretch<'a> {
 }
 
 impl Stretch<'_> {
-    /// Returns the density per length with which the flight collides at the distance `t` from its start, where the medium
-    /// has this `extinction`.
-    pub fn density(&self, t: f32, extinction: Spectrum) -> f32 {
-        self.density_beyond(t, extinction, Spectrum::ONE)
+    /// Returns the transmittance up to the distance `t` from its start.
+    pub fn through(&self, t: f32) -> Spectrum {
+        self.medium.transmittance(self.ray.origin, self.ray.direction, t)
     }
 
-    /// Returns the same times the probability with which a walk that collides there gets through `beyond`, the
-    /// transmittance of scattering media on the edge that follows.
-    pub fn density_beyond(&self, t: f32, extinction: Spectrum, beyond: Spectrum) -> f32 {
-        let through = self.medium.transmittance(self.ray.origin, self.ray.direction, t);
-        density(self.lanes * through * beyond, extinction)
+    /// Returns the density per length with which the flight collides after media of the transmittance `through`, where
+    /// the medium has this `extinction`. With `through` of the edge that follows as well, it is that density times the
+    /// probability of getting to the end of it.
+    pub fn density(&self, through: Spectrum, extinction: Spectrum) -> f32 {
+        density(self.lanes * through, extinction)
     }
 
     /// Returns the place at the distance `t` as a collision.

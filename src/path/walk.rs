@@ -258,8 +258,8 @@ impl<'a> RandomWalk<'a> {
         None
     }
 
-    /// Decides by `u` whether the walk passes the surface at `point`, and moves the edge behind it if so. `u` is uniform
-    /// again, so that one random number serves all surfaces of an edge.
+    /// Decides by `u` whether the walk passes the surface at `point`, and moves the edge behind it if so. `u` is
+    /// uniform again, so that one random number serves all surfaces of an edge.
     pub(super) fn passes(&mut self, point: &SurfacePoint, u: &mut f32) -> bool {
         let w = self.ray.direction;
         let passage =

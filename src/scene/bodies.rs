@@ -311,7 +311,8 @@ impl AllBodies {
     }
 }
 
-/// A closed body full of one medium that scatters and does not emit, with another refractive index than its surroundings.
+/// A closed body full of one medium that scatters and does not emit, with another refractive index than its
+/// surroundings.
 #[derive(Debug, Clone, Copy)]
 pub struct Solid {
     /// Its rank.
@@ -436,8 +437,8 @@ impl Scene {
         bodies.first().map(|body| &self.bodies.media[body as usize])
     }
 
-    /// Returns the transmittance of `length` scene units along `ray`, whose direction is a unit vector, in the medium of
-    /// `bodies`.
+    /// Returns the transmittance of `length` scene units along `ray`, whose direction is a unit vector, in the medium
+    /// of `bodies`.
     #[inline]
     pub fn absorption(&self, bodies: Bodies, ray: &Ray, length: f32) -> Spectrum {
         let through = |medium: &Medium| medium.transmittance(ray.origin, ray.direction, length);

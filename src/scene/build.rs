@@ -38,8 +38,8 @@ impl Scene {
     /// Builds `description`. Must be called from outside the rayon pool.
     ///
     /// # Errors
-    /// A scene error that names the cause: no geometry, a mesh with bad indices or positions, or a light out of range; or
-    /// the backend's error.
+    /// A scene error that names the cause: no geometry, a mesh with bad indices or positions, or a light out of range;
+    /// or the backend's error.
     pub fn build(mut description: Description, options: &BuildOptions) -> Result<Scene> {
         let start = Instant::now();
         let hash = description::hash::of(&description);

@@ -24,6 +24,11 @@ impl Estimate {
         [self.value - half, self.value + half]
     }
 
+    /// Returns its distance from `expected` in standard errors.
+    pub fn sigmas(&self, expected: f64) -> f64 {
+        (self.value - expected) / self.standard_error
+    }
+
     /// Returns the 95 % interval.
     pub fn interval95(&self) -> [f64; 2] {
         self.interval(0.95)

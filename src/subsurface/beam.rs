@@ -1,6 +1,6 @@
 //! Photon beam diffusion: dipoles integrated along the beam that enters, and exact single scattering [Habel13].
 
-use super::Medium;
+use super::MediumLane;
 use super::Tabulated;
 use super::dipole::Boundary;
 use super::fresnel::internal_reflectance;
@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 
 /// Returns the profile of light at normal incidence: multiple and single scattering [Habel13].
 ///
-/// The total exceeds the exact one by 5 to 14 % in index-matched media of isotropic scattering, also where that is 1. It
-/// falls short by 6 to 26 % for a mean cosine of 0.8. The shape is much better than that: [`Tabulated::with_total`]
+/// The total exceeds the exact one by 5 to 14 % in index-matched media of isotropic scattering, also where that is 1.
+/// It falls short by 6 to 26 % for a mean cosine of 0.8. The shape is much better than that: [`Tabulated::with_total`]
 /// repairs the total where the exact one is known.
 ///
 /// It is tabulated at 512 radii, from 1e-4 mean free paths to where e^−40 of the light is left, at most 1e5 mean free
@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 ///
 /// # Panics
 /// Unless `medium` is in the ranges its fields state, with positive extinction.
-pub fn profile(medium: &Medium) -> Tabulated {
+pub fn profile(medium: &MediumLane) -> Tabulated {
     let model = Beam::new(medium);
     Tabulated::of_medium(medium, model.boundary.decay, |r| model.multiple(r) + model.single(r))
 }
@@ -29,21 +29,21 @@ pub fn profile(medium: &Medium) -> Tabulated {
 ///
 /// # Panics
 /// Unless `medium` is in the ranges its fields state, with positive extinction.
-pub fn single_scattering(medium: &Medium) -> Tabulated {
+pub fn single_scattering(medium: &MediumLane) -> Tabulated {
     let model = Beam::new(medium);
     Tabulated::of_medium(medium, model.medium.extinction(), |r| model.single(r))
 }
 
 /// The integrands of the model.
 pub(super) struct Beam {
-    medium: Medium,
-    reduced: Medium,
+    medium: MediumLane,
+    reduced: MediumLane,
     pub(super) boundary: Boundary,
 }
 
 impl Beam {
     /// A medium without scattering is replaced by one with little, whose shape is that of the limit.
-    pub(super) fn new(medium: &Medium) -> Self {
+    pub(super) fn new(medium: &MediumLane) -> Self {
         medium.check();
         let medium = medium.lit();
         let reduced = medium.reduced();

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 
 /// The profile A s (e^(−s r) + e^(−s r / 3)) / (8π r) [ChristensenBurley15]. It integrates to A exactly.
 ///
-/// The scale s is a fit to random walks in index-matched media that scatter isotropically. There the error is 2 to 5 % for
-/// reflectances up to 0.8 and 10 to 16 % from 0.9 on. In media of index 1.4 or of mean cosine 0.8 it is 13 to 41 %.
+/// The scale s is a fit to random walks in index-matched media that scatter isotropically. There the error is 2 to 5 %
+/// for reflectances up to 0.8 and 10 to 16 % from 0.9 on. In media of index 1.4 or of mean cosine 0.8 it is 13 to 41 %.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Burley {
     albedo: f64,
@@ -46,8 +46,8 @@ impl Burley {
         Burley::new(albedo, mean_free_path, |a| 1.9 - a + 3.5 * (a - 0.8).powi(2))
     }
 
-    /// Returns the profile of diffuse light by the diffuse mean free path on the surface: s = 3.5 + 100 (A − 0.33)⁴ over
-    /// it [ChristensenBurley15].
+    /// Returns the profile of diffuse light by the diffuse mean free path on the surface: s = 3.5 + 100 (A − 0.33)⁴
+    /// over it [ChristensenBurley15].
     ///
     /// `albedo` is the total reflectance and is clamped to [0, 1]. `length` is the diffuse mean free path 1 / σtr.
     ///

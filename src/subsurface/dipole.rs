@@ -1,6 +1,6 @@
 //! Dipoles: a point source below the surface, and its mirror image that holds the boundary condition.
 
-use super::Medium;
+use super::MediumLane;
 use super::RadialProfile;
 use super::fresnel::moments;
 use super::numeric::increasing_root;
@@ -21,7 +21,7 @@ pub(super) struct Boundary {
 
 impl Boundary {
     /// Classical diffusion: D = 1 / 3 σt' and the boundary condition by Fdr [Jensen01 §2.1].
-    fn classical(reduced: &Medium) -> Self {
+    fn classical(reduced: &MediumLane) -> Self {
         let reflected = moments(reduced.eta).first;
         let change = (1.0 + reflected) / (1.0 - reflected);
         let decay = (3.0 * reduced.absorption * reduced.extinction()).sqrt();
@@ -29,7 +29,7 @@ impl Boundary {
     }
 
     /// Grosjean's diffusion: D = (2 σa + σs') / 3 σt'², with radiance that leaves by flux and fluence [dEon12].
-    pub(super) fn better(reduced: &Medium) -> Self {
+    pub(super) fn better(reduced: &MediumLane) -> Self {
         let m = moments(reduced.eta);
         let extinction = reduced.extinction();
         let diffusion = (2.0 * reduced.absorption + reduced.scattering) / (3.0 * extinction * extinction);
@@ -101,7 +101,7 @@ impl Dipole {
     ///
     /// # Panics
     /// Unless `medium` is in the ranges its fields state, with positive extinction.
-    pub fn classical(medium: &Medium) -> Self {
+    pub fn classical(medium: &MediumLane) -> Self {
         medium.check();
         let reduced = medium.reduced();
         Dipole::new(Boundary::classical(&reduced), 1.0 / reduced.extinction(), reduced.albedo())
@@ -112,7 +112,7 @@ impl Dipole {
     ///
     /// # Panics
     /// Unless `medium` is in the ranges its fields state, with positive extinction.
-    pub fn better(medium: &Medium) -> Self {
+    pub fn better(medium: &MediumLane) -> Self {
         medium.check();
         let reduced = medium.reduced();
         Dipole::new(Boundary::better(&reduced), 1.0 / reduced.extinction(), reduced.albedo().powi(2))

@@ -15,7 +15,7 @@ pub(super) fn internal_reflectance(mu: f64, eta: f64) -> f64 {
 
 /// Returns the reflectance of unpolarized light that meets the boundary from outside at the cosine `mu` in [0, 1].
 /// `eta` is the index inside over that outside, at least 1.
-pub fn external_reflectance(mu: f64, eta: f64) -> f64 {
+pub(super) fn external_reflectance(mu: f64, eta: f64) -> f64 {
     reflectance((1.0 - (1.0 - mu * mu) / (eta * eta)).sqrt(), mu, eta)
 }
 
@@ -66,8 +66,8 @@ pub(super) fn moments(eta: f64) -> Moments {
 mod tests {
     use super::*;
 
-    /// The cubic fit of the diffuse reflectance [Jensen01 §2.1] holds to about 0.2 % of 1 between 1.2 and 1.6. The bound
-    /// is 0.006, the error of the fit that was found here.
+    /// The cubic fit of the diffuse reflectance [Jensen01 §2.1] holds to about 0.2 % of 1 between 1.2 and 1.6. The
+    /// bound is 0.006, the error of the fit that was found here.
     #[test]
     fn the_first_moment_follows_the_fit() {
         for eta in [1.2, 1.3, 1.4, 1.5, 1.6] {

@@ -5,7 +5,7 @@ const FAINT: f64 = 1e-9;
 
 /// One wavelength lane of a homogeneous medium with Henyey–Greenstein scattering and a smooth boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Medium {
+pub struct MediumLane {
     /// σa per unit of length, finite and not negative. It is stored by itself, since 1 − ω loses its digits in media
     /// that hardly absorb.
     pub absorption: f64,
@@ -17,10 +17,10 @@ pub struct Medium {
     pub eta: f64,
 }
 
-impl Medium {
+impl MediumLane {
     /// Returns the index-matched medium of extinction 1 that scatters isotropically with albedo `omega` in [0, 1].
     pub fn isotropic(omega: f64) -> Self {
-        Medium { absorption: 1.0 - omega, scattering: omega, mean_cosine: 0.0, eta: 1.0 }
+        MediumLane { absorption: 1.0 - omega, scattering: omega, mean_cosine: 0.0, eta: 1.0 }
     }
 
     /// Returns σt, per unit of length.
@@ -36,12 +36,12 @@ impl Medium {
     /// Returns the medium of isotropic scattering with the same diffusion, σs' = (1 − g) σs [Jensen01 §2.1]. The
     /// similarity is exact only far from sources and boundaries.
     pub fn reduced(&self) -> Self {
-        Medium { scattering: (1.0 - self.mean_cosine) * self.scattering, mean_cosine: 0.0, ..*self }
+        MediumLane { scattering: (1.0 - self.mean_cosine) * self.scattering, mean_cosine: 0.0, ..*self }
     }
 
     /// Returns a medium that scatters at least a little, whose profile has the shape of the limit.
     pub(super) fn lit(&self) -> Self {
-        Medium { scattering: self.scattering.max(FAINT * self.absorption), ..*self }
+        MediumLane { scattering: self.scattering.max(FAINT * self.absorption), ..*self }
     }
 
     /// Panics unless the coefficients are in their ranges and the extinction is positive.

@@ -8,12 +8,12 @@
 //!
 //! A profile R_d(r) is the flux per area that leaves a flat half-space at the distance r from the point where unit flux
 //! has passed the boundary into it. Light that leaves has paid the reflection of the boundary inside. The caller
-//! multiplies by the Fresnel transmittance of entry, and gives what leaves its directions. Lengths have any one unit, and
-//! coefficients its reciprocal.
+//! multiplies by the Fresnel transmittance of entry, and gives what leaves its directions. Lengths have any one unit,
+//! and coefficients its reciprocal.
 //!
-//! All models are approximations. Errors of the profile under diffuse light, against the random walk in media of isotropic
-//! scattering with ω from 0.2 to 0.99 (mean over 0.1 to 10 mean free paths, weighted by r R_d; docs/diffusion-table.md
-//! has more media):
+//! All models are approximations. Errors of the profile under diffuse light, against the random walk in media of
+//! isotropic scattering with ω from 0.2 to 0.99 (mean over 0.1 to 10 mean free paths, weighted by r R_d;
+//! docs/diffusion-table.md has more media):
 //!
 //! | model | index 1 | index 1.4 | total, index 1.4 |
 //! |---|---|---|---|
@@ -42,9 +42,9 @@ pub mod totals;
 pub use beam::{profile as photon_beam, single_scattering};
 pub use burley::Burley;
 pub use dipole::Dipole;
-pub use fresnel::{exit_share, external_reflectance};
+pub use fresnel::exit_share;
 pub use lanes::ProfileLanes;
-pub use medium::Medium;
+pub use medium::MediumLane;
 pub use model::DiffusionModel;
 pub use tabulated::Tabulated;
 

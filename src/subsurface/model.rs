@@ -1,7 +1,7 @@
 //! Names of the diffusion models, and their profiles in one form.
 
 use super::totals::diffuse_total;
-use super::{Burley, Dipole, Medium, RadialProfile, Tabulated, photon_beam, single_scattering};
+use super::{Burley, Dipole, MediumLane, RadialProfile, Tabulated, photon_beam, single_scattering};
 
 /// A diffusion model. Each is an approximation: see the head of the module for its errors.
 #[derive(
@@ -35,7 +35,7 @@ impl DiffusionModel {
     ///
     /// # Panics
     /// Unless `medium` is in the ranges its fields state, with positive extinction.
-    pub fn profile(self, medium: &Medium) -> Tabulated {
+    pub fn profile(self, medium: &MediumLane) -> Tabulated {
         let (reduced, lit) = (medium.reduced(), medium.lit());
         let decay = (3.0 * reduced.absorption * reduced.extinction()).sqrt();
         let tabulate = |value: &dyn Fn(f64) -> f64| Tabulated::of_medium(medium, decay, value);

@@ -1,6 +1,6 @@
 //! Profiles by table.
 
-use super::{Medium, RadialProfile};
+use super::{MediumLane, RadialProfile};
 use std::f64::consts::TAU;
 
 /// Radius of the first node in mean free paths.
@@ -56,7 +56,7 @@ impl Tabulated {
     ///
     /// # Panics
     /// Unless `medium` has a positive extinction, and the values are positive and finite or round to 0.
-    pub(super) fn of_medium(medium: &Medium, decay: f64, value: impl Fn(f64) -> f64) -> Self {
+    pub(super) fn of_medium(medium: &MediumLane, decay: f64, value: impl Fn(f64) -> f64) -> Self {
         let path = 1.0 / medium.reduced().extinction();
         let last = (40.0 / decay).clamp(40.0 * path, 1e5 * path);
         let table =
@@ -69,15 +69,15 @@ impl Tabulated {
         Tabulated { total, ..self }
     }
 
-    /// Returns the segment `i` of ln r above the first node: the density at its upper end, and the slope λ of ln f across
-    /// it.
+    /// Returns the segment `i` of ln r above the first node: the density at its upper end, and the slope λ of ln f
+    /// across it.
     fn segment(&self, i: usize) -> (f64, f64) {
         (self.density[i + 1], (self.density[i + 1] / self.density[i]).ln())
     }
 }
 
-/// Returns ∫ f dx over the length `x` below the upper end of a segment, with f = `upper` there and f falling by e^λ over
-/// the `x`.
+/// Returns ∫ f dx over the length `x` below the upper end of a segment, with f = `upper` there and f falling by e^λ
+/// over the `x`.
 fn mass(upper: f64, lambda: f64, x: f64) -> f64 {
     let share = if lambda.abs() < FLAT { 1.0 } else { -(-lambda).exp_m1() / lambda };
     upper * x * share

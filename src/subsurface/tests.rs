@@ -43,7 +43,7 @@ fn profiles() -> Vec<(String, f64, Box<dyn RadialProfile>)> {
     let mut all: Vec<(String, f64, Box<dyn RadialProfile>)> = Vec::new();
     for omega in [0.1, 0.5, 0.9, 0.99] {
         for (mean_cosine, eta) in [(0.0, 1.0), (0.7, 1.4)] {
-            let medium = Medium { absorption: 2.0 * (1.0 - omega), scattering: 2.0 * omega, mean_cosine, eta };
+            let medium = MediumLane { absorption: 2.0 * (1.0 - omega), scattering: 2.0 * omega, mean_cosine, eta };
             let (name, length) = (format!("{omega} {mean_cosine} {eta}"), decay_length(&medium));
             all.push((format!("classical {name}"), length, Box::new(Dipole::classical(&medium))));
             all.push((format!("better {name}"), length, Box::new(Dipole::better(&medium))));
@@ -57,7 +57,7 @@ fn profiles() -> Vec<(String, f64, Box<dyn RadialProfile>)> {
 }
 
 /// Returns a length that the diffusion length does not exceed in either model.
-fn decay_length(medium: &Medium) -> f64 {
+fn decay_length(medium: &MediumLane) -> f64 {
     let reduced = medium.reduced();
     (1.0 / (reduced.absorption * reduced.extinction()).sqrt()).max(1.0 / reduced.extinction())
 }
@@ -141,13 +141,13 @@ fn sampled_radii_follow_the_density() {
 #[test]
 fn the_classical_total_is_the_closed_form() {
     for (omega, printed) in [(0.5, 0.087808), (0.8, 0.249988), (0.9, 0.385584), (0.95, 0.514880), (0.99, 0.746714)] {
-        let total = Dipole::classical(&Medium::isotropic(omega)).total();
+        let total = Dipole::classical(&MediumLane::isotropic(omega)).total();
         assert!((total - printed).abs() < 0.51e-6, "{omega}: {total}");
         let root = (3.0 * (1.0 - omega)).sqrt();
         let closed = 0.5 * omega * (1.0 + (-4.0 / 3.0 * root).exp()) * (-root).exp();
         assert!((total - closed).abs() < 1e-14);
     }
-    let total = Dipole::classical(&Medium::isotropic(0.999)).total();
+    let total = Dipole::classical(&MediumLane::isotropic(0.999)).total();
     assert!((total - 0.912451).abs() < 0.51e-6, "{total}");
 }
 
@@ -155,8 +155,8 @@ fn the_classical_total_is_the_closed_form() {
 #[test]
 fn the_better_total_has_the_printed_error() {
     for (omega, printed, digit) in [(0.5, 6.5, 0.1), (0.8, 13.0, 1.0), (0.9, 16.0, 1.0), (0.99, 18.0, 1.0)] {
-        let total = Dipole::better(&Medium::isotropic(omega)).total() + normal_single_scattering(omega);
-        let error = 100.0 * (total / normal_total(&Medium::isotropic(omega)) - 1.0);
+        let total = Dipole::better(&MediumLane::isotropic(omega)).total() + normal_single_scattering(omega);
+        let error = 100.0 * (total / normal_total(&MediumLane::isotropic(omega)) - 1.0);
         assert!((error - printed).abs() < 0.51 * digit, "{omega}: {error}");
     }
 }
@@ -165,7 +165,7 @@ fn the_better_total_has_the_printed_error() {
 #[test]
 fn dipoles_conserve_energy() {
     for eta in [1.0, 1.3, 1.5, 2.0] {
-        let medium = Medium { eta, ..Medium::isotropic(1.0) };
+        let medium = MediumLane { eta, ..MediumLane::isotropic(1.0) };
         for dipole in [Dipole::classical(&medium), Dipole::better(&medium)] {
             assert!((dipole.total() - 1.0).abs() < 1e-12, "{eta}: {}", dipole.total());
             assert!((dipole.tail(dipole.radius(1e-3)) - 1e-3).abs() < 1e-14);
@@ -177,7 +177,7 @@ fn dipoles_conserve_energy() {
 /// quadrature's error.
 #[test]
 fn the_beam_scatters_once_exactly() {
-    let model = Beam::new(&Medium::isotropic(0.7));
+    let model = Beam::new(&MediumLane::isotropic(0.7));
     let total = integrate_plane(1.0, |r| model.single(r));
     assert!((total / normal_single_scattering(0.7) - 1.0).abs() < 1e-10, "{total}");
 }
@@ -187,7 +187,7 @@ fn the_beam_scatters_once_exactly() {
 #[test]
 fn the_beam_scatters_often_as_published() {
     for (omega, expected) in [(0.2, 0.006_413_46), (0.5, 0.051_243_48), (0.9, 0.336_134_28), (0.99, 0.689_196_91)] {
-        let medium = Medium::isotropic(omega);
+        let medium = MediumLane::isotropic(omega);
         let model = Beam::new(&medium);
         let total = integrate_plane(decay_length(&medium), |r| model.multiple(r));
         assert!((total - expected).abs() < 0.51e-8, "{omega}: {total}");
@@ -195,8 +195,8 @@ fn the_beam_scatters_often_as_published() {
 }
 
 /// Against the walk in a medium that scatters little, ring by ring: this tells forward from backward scattering and
-/// checks the boundary. Student's tests with 63 degrees of freedom, at the level 1e-6 each. Light scattered twice adds up
-/// to 5 ω = 5e-4 of a ring, and the walk's table of single scattering errs by 2e-4.
+/// checks the boundary. Student's tests with 63 degrees of freedom, at the level 1e-6 each. Light scattered twice adds
+/// up to 5 ω = 5e-4 of a ring, and the walk's table of single scattering errs by 2e-4.
 #[test]
 fn the_beam_scatters_once_like_the_walk() {
     let omega = 1e-4;
@@ -204,7 +204,7 @@ fn the_beam_scatters_once_like_the_walk() {
     for (mean_cosine, eta) in [(0.0, 1.0), (0.6, 1.0), (-0.5, 1.4)] {
         let (albedos, depth, incidence) = (vec![omega], f64::INFINITY, Incidence::Normal);
         let found = &Walk { albedos, mean_cosine, eta, depth, incidence, bins }.run(300_000, 8)[0];
-        let medium = Medium { absorption: 1.0 - omega, scattering: omega, mean_cosine, eta };
+        let medium = MediumLane { absorption: 1.0 - omega, scattering: omega, mean_cosine, eta };
         let single = single_scattering(&medium);
         for (i, ring) in found.rings.iter().enumerate() {
             let expected = single.total() * (single.tail(bins.edge(i)) - single.tail(bins.edge(i + 1)));
@@ -220,7 +220,7 @@ fn the_beam_scatters_once_like_the_walk() {
 fn the_table_keeps_the_total() {
     for omega in [0.2, 0.9, 0.99] {
         for (mean_cosine, eta) in [(0.0, 1.0), (0.5, 1.5)] {
-            let medium = Medium { absorption: 1.0 - omega, scattering: omega, mean_cosine, eta };
+            let medium = MediumLane { absorption: 1.0 - omega, scattering: omega, mean_cosine, eta };
             let model = Beam::new(&medium);
             let exact = integrate_plane(decay_length(&medium), |r| model.multiple(r) + model.single(r));
             let table = photon_beam(&medium).total();
@@ -233,7 +233,7 @@ fn the_table_keeps_the_total() {
 #[test]
 fn the_extremes_have_profiles() {
     for omega in [0.0, 1e-20, 1.0 - 1e-12, 1.0] {
-        let medium = Medium { eta: 1.3, ..Medium::isotropic(omega) };
+        let medium = MediumLane { eta: 1.3, ..MediumLane::isotropic(omega) };
         let profiles: [Box<dyn RadialProfile>; 5] = [
             Box::new(Dipole::classical(&medium)),
             Box::new(Dipole::better(&medium)),
@@ -266,7 +266,7 @@ fn burley_has_its_albedo() {
 /// Every model by its name, whose table has its total and shape: within the bound stated for tables.
 #[test]
 fn models_are_tables_of_their_profiles() {
-    let medium = Medium { absorption: 0.2, scattering: 1.8, mean_cosine: 0.0, eta: 1.3 };
+    let medium = MediumLane { absorption: 0.2, scattering: 1.8, mean_cosine: 0.0, eta: 1.3 };
     let total = totals::diffuse_total(&medium);
     let (better, once) = (Dipole::better(&medium), single_scattering(&medium));
     let dipole = Dipole::classical(&medium);
@@ -290,10 +290,10 @@ fn models_are_tables_of_their_profiles() {
 /// The density is that of the mixture, whose estimates of the totals are normal tests at the level 1e-6.
 #[test]
 fn lanes_share_their_samples() {
-    let medium = |omega: f64, path: f64| Medium {
+    let medium = |omega: f64, path: f64| MediumLane {
         absorption: (1.0 - omega) / path,
         scattering: omega / path,
-        ..Medium::isotropic(0.5)
+        ..MediumLane::isotropic(0.5)
     };
     let lanes = ProfileLanes(
         [medium(0.99, 1.0), medium(0.9, 0.3), medium(0.6, 0.1)].map(|m| DiffusionModel::Burley.profile(&m)),

@@ -14,7 +14,7 @@
 //! diffuse light and 2e-6 for normal incidence, and by less than 1e-11 up to |g| = 0.8. Beyond that range the error is
 //! not known, and it grows as |g| tends to 1. One evaluation takes about 7 ms.
 
-use super::Medium;
+use super::MediumLane;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Number of nodes of the hemisphere, and of Legendre moments. It is even.
@@ -30,7 +30,7 @@ const ORTHOGONAL: f64 = 1e-13;
 ///
 /// Panics if a coefficient is negative, the mean cosine is not inside (−1, 1), the index is below 1, or one of them is
 /// not finite.
-pub fn diffuse_total(medium: &Medium) -> f64 {
+pub fn diffuse_total(medium: &MediumLane) -> f64 {
     totals(medium, NODES).0
 }
 
@@ -39,7 +39,7 @@ pub fn diffuse_total(medium: &Medium) -> f64 {
 /// # Panics
 ///
 /// Panics like [`diffuse_total`].
-pub fn normal_total(medium: &Medium) -> f64 {
+pub fn normal_total(medium: &MediumLane) -> f64 {
     totals(medium, NODES).1
 }
 
@@ -51,8 +51,8 @@ struct Node {
 }
 
 /// Returns the totals of diffuse light and of normal incidence.
-fn totals(medium: &Medium, count: usize) -> (f64, f64) {
-    let &Medium { absorption, scattering, mean_cosine, eta } = medium;
+fn totals(medium: &MediumLane, count: usize) -> (f64, f64) {
+    let &MediumLane { absorption, scattering, mean_cosine, eta } = medium;
     let valid = absorption >= 0.0 && scattering >= 0.0 && mean_cosine.abs() < 1.0 && eta >= 1.0;
     assert!(valid && absorption.max(scattering).max(eta).is_finite(), "{medium:?}");
     // Light that is not scattered does not return, absorbed or not.
@@ -236,8 +236,8 @@ fn orthogonalize(columns: &mut [Vec<f64>]) {
 mod tests {
     use super::*;
 
-    fn medium(loss: f64, mean_cosine: f64, eta: f64) -> Medium {
-        Medium { absorption: loss, scattering: 1.0 - loss, mean_cosine, eta }
+    fn medium(loss: f64, mean_cosine: f64, eta: f64) -> MediumLane {
+        MediumLane { absorption: loss, scattering: 1.0 - loss, mean_cosine, eta }
     }
 
     /// Printed digits of an independent computation for isotropic scattering without a boundary. The
@@ -285,7 +285,7 @@ mod tests {
         const TINY: f64 = f64::from_bits(1);
         for (absorption, scattering) in [(0.0, 0.0), (0.0, TINY), (TINY, 0.0), (TINY, f64::MAX), (f64::MAX, TINY)] {
             for (mean_cosine, eta) in [(1e-15 - 1.0, 1.0), (-0.0, 1.0 + 1e-15), (1.0 - 1e-15, f64::MAX)] {
-                let medium = Medium { absorption, scattering, mean_cosine, eta };
+                let medium = MediumLane { absorption, scattering, mean_cosine, eta };
                 let (found, exact) = (totals(&medium, NODES), f64::from(scattering > absorption));
                 assert!((found.0 - exact).abs().max((found.1 - exact).abs()) < 3e-10, "{medium:?} {found:?}");
             }

@@ -8,7 +8,7 @@ use etendue::medium::Phase;
 use etendue::named::Named;
 use etendue::scene::description::{Description, EnvironmentDescription, Material, PunctualKind, PunctualLight, Volume};
 use etendue::spectrum::{LANES, Spectrum};
-use etendue::subsurface::{DiffusionModel, Medium, RadialProfile, Tabulated, exit_share};
+use etendue::subsurface::{DiffusionModel, MediumLane, RadialProfile, Tabulated, exit_share};
 use etendue_testing::deep;
 use etendue_testing::studio::{add_box, add_square, camera, glass, matte, narrow, point_light, with_model};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
@@ -43,7 +43,7 @@ fn block(beside: f64) -> Description {
 fn profiles(model: DiffusionModel) -> [Tabulated; LANES] {
     std::array::from_fn(|lane| {
         let [absorption, scattering] = [ABSORPTION[lane], SCATTERING[lane]].map(f64::from);
-        model.profile(&Medium { absorption, scattering, mean_cosine: 0.0, eta: INDEX.into() })
+        model.profile(&MediumLane { absorption, scattering, mean_cosine: 0.0, eta: INDEX.into() })
     })
 }
 
@@ -79,7 +79,8 @@ fn a_flat_body_reflects_the_total_of_its_profile() {
     }
 }
 
-/// Probes through a plate of ten mean free paths find both of its faces, of which a black floor leaves one without light.
+/// Probes through a plate of ten mean free paths find both of its faces, of which a black floor leaves one without
+/// light.
 #[test]
 fn a_plate_over_a_black_floor_is_lit_from_above() {
     let mut description = Description::default();
@@ -118,8 +119,8 @@ fn light_leaves_around_an_edge() {
     }
 }
 
-/// Light of one direction enters by the Fresnel transmittance of its angle: E T(θ) / (π c) of it leaves along the normal,
-/// with c the share of diffuse light that passes.
+/// Light of one direction enters by the Fresnel transmittance of its angle: E T(θ) / (π c) of it leaves along the
+/// normal, with c the share of diffuse light that passes.
 #[test]
 fn light_enters_by_its_angle() {
     for cos in [1.0, 0.5, 0.1f64] {

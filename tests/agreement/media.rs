@@ -43,8 +43,8 @@ fn slab(albedo: f32, phase: Phase, depth: f32) -> Description {
     scene
 }
 
-/// What a camera along the normal sees of a slab is, by reciprocity, what the slab reflects and transmits of light along
-/// the normal: reflectance, diffuse and direct transmittance by adding and doubling [vandeHulst80].
+/// What a camera along the normal sees of a slab is, by reciprocity, what the slab reflects and transmits of light
+/// along the normal: reflectance, diffuse and direct transmittance by adding and doubling [vandeHulst80].
 #[test]
 fn slabs_reflect_and_transmit_as_the_tables_say() {
     let g = Phase::HenyeyGreenstein;
@@ -110,8 +110,8 @@ fn a_grid_of_one_density_is_a_homogeneous_medium() {
     }
 }
 
-/// The same slab without absorption of its own under a grid of albedos, which is smaller than the slab: beyond it are the
-/// albedos of its border.
+/// The same slab without absorption of its own under a grid of albedos, which is smaller than the slab: beyond it are
+/// the albedos of its border.
 #[test]
 fn a_grid_of_one_albedo_is_absorption() {
     let (albedo, depth, reflected, transmitted) = (0.9f32, 1.0f32, 0.267410, 0.223746);
@@ -219,8 +219,8 @@ fn media_that_emit_and_absorb_glow_by_their_depth() {
     }
 }
 
-/// A grid of emission in a medium that absorbs, whose density another grid varies: the integral along the view, with the
-/// emission linear between the centres of its cells and 0 beyond its box.
+/// A grid of emission in a medium that absorbs, whose density another grid varies: the integral along the view, with
+/// the emission linear between the centres of its cells and 0 beyond its box.
 #[test]
 fn grids_of_emission_glow_by_their_integral() {
     let glow = [0.5, 4.0, 0.0, 2.0f32];
@@ -279,8 +279,8 @@ fn grids_of_emission_glow_by_their_integral() {
     }
 }
 
-/// Light of a medium behind another that absorbs, exp(−1) ε, and behind one that scatters, which is the same without the
-/// light that has scattered.
+/// Light of a medium behind another that absorbs, exp(−1) ε, and behind one that scatters, which is the same without
+/// the light that has scattered.
 #[test]
 fn media_that_emit_are_seen_through_others() {
     for albedo in [0.0, 1.0] {
@@ -307,8 +307,8 @@ fn media_that_emit_are_seen_through_others() {
     }
 }
 
-/// Path lengths do not depend on what scatters [Blanco03]: a medium without absorption emits ε V into parallel rays. With an
-/// index η paths are η² times as long, and the radiance is η² times less outside.
+/// Path lengths do not depend on what scatters [Blanco03]: a medium without absorption emits ε V into parallel rays.
+/// With an index η paths are η² times as long, and the radiance is η² times less outside.
 #[test]
 fn the_mean_path_length_in_a_body_is_invariant() {
     let cases = [

@@ -8,8 +8,8 @@ use glam::{DVec3, Vec3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::f64::consts::{PI, TAU};
 
-/// What the selection of a lane leaves of its number is uniform, whatever the shares: χ² of 32 cells in each part of the
-/// number, at the level 1e-6.
+/// What the selection of a lane leaves of its number is uniform, whatever the shares: χ² of 32 cells in each part of
+/// the number, at the level 1e-6.
 #[test]
 fn flights_leave_a_uniform_number() {
     for prior in [[1.0, 1.0, 1.0], [0.1, 0.0, 2.9], [2.0, 0.7, 0.3], [0.0, 0.0, 3.0f32]] {

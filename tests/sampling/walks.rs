@@ -86,8 +86,8 @@ impl Mean {
     }
 }
 
-/// Free flights of mean 1 whose cosines have the mean g: ⟨r²⟩ = 2 (n + Σ (n − k) gᵏ) after n of them, and ⟨x⟩ = Σ gᵏ along
-/// the first.
+/// Free flights of mean 1 whose cosines have the mean g: ⟨r²⟩ = 2 (n + Σ (n − k) gᵏ) after n of them, and ⟨x⟩ = Σ gᵏ
+/// along the first.
 #[test]
 fn walks_have_their_moments() {
     for (phase, g) in [

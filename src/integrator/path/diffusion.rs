@@ -1,23 +1,24 @@
 //! Subsurface scattering by a diffusion model in place of a random walk. Pictures made with it are approximate.
 //!
-//! A walk that enters a body leaves it again in one step. A radius is drawn from the profile of the body's medium, and a
-//! probe ray at this distance from the entry finds where the light could leave: through the surface along its normal, or
-//! along a tangent, for parts of the body that turn away. What any of the three axes and any lane could have found counts
-//! by the balance heuristic [King13]. One of the places found is selected by its contribution. There the light leaves in
-//! all directions, as diffuse light from inside through a smooth boundary does.
+//! A walk that enters a body leaves it again in one step. A radius is drawn from the profile of the body's medium, and
+//! a probe ray at this distance from the entry finds where the light could leave: through the surface along its normal,
+//! or along a tangent, for parts of the body that turn away. What any of the three axes and any lane could have found
+//! counts by the balance heuristic [King13]. One of the places found is selected by its contribution. There the light
+//! leaves in all directions, as diffuse light from inside through a smooth boundary does.
 //!
 //! Limits: see [`crate::subsurface`]. A body is known if it is closed, full of one medium that scatters, surrounded by
 //! an index of 1 and not matched to it, and at least [`THICK`] mean free paths thick. All others are walked.
 
 use super::{PathTracer, Strategy};
 use crate::accel::RayClass;
+use crate::bsdf::fresnel::dielectric;
 use crate::bsdf::{Lambert, Scattering, Shading, ShadingSample, Surface};
 use crate::geometry::{Frame, Ray, SurfacePoint};
 use crate::path::{RandomWalk, TraceStats};
 use crate::sampling::{Sampler, Slot};
 use crate::scene::{Edge, EdgeEnd, Scene, Solid};
 use crate::spectrum::{LANES, Spectrum};
-use crate::subsurface::{DiffusionModel, Medium, ProfileLanes, exit_share, external_reflectance};
+use crate::subsurface::{DiffusionModel, MediumLane, ProfileLanes, exit_share};
 use crate::transport::TransportMode;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -63,12 +64,12 @@ pub(in crate::integrator) fn known_solids(scene: &Scene) -> impl Iterator<Item =
 }
 
 /// Returns the medium of a solid by lane.
-fn media_of(solid: &Solid) -> [Medium; LANES] {
+fn media_of(solid: &Solid) -> [MediumLane; LANES] {
     let Solid { medium, ior, .. } = solid;
     std::array::from_fn(|lane| {
         let scattering = f64::from(medium.scattering.0[lane]);
         let absorption = (f64::from(medium.extinction.0[lane]) - scattering).max(0.0);
-        Medium { absorption, scattering, mean_cosine: f64::from(medium.phase.mean_cosine()), eta: f64::from(*ior) }
+        MediumLane { absorption, scattering, mean_cosine: f64::from(medium.phase.mean_cosine()), eta: f64::from(*ior) }
     })
 }
 
@@ -122,8 +123,7 @@ struct DiffuseExit<'a> {
 
 impl DiffuseExit<'_> {
     fn transmittance(&self, w: Vec3) -> f32 {
-        let cos = w.dot(self.lobe.point.frame.n).abs().min(1.0);
-        1.0 - external_reflectance(f64::from(cos), f64::from(self.eta)) as f32
+        1.0 - dielectric(w.dot(self.lobe.point.frame.n).abs(), self.eta)
     }
 
     fn scattering(&self, other: Vec3) -> Option<Scattering> {

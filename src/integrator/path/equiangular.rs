@@ -1,10 +1,10 @@
 //! Equiangular sampling of collisions with light of points, spots and small lamps [KullaFajardo12].
 //!
-//! Flights find the air around a lamp by chance, where its light is strongest: 1/d² has no finite variance there. Here a
-//! collision is placed on a stretch of an edge in one medium with a density proportional to 1/d² from the middle of one
-//! light, as if the angle seen from it were uniform. From there the light is sampled as at any collision. The same path
-//! has up to two other techniques: a flight and a light sample, and a flight and a direction that hits the lamp. All
-//! three are weighted by the power heuristic. Large lamps are left to flights: their 1/d² is bounded.
+//! Flights find the air around a lamp by chance, where its light is strongest: 1/d² has no finite variance there. Here
+//! a collision is placed on a stretch of an edge in one medium with a density proportional to 1/d² from the middle of
+//! one light, as if the angle seen from it were uniform. From there the light is sampled as at any collision. The same
+//! path has up to two other techniques: a flight and a light sample, and a flight and a direction that hits the lamp.
+//! All three are weighted by the power heuristic. Large lamps are left to flights: their 1/d² is bounded.
 
 use super::{PathTracer, Strategy};
 use crate::geometry::SurfacePoint;
@@ -30,8 +30,8 @@ struct Seen {
 }
 
 impl Seen {
-    /// Returns the stretch of `length` from `origin` along the unit vector `w` as seen from `light`; `None` if the light is
-    /// on its line, or it has no length.
+    /// Returns the stretch of `length` from `origin` along the unit vector `w` as seen from `light`; `None` if the
+    /// light is on its line, or it has no length.
     fn new(origin: Vec3, w: Vec3, length: f32, light: Vec3) -> Option<Self> {
         let to = light - origin;
         let foot = to.dot(w);
@@ -89,27 +89,37 @@ impl<S: Strategy> PathTracer<'_, S> {
         seen.map_or(0.0, |seen| lights.emitter_pmf(index).value() * seen.pdf(t))
     }
 
-    /// Returns the factor of the weight of `sample`, of light of number `index`, selected with the probability `pmf`, at a
-    /// collision. `scattering` is the density with which its direction is scattered to the light.
-    pub(super) fn share_of_sample(
+    /// Returns the factor of the weights of both techniques with a flight at a collision, for light of number `index`,
+    /// selected with the probability `pmf` and sampled with the density `on_light`. `scattering` is the density of a
+    /// direction that hits it, or 0.
+    fn share_of_flights(
         &self,
         (stretch, point): &Collided,
         (index, pmf): (usize, f32),
-        sample: &LightSample,
+        on_light: f32,
         scattering: f32,
     ) -> f32 {
-        let t = distance(stretch, point);
+        let t = (point.p - stretch.ray.origin).dot(stretch.ray.direction);
         let equiangular = self.equiangular_density(stretch, t, index);
         if equiangular <= 0.0 {
             return 1.0;
         }
-        let flown = stretch.density(t, point.extinction);
-        let (on_light, hit) = match sample.density {
-            Density::Delta(probability) => (probability, 0.0),
-            Density::Smooth(pdf) => (pdf.value(), if S::HITS_LIGHTS { scattering } else { 0.0 }),
-        };
+        let flown = stretch.density(stretch.through(t), point.extinction);
         let (equiangular, sampled) = (equiangular * on_light, pmf * on_light * flown);
-        Densities { equiangular, sampled, hit: hit * flown }.share_of_flights()
+        Densities { equiangular, sampled, hit: scattering * flown }.share_of_flights()
+    }
+
+    /// Returns the factor of the weight of `sample`, of light of number `index`, selected with the probability `pmf`,
+    /// at a collision. `scattering` is the density with which its direction is scattered to the light.
+    pub(super) fn share_of_sample(
+        &self,
+        collided: &Collided,
+        light: (usize, f32),
+        sample: &LightSample,
+        scattering: f32,
+    ) -> f32 {
+        let (on_light, scattering) = densities_on_light::<S>(sample, || scattering);
+        self.share_of_flights(collided, light, on_light, scattering)
     }
 
     /// Returns the factor of the weight of the light at `hit`, which `walk` reaches from a collision through media with
@@ -117,7 +127,7 @@ impl<S: Strategy> PathTracer<'_, S> {
     pub(super) fn share_of_hit(
         &self,
         walk: &RandomWalk,
-        (stretch, point): &Collided,
+        collided: &Collided,
         hit: &SurfacePoint,
         chance: f32,
         tally: &mut TraceStats,
@@ -127,18 +137,13 @@ impl<S: Strategy> PathTracer<'_, S> {
         else {
             return 1.0;
         };
-        let t = distance(stretch, point);
-        let equiangular = self.equiangular_density(stretch, t, index);
-        if !S::SAMPLES_LIGHTS || equiangular <= 0.0 {
+        if !S::SAMPLES_LIGHTS || light.pivot().is_none() {
             return 1.0;
         }
         let lights = self.scene.lights();
-        let flown = stretch.density(t, point.extinction);
         let on_light = light.pdf_li(from.p, hit.p, walk.ray.direction).value();
         let pmf = tally.selection.time_of(lights, || lights.pmf(from, index)).value();
-        let hit = scattering.value() * chance * flown;
-        let sampled = pmf * on_light * flown;
-        Densities { equiangular: equiangular * on_light, sampled, hit }.share_of_flights()
+        self.share_of_flights(collided, (index, pmf), on_light, scattering.value() * chance)
     }
 
     /// Returns the weighted light of a point, spot or small lamp that scatters once on `stretch` toward its start.
@@ -175,35 +180,33 @@ impl<S: Strategy> PathTracer<'_, S> {
             return Spectrum::ZERO;
         }
         let scattering = phase.scattering(sample.wi);
-        let (on_light, hit) = match sample.density {
-            Density::Delta(probability) => (probability, 0.0),
-            Density::Smooth(pdf) if S::HITS_LIGHTS => {
-                (pdf.value(), scattering.pdf.value() * stretch.density_beyond(t, point.extinction, clear.flight))
-            }
-            Density::Smooth(pdf) => (pdf.value(), 0.0),
-        };
+        let through = stretch.through(t);
+        let beyond = || scattering.pdf.value() * stretch.density(through * clear.flight, point.extinction);
+        let (on_light, hit) = densities_on_light::<S>(&sample, beyond);
         let made = chosen.value() * seen.pdf(t) * on_light;
         let pmf = tally.selection.time_of(lights, || lights.pmf(&receiver, index)).value();
-        let sampled = pmf * on_light * stretch.density(t, point.extinction);
+        let sampled = pmf * on_light * stretch.density(through, point.extinction);
         let weight = Densities { equiangular: made, sampled, hit }.weight_of_equiangular() / made;
         let scattered = scattering.f_cos * point.scattering;
-        let through = medium.transmittance(ray.origin, ray.direction, t);
         beta * through * scattered * sample.radiance * clear.through * weight
     }
 }
 
-/// Returns the distance of `point` from the start of `stretch`.
-fn distance(stretch: &Stretch, point: &MediumPoint) -> f32 {
-    (point.p - stretch.ray.origin).dot(stretch.ray.direction)
+/// Returns the density of `sample` on its light, and `hit`, that of a direction that hits it, where one may.
+fn densities_on_light<S: Strategy>(sample: &LightSample, hit: impl FnOnce() -> f32) -> (f32, f32) {
+    match sample.density {
+        Density::Delta(probability) => (probability, 0.0),
+        Density::Smooth(pdf) => (pdf.value(), if S::HITS_LIGHTS { hit() } else { 0.0 }),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Distances follow their density, which integrates to 1, near and far from the light and on rays without end: between
-    /// neighbours of 1000 samples is a thousandth of it. The midpoint rule with 200 steps has errors of 1e-4 where the
-    /// density falls to a fifth in an interval; positions have roundings of 4e-7 beside distances of 1e-3.
+    /// Distances follow their density, which integrates to 1, near and far from the light and on rays without end:
+    /// between neighbours of 1000 samples is a thousandth of it. The midpoint rule with 200 steps has errors of 1e-4
+    /// where the density falls to a fifth in an interval; positions have roundings of 4e-7 beside distances of 1e-3.
     #[test]
     fn distances_follow_their_density() {
         for (length, light) in [

@@ -91,7 +91,8 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         Some(light)
     }
 
-    /// Leaves a collision in a medium, on a stretch that equiangular sampling has seen. Returns the light sampled there.
+    /// Leaves a collision in a medium, on a stretch that equiangular sampling has seen. Returns the light sampled
+    /// there.
     fn leave_medium(
         &self,
         walk: &mut RandomWalk,
@@ -112,9 +113,9 @@ impl<'a, S: Strategy> PathTracer<'a, S> {
         light
     }
 
-    /// Next-event estimation at `receiver`, where light is scattered by `scattering`. The probability that a walk in the
-    /// direction of the light gets there is known when the edge is traced. `share` is the weight of this light sample
-    /// among the techniques that place the receiver.
+    /// Next-event estimation at `receiver`, where light is scattered by `scattering`. The probability that a walk in
+    /// the direction of the light gets there is known when the edge is traced. `share` is the weight of this light
+    /// sample among the techniques that place the receiver.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn direct(
         &self,

@@ -33,7 +33,8 @@ impl DensityGrid {
     }
 }
 
-/// Colours in cells that fill a box: albedos, which multiply the scattering of a medium, or what multiplies its emission.
+/// Colours in cells that fill a box: albedos, which multiply the scattering of a medium, or what multiplies its
+/// emission.
 #[derive(Debug, Clone)]
 pub struct ColorGrid {
     pub(in crate::scene) cells: Arc<ColorCells>,
@@ -42,8 +43,8 @@ pub struct ColorGrid {
 }
 
 impl ColorGrid {
-    /// Creates a grid of albedos, as [`DensityGrid::new`]. What they take away of scattering is absorbed. Outside of the
-    /// box they are those of its border.
+    /// Creates a grid of albedos, as [`DensityGrid::new`]. What they take away of scattering is absorbed. Outside of
+    /// the box they are those of its border.
     ///
     /// # Errors
     /// A scene error if the number of values is not that of the cells, a value is not from 0 to 1, or `transform` has

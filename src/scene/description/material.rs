@@ -46,8 +46,8 @@ pub struct Volume {
     /// Index into [`Description::albedos`](super::Description::albedos) of what multiplies its scattering; what that
     /// takes away is absorbed. `None` is 1 everywhere.
     pub albedo: Option<usize>,
-    /// Index into [`Description::emissions`](super::Description::emissions) of what multiplies its emission; `None` is 1
-    /// everywhere.
+    /// Index into [`Description::emissions`](super::Description::emissions) of what multiplies its emission; `None` is
+    /// 1 everywhere.
     pub emission_grid: Option<usize>,
 }
 

@@ -8,7 +8,7 @@ mod walk;
 
 use crate::sampling::mix64;
 
-pub use bins::{Bins, Estimate};
+pub use bins::Bins;
 pub use walk::{Incidence, Reflectance, Walk};
 
 /// Advances the state and returns a uniform variate in [0, 1) of 53 bits.

@@ -1,8 +1,9 @@
 //! The random walk.
 
 use super::super::fresnel::{external_reflectance, internal_reflectance};
-use super::bins::{Bins, Estimate};
+use super::bins::Bins;
 use super::split_mix;
+use crate::stats::{Estimate, Moments};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -69,7 +70,11 @@ impl Walk {
             sums.iter_mut().for_each(|x| *x /= per_batch as f64);
             batches.push(sums);
         }
-        let estimate = |i: usize| Estimate::of_batches(&batches.iter().map(|b| b[i]).collect::<Vec<_>>());
+        let estimate = |i: usize| {
+            let mut means = Moments::new();
+            batches.iter().for_each(|batch| means.push(batch[i]));
+            means.estimate().expect("several batches")
+        };
         (0..self.albedos.len())
             .map(|a| Reflectance {
                 total: estimate(a * columns),
@@ -164,10 +169,11 @@ fn turned(axis: DVec3, cos: f64, v: f64) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::subsurface::Medium;
+    use crate::subsurface::MediumLane;
     use crate::subsurface::totals::{diffuse_total, normal_total};
 
-    /// Standard errors of a two-sided test at the level 1e-6 by Student's t with the 63 degrees of freedom of the batches.
+    /// Standard errors of a two-sided test at the level 1e-6 by Student's t with the 63 degrees of freedom of the
+    /// batches.
     const SIGMAS: f64 = 5.420;
 
     const RINGS: Bins = Bins { first: 1e-8, last: 1e8, count: 64 };
@@ -191,9 +197,9 @@ mod tests {
             let results = Walk { incidence, ..walk(&albedos) }.run(300_000, 1);
             for (&omega, found) in albedos.iter().zip(&results) {
                 let exact = if incidence == Incidence::Normal {
-                    normal_total(&Medium::isotropic(omega))
+                    normal_total(&MediumLane::isotropic(omega))
                 } else {
-                    diffuse_total(&Medium::isotropic(omega))
+                    diffuse_total(&MediumLane::isotropic(omega))
                 };
                 assert!(found.total.sigmas(exact).abs() < SIGMAS, "{omega} {:?} {exact}", found.total);
             }
@@ -204,7 +210,7 @@ mod tests {
     #[test]
     fn totals_behind_a_boundary_are_exact() {
         for (omega, mean_cosine, eta) in [(0.99, 0.8, 1.4), (0.9, 0.8, 1.4), (0.98, 0.95, 1.0), (0.9, -0.6, 2.0)] {
-            let medium = Medium { mean_cosine, eta, ..Medium::isotropic(omega) };
+            let medium = MediumLane { mean_cosine, eta, ..MediumLane::isotropic(omega) };
             for (incidence, exact) in
                 [(Incidence::Normal, normal_total(&medium)), (Incidence::Diffuse, diffuse_total(&medium))]
             {

@@ -26,7 +26,8 @@ pub struct World {
     pub scene: Scene,
     /// The smallest roughness α of its smooth lobes; 1 if it has none.
     pub alpha: f64,
-    /// The greatest extinction of its media that scatter, per radius of the scene, over 1 − |g| of their phase functions.
+    /// The greatest extinction of its media that scatter, per radius of the scene, over 1 − |g| of their phase
+    /// functions.
     pub fog: f64,
 }
 
